@@ -1,0 +1,137 @@
+"""Kinematics of material points of floating-frame bodies, planar.
+
+    r = R + A s,  s = x + Phi q;   rdot = L u,  L = [I, A J s, A Phi],  J = [[0, -1], [1, 0]]
+    rddot = L udot + A( -omega^2 s + 2 omega J Phi qdot )
+
+Source of the formulation: Shabana, Dynamics of Multibody Systems; inertia terms as in Zwoelfer & Gerstmayr (2020).
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.model import Bodies, Points
+
+
+@kernel
+def local_place(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[float, float]:
+    """s = x + Phi q: place of point p in the frame of its body, deformed [m]."""
+    sx = points.place[p, 0]
+    sy = points.place[p, 1]
+    b = points.body[p]
+    if b >= 0:
+        modal = bodies.dof[b] + 3
+        start = points.start[p]
+        for k in range(points.start[p + 1] - start):
+            sx += points.phi[start + k, 0] * q[modal + k]
+            sy += points.phi[start + k, 1] * q[modal + k]
+    return sx, sy
+
+
+@kernel
+def local_rate(bodies: Bodies, points: Points, u: FloatArray, p: int) -> tuple[float, float]:
+    """Phi qdot: velocity of point p relative to the frame of its body, body axes [m/s]."""
+    vx = 0.0
+    vy = 0.0
+    b = points.body[p]
+    if b >= 0:
+        modal = bodies.dof[b] + 3
+        start = points.start[p]
+        for k in range(points.start[p + 1] - start):
+            vx += points.phi[start + k, 0] * u[modal + k]
+            vy += points.phi[start + k, 1] * u[modal + k]
+    return vx, vy
+
+
+@kernel
+def point_position(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[float, float]:
+    """r_P [m], world axes."""
+    sx, sy = local_place(bodies, points, q, p)
+    b = points.body[p]
+    if b < 0:
+        return sx, sy
+    d = bodies.dof[b]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    return q[d] + cos * sx - sin * sy, q[d + 1] + sin * sx + cos * sy
+
+
+@kernel
+def point_velocity(bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int) -> tuple[float, float]:
+    """rdot_P = L u [m/s], world axes."""
+    b = points.body[p]
+    if b < 0:
+        return 0.0, 0.0
+    sx, sy = local_place(bodies, points, q, p)
+    vx, vy = local_rate(bodies, points, u, p)
+    d = bodies.dof[b]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    vx -= u[d + 2] * sy
+    vy += u[d + 2] * sx
+    return u[d] + cos * vx - sin * vy, u[d + 1] + sin * vx + cos * vy
+
+
+@kernel
+def point_bias(bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int) -> tuple[float, float]:
+    """Ldot u: the part of the acceleration of P that does not depend on udot [m/s^2], world axes."""
+    b = points.body[p]
+    if b < 0:
+        return 0.0, 0.0
+    sx, sy = local_place(bodies, points, q, p)
+    vx, vy = local_rate(bodies, points, u, p)
+    d = bodies.dof[b]
+    omega = u[d + 2]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    bx = -omega * omega * sx - 2.0 * omega * vy
+    by = -omega * omega * sy + 2.0 * omega * vx
+    return cos * bx - sin * by, sin * bx + cos * by
+
+
+@kernel
+def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
+    """Rotation of the material at P: angle of the body plus psi q [rad]; 0 on the ground."""
+    b = points.body[p]
+    if b < 0:
+        return 0.0
+    d = bodies.dof[b]
+    angle = q[d + 2]
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        angle += points.psi[start + k] * q[d + 3 + k]
+    return angle
+
+
+@kernel
+def add_point_row(
+    bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray
+) -> None:
+    """row += L^T d: the generalised force of a force d [N, world axes] at P, into the block of its body."""
+    b = points.body[p]
+    if b < 0:
+        return
+    sx, sy = local_place(bodies, points, q, p)
+    d = bodies.dof[b]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    ex = cos * dx + sin * dy
+    ey = -sin * dx + cos * dy
+    row[0] += dx
+    row[1] += dy
+    row[2] += sx * ey - sy * ex
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        row[3 + k] += points.phi[start + k, 0] * ex + points.phi[start + k, 1] * ey
+
+
+@kernel
+def add_rotation_row(bodies: Bodies, points: Points, p: int, torque: float, row: FloatArray) -> None:
+    """row += the generalised force of a torque [N m] on the material at P, into the block of its body."""
+    if points.body[p] < 0:
+        return
+    row[2] += torque
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        row[3 + k] += points.psi[start + k] * torque

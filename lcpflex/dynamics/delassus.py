@@ -1,0 +1,132 @@
+"""Contact matrices in velocity space: the Delassus operator with bilateral joints condensed.
+
+Rows r of W^T and of the joint Jacobian are stored by body block (see :mod:`lcpflex.model`). With the
+factorised matrix A of the step (the mass matrix, or M + theta h C + (theta h)^2 K),
+
+    G = W^T A^-1 W,   condensed over the joints J:   G_c = G_WW - G_WJ G_JJ^-1 G_JW
+
+Joint rows come first. Redundant joints leave G_JJ singular: their dependent rows get no multiplier (a basic
+solution), which changes no motion.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+
+__all__ = ["apply_impulses", "condense", "delassus", "factorise_joints", "joint_impulses", "row_velocity", "solve_joints"]
+
+REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent joint row
+
+
+@kernel
+def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, n: int, G: FloatArray) -> None:
+    """G[r, s] = rows_r . A^-1 rows_s for the first n rows; the blocks of equal bodies only."""
+    width = rows.shape[2]
+    for r in range(n):
+        for s in range(r + 1):
+            total = 0.0
+            for i in range(2):
+                if row_body[r, i] < 0:
+                    continue
+                for j in range(2):
+                    if row_body[r, i] == row_body[s, j]:
+                        for k in range(width):
+                            total += rows[r, i, k] * solved[s, j, k]
+            G[r, s] = total
+            G[s, r] = total
+
+
+@kernel
+def row_velocity(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u: FloatArray) -> float:
+    """rows_r . u [m/s or rad/s]."""
+    total = 0.0
+    for i in range(2):
+        b = row_body[r, i]
+        if b >= 0:
+            d = dof[b]
+            for k in range(dof[b + 1] - d):
+                total += rows[r, i, k] * u[d + k]
+    return total
+
+
+@kernel
+def apply_impulses(
+    solved: FloatArray, row_body: IntArray, first: int, last: int, p: FloatArray, dof: IntArray, u: FloatArray
+) -> None:
+    """u += A^-1 rows_r p_r for the rows first <= r < last."""
+    for r in range(first, last):
+        if p[r] != 0.0:
+            for i in range(2):
+                b = row_body[r, i]
+                if b >= 0:
+                    d = dof[b]
+                    for k in range(dof[b + 1] - d):
+                        u[d + k] += solved[r, i, k] * p[r]
+
+
+@kernel
+def factorise_joints(G: FloatArray, n: int, lower: FloatArray) -> None:
+    """Cholesky factor of the joint block G[:n, :n]; a zero on its diagonal marks a dependent row."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = G[i, j]
+            for k in range(j):
+                total -= lower[i, k] * lower[j, k]
+            if j < i:
+                lower[i, j] = total / lower[j, j] if lower[j, j] > 0.0 else 0.0
+            else:
+                lower[i, i] = math.sqrt(total) if total > REDUNDANT * G[i, i] else 0.0
+
+
+@kernel
+def solve_joints(lower: FloatArray, n: int, x: FloatArray) -> None:
+    """x <- G_JJ^-1 x in place; 0 for dependent rows."""
+    for i in range(n):
+        total = x[i]
+        for k in range(i):
+            total -= lower[i, k] * x[k]
+        x[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
+    for i in range(n - 1, -1, -1):
+        total = x[i]
+        for k in range(i + 1, n):
+            total -= lower[k, i] * x[k]
+        x[i] = total / lower[i, i] if lower[i, i] > 0.0 else 0.0
+
+
+@kernel
+def condense(
+    G: FloatArray, free: FloatArray, n_joint: int, n: int, lower: FloatArray, share: FloatArray, Gc: FloatArray, bc: FloatArray
+) -> None:
+    """Condense the joints: Gc, bc of the n - n_joint contact rows; share[c] = G_JJ^-1 G_J,c for joint_impulses."""
+    m = n - n_joint
+    for c in range(m):
+        for j in range(n_joint):
+            share[c, j] = G[j, n_joint + c]
+        solve_joints(lower, n_joint, share[c])
+    for c in range(m):
+        total = free[n_joint + c]
+        for j in range(n_joint):
+            total -= share[c, j] * free[j]
+        bc[c] = total
+        for e in range(m):
+            value = G[n_joint + c, n_joint + e]
+            for j in range(n_joint):
+                value -= share[c, j] * G[j, n_joint + e]
+            Gc[c, e] = value
+
+
+@kernel
+def joint_impulses(
+    free: FloatArray, n_joint: int, n: int, lower: FloatArray, share: FloatArray, p: FloatArray
+) -> None:
+    """p[:n_joint] = -G_JJ^-1 (free_J + G_JW p_W) for the contact impulses p[n_joint:n]."""
+    for j in range(n_joint):
+        p[j] = free[j]
+    solve_joints(lower, n_joint, p)
+    for j in range(n_joint):
+        total = p[j]
+        for c in range(n - n_joint):
+            total += share[c, j] * p[n_joint + c]
+        p[j] = -total

@@ -1,0 +1,228 @@
+"""Inertia of floating-frame bodies and its inverse: an arrow, factorised in O(n) per body.
+
+In its own orthonormal basis the matrix of a body, M + alpha_c C + alpha_k K, reads
+
+    [ R (3 x 3)   B^T (3 x n) ]      R = [[m I, A J (s0 + S q)], [., I0 + 2 a.q + q.q]]
+    [ B (n x 3)   diag(d)     ]      B_k = [A S_k, c_k + (q^T D)_k],   d_k = 1 + alpha_c c_k + alpha_k omega_k^2
+
+so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. alpha_c = alpha_k = 0 gives the mass
+matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step of length h.
+Inertia terms: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.model import Bodies, Loads
+
+__all__ = ["Arrow", "arrow", "elastic_forces", "factorise", "inertial_forces", "solve_block", "stored_energies"]
+
+
+class Arrow(NamedTuple):
+    """The factorised matrices of all bodies."""
+
+    rigid: FloatArray  # (nb, 3, 3) lower Cholesky factor of the Schur complement
+    couple: FloatArray  # (modes, 3) B
+    diagonal: FloatArray  # (modes,) 1 / d
+
+
+def arrow(n_bodies: int, n_modes: int) -> Arrow:
+    """Memory for the factors of all bodies."""
+    return Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes))
+
+
+@kernel
+def deformed_moments(bodies: Bodies, q: FloatArray, b: int) -> tuple[float, float, float]:
+    """s0 + S q [kg m] (body axes) and I0 + 2 a.q + q.q [kg m^2] of body b."""
+    d = bodies.dof[b]
+    first = d - 3 * b
+    sx = bodies.moment[b, 0]
+    sy = bodies.moment[b, 1]
+    inertia = bodies.inertia[b]
+    for k in range(bodies.dof[b + 1] - d - 3):
+        qk = q[d + 3 + k]
+        sx += bodies.S[first + k, 0] * qk
+        sy += bodies.S[first + k, 1] * qk
+        inertia += (2.0 * bodies.a[first + k] + qk) * qk
+    return sx, sy, inertia
+
+
+@kernel
+def couple_modes(bodies: Bodies, q: FloatArray, b: int, couple: FloatArray) -> None:
+    """B of body b: coupling of its modes with translation and rotation of the frame."""
+    d = bodies.dof[b]
+    first = d - 3 * b
+    n = bodies.dof[b + 1] - d - 3
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    for k in range(n):
+        sx = bodies.S[first + k, 0]
+        sy = bodies.S[first + k, 1]
+        couple[first + k, 0] = cos * sx - sin * sy
+        couple[first + k, 1] = sin * sx + cos * sy
+        couple[first + k, 2] = bodies.c[first + k]
+    start = bodies.coupling_start[b]
+    if bodies.coupling_start[b + 1] > start:
+        for i in range(n):
+            qi = q[d + 3 + i]
+            if qi != 0.0:
+                for k in range(n):
+                    couple[first + k, 2] += qi * bodies.coupling[start + i * n + k]
+
+
+@kernel
+def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, work: Arrow) -> None:
+    """Factorise M(q) + alpha_c C + alpha_k K of every body (C: diagonal part of the modal damping)."""
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        first = d - 3 * b
+        couple_modes(bodies, q, b, work.couple)
+        sx, sy, inertia = deformed_moments(bodies, q, b)
+        cos = math.cos(q[d + 2])
+        sin = math.sin(q[d + 2])
+        xx = bodies.mass[b]
+        yy = xx
+        xy = 0.0
+        xt = -(sin * sx + cos * sy)
+        yt = cos * sx - sin * sy
+        tt = inertia
+        for k in range(first, first + bodies.dof[b + 1] - d - 3):
+            scale = 1.0 / (1.0 + alpha_c * bodies.damping[k] + alpha_k * bodies.stiffness[k])
+            work.diagonal[k] = scale
+            bx = work.couple[k, 0]
+            by = work.couple[k, 1]
+            bt = work.couple[k, 2]
+            xx -= bx * bx * scale
+            xy -= bx * by * scale
+            yy -= by * by * scale
+            xt -= bx * bt * scale
+            yt -= by * bt * scale
+            tt -= bt * bt * scale
+        lower = work.rigid[b]
+        lower[0, 0] = math.sqrt(xx)
+        lower[1, 0] = xy / lower[0, 0]
+        lower[2, 0] = xt / lower[0, 0]
+        lower[1, 1] = math.sqrt(yy - lower[1, 0] * lower[1, 0])
+        lower[2, 1] = (yt - lower[2, 0] * lower[1, 0]) / lower[1, 1]
+        lower[2, 2] = math.sqrt(tt - lower[2, 0] * lower[2, 0] - lower[2, 1] * lower[2, 1])
+
+
+@kernel
+def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: FloatArray) -> None:
+    """out = (M + ...)^-1 right for the block (3 + n,) of body b; ``out`` may be ``right`` itself."""
+    d = bodies.dof[b]
+    first = d - 3 * b
+    n = bodies.dof[b + 1] - d - 3
+    x = right[0]
+    y = right[1]
+    t = right[2]
+    for k in range(n):
+        scaled = work.diagonal[first + k] * right[3 + k]
+        x -= work.couple[first + k, 0] * scaled
+        y -= work.couple[first + k, 1] * scaled
+        t -= work.couple[first + k, 2] * scaled
+    lower = work.rigid[b]
+    x /= lower[0, 0]
+    y = (y - lower[1, 0] * x) / lower[1, 1]
+    t = (t - lower[2, 0] * x - lower[2, 1] * y) / lower[2, 2]
+    t /= lower[2, 2]
+    y = (y - lower[2, 1] * t) / lower[1, 1]
+    x = (x - lower[1, 0] * y - lower[2, 0] * t) / lower[0, 0]
+    out[0] = x
+    out[1] = y
+    out[2] = t
+    for k in range(n):
+        row = work.couple[first + k]
+        out[3 + k] = work.diagonal[first + k] * (right[3 + k] - row[0] * x - row[1] * y - row[2] * t)
+
+
+@kernel
+def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, force: FloatArray) -> None:
+    """force += centrifugal, Coriolis and weight forces of every body.
+
+    h_R = A(omega^2 (s0 + S q) - 2 omega J S qdot) + m g,   h_theta = -2 omega (a + q).qdot + B(s0 + S q)^T A^T g,
+    h_f = omega^2 (a + q) + 2 omega D qdot + S^T A^T g
+    """
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        first = d - 3 * b
+        n = bodies.dof[b + 1] - d - 3
+        omega = u[d + 2]
+        cos = math.cos(q[d + 2])
+        sin = math.sin(q[d + 2])
+        gx = cos * loads.gravity[0] + sin * loads.gravity[1]
+        gy = -sin * loads.gravity[0] + cos * loads.gravity[1]
+        sx, sy, _ = deformed_moments(bodies, q, b)
+        rx = omega * omega * sx
+        ry = omega * omega * sy
+        torque = sx * gy - sy * gx
+        for k in range(n):
+            rate = u[d + 3 + k]
+            arm = bodies.a[first + k] + q[d + 3 + k]
+            ex = bodies.S[first + k, 0]
+            ey = bodies.S[first + k, 1]
+            rx += 2.0 * omega * ey * rate
+            ry -= 2.0 * omega * ex * rate
+            torque -= 2.0 * omega * arm * rate
+            force[d + 3 + k] += omega * omega * arm + ex * gx + ey * gy
+        start = bodies.coupling_start[b]
+        if bodies.coupling_start[b + 1] > start and omega != 0.0:
+            for i in range(n):
+                total = 0.0
+                for k in range(n):
+                    total += bodies.coupling[start + i * n + k] * u[d + 3 + k]
+                force[d + 3 + i] += 2.0 * omega * total
+        force[d] += cos * rx - sin * ry + bodies.mass[b] * loads.gravity[0]
+        force[d + 1] += sin * rx + cos * ry + bodies.mass[b] * loads.gravity[1]
+        force[d + 2] += torque
+
+
+@kernel
+def elastic_forces(bodies: Bodies, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray) -> None:
+    """conservative -= K q and dissipative -= C u, modal, every body (C with its off-diagonal part)."""
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        first = d - 3 * b
+        n = bodies.dof[b + 1] - d - 3
+        for k in range(n):
+            conservative[d + 3 + k] -= bodies.stiffness[first + k] * q[d + 3 + k]
+            dissipative[d + 3 + k] -= bodies.damping[first + k] * u[d + 3 + k]
+        start = bodies.cross_damping_start[b]
+        if bodies.cross_damping_start[b + 1] > start:
+            for i in range(n):
+                for k in range(n):
+                    dissipative[d + 3 + i] -= bodies.cross_damping[start + i * n + k] * u[d + 3 + k]
+
+
+@kernel
+def stored_energies(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, work: Arrow) -> tuple[float, float, float]:
+    """Kinetic, elastic (modal) and weight energy of all bodies [J]; overwrites ``work.couple``."""
+    kinetic = 0.0
+    elastic = 0.0
+    weight = 0.0
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        first = d - 3 * b
+        couple_modes(bodies, q, b, work.couple)
+        sx, sy, inertia = deformed_moments(bodies, q, b)
+        cos = math.cos(q[d + 2])
+        sin = math.sin(q[d + 2])
+        wx = cos * sx - sin * sy
+        wy = sin * sx + cos * sy
+        vx = u[d]
+        vy = u[d + 1]
+        omega = u[d + 2]
+        mass = bodies.mass[b]
+        kinetic += 0.5 * mass * (vx * vx + vy * vy) + omega * (wx * vy - wy * vx) + 0.5 * inertia * omega * omega
+        for k in range(bodies.dof[b + 1] - d - 3):
+            rate = u[d + 3 + k]
+            row = work.couple[first + k]
+            kinetic += rate * (row[0] * vx + row[1] * vy + row[2] * omega + 0.5 * rate)
+            elastic += 0.5 * bodies.stiffness[first + k] * q[d + 3 + k] ** 2
+        weight -= loads.gravity[0] * (mass * q[d] + wx) + loads.gravity[1] * (mass * q[d + 1] + wy)
+    return kinetic, elastic, weight

@@ -1,0 +1,180 @@
+"""The compiled form of a scene: read-only flat arrays that every kernel shares.
+
+``Scene.compile()`` makes a :class:`Model`; nothing below it ever sees a builder object. Configuration
+q and velocity u of a planar scene have one layout: body b owns the entries ``dof[b]:dof[b+1]``, which are
+``[x, y, angle, q_1 ... q_n]``. The ground is body -1 and owns none.
+
+Generalised forces, and each row of W or of a joint Jacobian, are stored by body block, because a
+contact or joint touches two bodies at most: a row r is ``rows[r, 0, :]`` for body ``row_body[r, 0]``
+and ``rows[r, 1, :]`` for body ``row_body[r, 1]`` (-1: no block), each padded to the width of the largest body.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.compiled import FloatArray, IntArray
+
+__all__ = ["Bodies", "Contacts", "Joints", "Loads", "Model", "Points", "PointTable", "Signals", "frozen"]
+
+GROUND = -1
+
+
+class Bodies(NamedTuple):
+    """Inertia, stiffness and damping of all bodies, each in its own orthonormal modal basis (M_ff = I).
+
+    Mode k of body b has the global index ``dof[b] - 3 b + k``. With < . > the integral of rho ( . ) dV:
+    moment = <x> [kg m], S = <Phi> [kg^1/2], a = <Phi^T x>, c = <Phi^T J x>, coupling D = <Phi^T J^T Phi> (skew).
+    """
+
+    dof: IntArray  # (nb + 1,) offsets into q and u
+    mass: FloatArray  # (nb,) m
+    inertia: FloatArray  # (nb,) I0 = <x.x> about the frame's origin
+    moment: FloatArray  # (nb, 2) s0
+    S: FloatArray  # (modes, 2)
+    a: FloatArray  # (modes,)
+    c: FloatArray  # (modes,)
+    stiffness: FloatArray  # (modes,) omega_k^2
+    damping: FloatArray  # (modes,) 2 zeta_k omega_k, the diagonal of the modal damping matrix
+    coupling_start: IntArray  # (nb + 1,) offsets into coupling; equal where D = 0
+    coupling: FloatArray  # flat n x n matrices D, row-major
+    cross_damping_start: IntArray  # (nb + 1,)
+    cross_damping: FloatArray  # flat n x n off-diagonal part of the modal damping, row-major
+
+
+class Points(NamedTuple):
+    """Material points: undeformed place in the body frame and the mode shapes there."""
+
+    body: IntArray  # (np,) -1 for the ground
+    place: FloatArray  # (np, 2) x, undeformed, body frame
+    start: IntArray  # (np + 1,) offsets into phi and psi
+    phi: FloatArray  # (total, 2) displacement shape of each mode of the body
+    psi: FloatArray  # (total,) rotation of the material at the point, of each mode
+
+
+class Signals(NamedTuple):
+    """Scalar functions of time: cubic pieces, harmonics, or values supplied from outside at each call.
+
+    kind 0: pieces ``breaks[first:last]`` with coefficients (last - first - 1, 4) for powers 3, 2, 1, 0 of (t - break), constant outside;
+    kind 1: mean + amplitude sin(omega t + phase), the four in coefficients[first];
+    kind 2: external: value, first and second derivative are read from ``external[slot]``, slot = first.
+    """
+
+    kind: IntArray  # (ns,)
+    first: IntArray  # (ns,)
+    last: IntArray  # (ns,)
+    breaks: FloatArray
+    coefficients: FloatArray  # (total, 4)
+
+
+class Joints(NamedTuple):
+    """Bilateral constraints phi(q, t) = 0. See :mod:`lcpflex.joints` for the kinds and their rows."""
+
+    kind: IntArray  # (nj,)
+    point: IntArray  # (nj, 2) material points P on body i and Q on body j
+    row: IntArray  # (nj + 1,) offsets of the rows of each joint
+    value: FloatArray  # (nj, 4) rest angle, axis direction (2) in the frame at Q, length
+    signal: IntArray  # (nj,) prescribed motion, -1: none
+
+
+class Loads(NamedTuple):
+    """Gravity, spring-dampers, forces and torques. See :mod:`lcpflex.loads`."""
+
+    gravity: FloatArray  # (2,)
+    spring_kind: IntArray  # (nk,) 0 linear, 1 torsional
+    spring_point: IntArray  # (nk, 2)
+    spring_value: FloatArray  # (nk, 3) stiffness, damping, free length or free angle
+    force_kind: IntArray  # (nf,) 0 force in world axes, 1 force in body axes, 2 torque
+    force_point: IntArray  # (nf,)
+    force_signal: IntArray  # (nf, 2) signals of the components (torque: first only)
+
+
+class Contacts(NamedTuple):
+    """Surfaces, their pairing, and the law of each declared contact. See :mod:`lcpflex.contact`.
+
+    A surface holds *slaves* (material points with a radius >= 0) and *features* (what slaves touch).
+    Feature kinds: 0 segment from material point a to b, solid on its left, outward normal on its right;
+    1 arc about material point a with the signed radius (> 0 solid inside, < 0 hole; +0 with sense 1: vertex of a chain).
+    """
+
+    # surfaces
+    slave_start: IntArray  # (ns + 1,)
+    slave_point: IntArray  # (slaves,)
+    slave_radius: FloatArray  # (slaves,)
+    slave_normal: FloatArray  # (slaves, 2) mean outward normal, body frame; zero: any direction may touch
+    feature_start: IntArray  # (ns + 1,)
+    feature_kind: IntArray  # (features,)
+    feature_point: IntArray  # (features, 2) material points a, b (b = a for arcs)
+    feature_radius: FloatArray  # (features,) signed
+    feature_sense: FloatArray  # (features,) +1 convex, -1 hole
+    feature_reach: FloatArray  # (features,) how deep below the surface a slave still belongs to it [m]
+    feature_span: FloatArray  # (features, 2) segments: range of s; arcs: start angle and extent, body frame
+    feature_neighbour: IntArray  # (features, 2) previous and next segment or vertex of the chain, -1: none
+    surface_body: IntArray  # (ns,)
+    surface_center: FloatArray  # (ns, 2) centre of the bounding circle, body frame
+    surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
+    surface_sway: FloatArray  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
+    # passes: slaves of one surface against features of another
+    pass_slave: IntArray  # (passes,) surface
+    pass_feature: IntArray  # (passes,) surface
+    pass_law: IntArray  # (passes,) declared contact
+    # declared contacts
+    friction: FloatArray  # (laws,) mu
+    restitution: FloatArray  # (laws,) e_N
+    tangential_restitution: FloatArray  # (laws,) e_T
+
+
+class Model(NamedTuple):
+    """A compiled scene."""
+
+    bodies: Bodies
+    points: Points
+    signals: Signals
+    joints: Joints
+    loads: Loads
+    contacts: Contacts
+
+
+def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: int = 0) -> npt.NDArray[np.generic]:
+    """A read-only C-contiguous copy; ``columns`` shapes an empty list as (0, columns)."""
+    array = np.array(values, dtype=dtype, order="C")
+    if columns:
+        array = array.reshape(-1, columns)
+    array.setflags(write=False)
+    return array
+
+
+class PointTable:
+    """Collects material points while a scene is compiled; hands out their indices."""
+
+    def __init__(self) -> None:
+        self._body: list[int] = []
+        self._place: list[tuple[float, float]] = []
+        self._start: list[int] = [0]
+        self._phi: list[FloatArray] = []
+        self._psi: list[FloatArray] = []
+
+    def add(self, body: int, place: npt.ArrayLike, phi: FloatArray, psi: FloatArray) -> int:
+        """Register a point of ``body``; phi (n, 2) and psi (n,) are its mode shapes."""
+        x, y = np.asarray(place, dtype=float)
+        self._body.append(body)
+        self._place.append((float(x), float(y)))
+        self._phi.append(np.asarray(phi, dtype=float).reshape(-1, 2))
+        self._psi.append(np.asarray(psi, dtype=float).reshape(-1))
+        self._start.append(self._start[-1] + len(self._psi[-1]))
+        return len(self._body) - 1
+
+    def compile(self) -> Points:
+        """All points so far as read-only arrays."""
+        phi = np.concatenate([np.zeros((0, 2)), *self._phi])
+        psi = np.concatenate([np.zeros(0), *self._psi])
+        return Points(
+            body=frozen(self._body, np.int64),  # type: ignore[arg-type]
+            place=frozen(self._place, columns=2),  # type: ignore[arg-type]
+            start=frozen(self._start, np.int64),  # type: ignore[arg-type]
+            phi=frozen(phi, columns=2),  # type: ignore[arg-type]
+            psi=frozen(psi),  # type: ignore[arg-type]
+        )
