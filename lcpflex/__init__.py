@@ -1,0 +1,138 @@
+"""Frictional contact in planar flexible multibody systems.
+
+    import lcpflex as lf
+
+    bar = lf.Beam(length=0.7, width=0.028, thickness=0.005, density=2700, youngs_modulus=6.9e10).reduce(modes=8)
+    scene = lf.Scene(gravity=(0, -9.81))
+    pendulum = scene.add(bar, name="pendulum")
+    scene.join(lf.Revolute(pendulum.point("left"), scene.ground.at(0, 0)))
+    stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
+    scene.contact(pendulum.surface(), stop, friction=0.3, restitution=0.0)
+    result = lf.simulate(scene, 0.6, lf.MoreauJean(step=1e-5))
+
+Each name is loaded when it is first used, so that ``import lcpflex`` costs next to nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Bar": "lcpflex.bodies.beam",
+    "Beam": "lcpflex.bodies.beam",
+    "Rayleigh": "lcpflex.bodies.reduction",
+    "Matrices": "lcpflex.bodies.matrices",
+    "Box": "lcpflex.bodies.rigid",
+    "Disc": "lcpflex.bodies.rigid",
+    "Polygon": "lcpflex.bodies.rigid",
+    "RigidBody": "lcpflex.bodies.rigid",
+    "Scene": "lcpflex.scene",
+    "Distance": "lcpflex.joints",
+    "DrivenAngle": "lcpflex.joints",
+    "DrivenDisplacement": "lcpflex.joints",
+    "PointOnLine": "lcpflex.joints",
+    "Prismatic": "lcpflex.joints",
+    "Revolute": "lcpflex.joints",
+    "Weld": "lcpflex.joints",
+    "Force": "lcpflex.loads",
+    "Harmonic": "lcpflex.loads",
+    "Spring": "lcpflex.loads",
+    "Table": "lcpflex.loads",
+    "Torque": "lcpflex.loads",
+    "TorsionSpring": "lcpflex.loads",
+    "simulate": "lcpflex.simulate",
+    "EventDriven": "lcpflex.steppers.event_driven",
+    "MoreauJean": "lcpflex.steppers.moreau_jean",
+    "UserSystem": "lcpflex.dynamics.user_system",
+    "Result": "lcpflex.result",
+    "Lemke": "lcpflex.solvers.lemke",
+    "QuadraticProgram": "lcpflex.solvers.quadratic_program",
+    "LcpflexError": "lcpflex.errors",
+    "ModelError": "lcpflex.errors",
+    "SolverError": "lcpflex.errors",
+    "StepError": "lcpflex.errors",
+}
+
+__all__ = [  # noqa: F822, PLE0604 - loaded by __getattr__
+    "Bar",
+    "Beam",
+    "Box",
+    "Disc",
+    "Distance",
+    "DrivenAngle",
+    "DrivenDisplacement",
+    "EventDriven",
+    "Force",
+    "Harmonic",
+    "LcpflexError",
+    "Lemke",
+    "Matrices",
+    "ModelError",
+    "MoreauJean",
+    "PointOnLine",
+    "Polygon",
+    "Prismatic",
+    "QuadraticProgram",
+    "Rayleigh",
+    "Result",
+    "Revolute",
+    "RigidBody",
+    "Scene",
+    "SolverError",
+    "Spring",
+    "StepError",
+    "Table",
+    "Torque",
+    "TorsionSpring",
+    "UserSystem",
+    "Weld",
+    "__version__",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module at first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'lcpflex' has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """The import system binds each loaded submodule on its package; ``lf.simulate`` stays the function."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name == "simulate" and isinstance(value, ModuleType):
+            value = value.simulate
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.beam import Bar, Beam
+    from lcpflex.bodies.matrices import Matrices
+    from lcpflex.bodies.reduction import Rayleigh
+    from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.dynamics.user_system import UserSystem
+    from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
+    from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
+    from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.result import Result
+    from lcpflex.scene import Scene
+    from lcpflex.simulate import simulate
+    from lcpflex.solvers.lemke import Lemke
+    from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.steppers.event_driven import EventDriven
+    from lcpflex.steppers.moreau_jean import MoreauJean
