@@ -1,0 +1,301 @@
+"""Lemke's algorithm on a condensed tableau.
+
+    w = q + M z + c z0:   start with z0 large enough, drive it to zero by complementary pivots.
+
+Guaranteed for P-matrices, and for copositive-plus ones (positive semidefinite included) where a ray means
+that no solution exists; elsewhere it may end on a ray although solutions exist, and then says RAY. Three measures make
+the textbook algorithm fit for floating point: the problem is scaled symmetrically; q carries a small
+deterministic perturbation instead of a lexicographic order, with the unperturbed right-hand side as a second column, so
+that a path of the perturbed problem ends in the solution of the true one; and what does not pass the
+residual test is tried again with another perturbation, scaling and covering vector c.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.errors import ModelError
+from lcpflex.solvers.pivoting import block_pivots
+from lcpflex.solvers.problem import (
+    ITERATION_LIMIT,
+    NUMERICAL_FAILURE,
+    RAY,
+    SOLVED,
+    Lcp,
+    Solution,
+    Status,
+    accept,
+    check_tolerance,
+    natural_residual,
+)
+
+__all__ = ["Lemke", "lemke", "lemke_workspace"]
+
+GOLDEN = 0.6180339887498949
+PIVOT = 1e-11  # smaller entries of the scaled tableau are rounding, never pivots
+SLIP = 1e-13  # how far a basic variable may pass zero in favour of a larger pivot
+GOOD = 1e-12  # residual that needs no repair
+TARGET = 1e-10  # residual at which the ladder of retries ends
+REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
+ATTEMPTS = 8
+
+
+def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
+    """Work arrays (table, basis) of :func:`lemke` for problems of up to ``capacity`` unknowns.
+
+    table (capacity + 3, capacity + 3): the tableau, then three rows for the scaling, the candidate and the ray;
+    basis (2 capacity + 1,): labels of the rows and columns of the tableau.
+    """
+    return np.zeros((capacity + 3, capacity + 3)), np.zeros(2 * capacity + 1, dtype=np.int64)
+
+
+@kernel
+def _scale(M: FloatArray, n: int, equilibrate: bool, scale: FloatArray) -> None:
+    """scale[:n] such that the largest entry of each row and column of scale_i M_ij scale_j is near 1 (Ruiz's sweep)."""
+    largest = 0.0
+    for i in range(n):
+        for j in range(n):
+            largest = max(largest, abs(M[i, j]))
+    start = 1.0 / np.sqrt(largest) if largest > 0.0 else 1.0
+    for i in range(n):
+        scale[i] = start
+    if equilibrate:
+        for _ in range(3):
+            for i in range(n):
+                peak = 0.0
+                for j in range(n):
+                    peak = max(peak, max(abs(M[i, j]), abs(M[j, i])) * scale[j])
+                peak *= scale[i]
+                if peak > 0.0:
+                    scale[i] /= np.sqrt(peak)
+
+
+@kernel
+def _exchange(table: FloatArray, n: int, r: int, s: int) -> None:
+    """Exchange the basic variable of row r with the nonbasic one of column s in x_B = b + T x_N; b in columns n + 1, n + 2."""
+    pivot_row = table[r]
+    inverse = 1.0 / pivot_row[s]
+    for j in range(n + 3):
+        pivot_row[j] *= -inverse
+    pivot_row[s] = inverse
+    for i in range(n):
+        row = table[i]
+        factor = row[s]
+        if i != r and factor != 0.0:
+            row[s] = 0.0
+            for j in range(n + 3):
+                row[j] += factor * pivot_row[j]
+
+
+@kernel
+def _leaving_row(table: FloatArray, basis: IntArray, n: int, s: int) -> int:
+    """Row whose variable first falls to zero as column s grows, -1 if none does.
+
+    Two passes (Harris): the longest step that leaves every variable above -SLIP, then the largest pivot within that
+    step; z0 wins every tie, for its leaving ends the path.
+    """
+    step = np.inf
+    for i in range(n):
+        slope = -table[i, s]
+        if slope > PIVOT:
+            step = min(step, (max(table[i, n + 1], 0.0) + SLIP) / slope)
+    chosen, best = -1, 0.0
+    if step < np.inf:
+        for i in range(n):
+            slope = -table[i, s]
+            if slope > PIVOT and table[i, n + 1] <= step * slope:
+                if basis[i] == 2 * n:
+                    return i
+                if slope > best:
+                    chosen, best = i, slope
+    return chosen
+
+
+@kernel
+def _path(
+    M: FloatArray,
+    q: FloatArray,
+    n: int,
+    table: FloatArray,
+    basis: IntArray,
+    attempt: int,
+    perturbation: float,
+    pivot_limit: int,
+) -> tuple[int, int]:
+    """Follow one almost complementary path; (status, pivots). The scaling is in table[n, :n].
+
+    Out: the candidate z in table[n + 1, :n], or the direction of the ray in table[n + 2, :n]; basis[:n] = 1 where z is basic.
+    """
+    scale = table[n]
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]) * scale[i])
+    start, lowest = 0, np.inf
+    for i in range(n):
+        row = table[i]
+        for j in range(n):
+            row[j] = scale[i] * M[i, j] * scale[j]
+        # Sequences k GOLDEN mod 1 are spread evenly and never repeat: no two perturbations or covers are equal.
+        spread = ((i + 1) * GOLDEN * (attempt + 1)) % 1.0
+        row[n] = 1.0 if attempt == 0 else 0.5 + ((i + 1) * GOLDEN * (attempt + 3)) % 1.0
+        row[n + 2] = scale[i] * q[i] / load
+        row[n + 1] = row[n + 2] + perturbation * (0.5 + spread)
+        basis[i] = i  # w_i is labelled i, z_i n + i, z0 2n
+        basis[n + i] = n + i
+        if row[n + 1] / row[n] < lowest:
+            start, lowest = i, row[n + 1] / row[n]
+    basis[2 * n] = 2 * n
+    status, pivots, r, s = ITERATION_LIMIT, 0, start, n
+    while pivots < pivot_limit:
+        _exchange(table, n, r, s)
+        pivots += 1
+        left = basis[r]
+        basis[r], basis[n + s] = basis[n + s], left
+        if left == 2 * n:
+            status = SOLVED
+            break
+        partner = left + n if left < n else left - n
+        s = 0
+        while basis[n + s] != partner:
+            s += 1
+        r = _leaving_row(table, basis, n, s)
+        if r < 0:
+            status = RAY
+            break
+    _read_off(table, basis, n, s, load, status)
+    return status, pivots
+
+
+@kernel
+def _read_off(table: FloatArray, basis: IntArray, n: int, s: int, load: float, status: int) -> None:
+    """Candidate (and ray) from the final tableau, in the units of the original problem."""
+    scale, candidate, ray = table[n], table[n + 1], table[n + 2]
+    for i in range(n):
+        candidate[i] = 0.0
+        if status == RAY:
+            ray[i] = 0.0
+    for i in range(n):
+        k = basis[i] - n
+        if 0 <= k < n:
+            candidate[k] = max(table[i, n + 2], 0.0) * load * scale[k]
+            if status == RAY:
+                ray[k] = max(table[i, s], 0.0) * scale[k]
+    k = basis[n + s] - n
+    if status == RAY and 0 <= k < n:
+        ray[k] = scale[k]
+    for i in range(n):
+        basis[n + i] = 0  # labels of columns are not needed any more: collect the flags there
+    for i in range(n):
+        k = basis[i] - n
+        if 0 <= k < n:
+            # a label of a later row may sit where the flag goes, so flags are written to the second half first
+            basis[n + k] = 1
+    for i in range(n):
+        basis[i] = basis[n + i]
+
+
+@kernel
+def lemke(
+    M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray, pivot_limit: int
+) -> tuple[int, int]:
+    """Solve 0 <= z _|_ M z + q >= 0; returns (status, pivots), status as the integers of :class:`Status`.
+
+    M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,), first n
+    entries (the best point found if not solved). Work: table, basis of ``lemke_workspace(cap)``; afterwards basis[:n] is
+    1 where z is basic if solved, and table[n + 2, :n] the direction of the ray after RAY. pivot_limit: for each path.
+    SOLVED here means a natural residual of 1e-10 or less.
+    """
+    trivial = True
+    for i in range(n):
+        z[i] = 0.0
+        basis[i] = 0
+        if not q[i] >= 0.0:
+            trivial = False
+    if trivial:
+        return SOLVED, 0
+    best, status, total = np.inf, ITERATION_LIMIT, 0
+    candidate = table[n + 1]
+    for attempt in range(ATTEMPTS):
+        if attempt == 0 or attempt == 2 or attempt == 3:  # the scaling changes
+            _scale(M, n, attempt != 2, table[n])
+        perturbation = 1e-8
+        if attempt == 1 or attempt == 5:
+            perturbation = 1e-6
+        elif attempt == 3 or attempt == 6:
+            perturbation = 1e-4
+        elif attempt == 4:
+            perturbation = 1e-11
+        ended, pivots = _path(M, q, n, table, basis, attempt, perturbation, pivot_limit)
+        total += pivots
+        residual = natural_residual(M, q, candidate, n)
+        if residual > GOOD and ended != RAY:
+            # The basis of the last attempt starts block pivoting; if that path hit the limit (Murty's matrices), from nothing.
+            if ended == ITERATION_LIMIT:
+                for i in range(n):
+                    basis[i] = 0
+            limit = REPAIRS if ended == SOLVED else 10 * n + 20
+            first = residual
+            kept = best <= first
+            if not kept:
+                best = first
+                for i in range(n):
+                    z[i] = candidate[i]
+            if block_pivots(M, q, n, candidate, table, basis, limit) > 0:
+                residual = natural_residual(M, q, candidate, n)
+        if residual < best:
+            best = residual
+            for i in range(n):
+                z[i] = candidate[i]
+        if best <= TARGET:
+            return SOLVED, total
+        if ended == SOLVED:
+            status = NUMERICAL_FAILURE
+        elif ended == RAY and status != NUMERICAL_FAILURE:
+            status = RAY
+    return status, total
+
+
+@dataclass(frozen=True, slots=True)
+class Lemke:
+    """Lemke's algorithm, for any matrix; the default solver of contact problems with friction.
+
+    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed on one path, None for 1000 + 50 n.
+    Raises ModelError for a tolerance or limit that is not positive.
+    """
+
+    tolerance: float = 1e-10
+    pivot_limit: int | None = None
+
+    def __post_init__(self) -> None:
+        check_tolerance(self.tolerance)
+        if self.pivot_limit is not None and not (isinstance(self.pivot_limit, int) and self.pivot_limit > 0):
+            raise ModelError(f"pivot_limit is {self.pivot_limit!r}: expected a positive integer or None")
+
+    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+        """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
+        n = problem.size
+        z = np.zeros(n)
+        table, basis = lemke_workspace(n)
+        if guess is not None and guess.active is not None and guess.active.shape == (n,):
+            basis[:n] = guess.active
+            solves = block_pivots(problem.M, problem.q, n, z, table, basis, REPAIRS)
+            if solves > 0 and problem.residual(z) <= self.tolerance:
+                return accept(
+                    problem, z, tolerance=self.tolerance, iterations=solves, route="basis of the guess", active=basis[:n].copy()
+                )
+        limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
+        code, pivots = lemke(problem.M, problem.q, n, z, table, basis, limit)
+        status = Status(code)
+        return accept(
+            problem,
+            z,
+            tolerance=self.tolerance,
+            status=status,
+            iterations=pivots,
+            route="lemke",
+            active=basis[:n].copy() if status is Status.SOLVED else None,
+            certificate=table[n + 2, :n].copy() if status is Status.RAY else None,
+        )
