@@ -58,7 +58,7 @@ _HOME = {
     "StepError": "lcpflex.errors",
 }
 
-__all__ = [  # noqa: F822, PLE0604 - loaded by __getattr__
+__all__ = [
     "Bar",
     "Beam",
     "Box",

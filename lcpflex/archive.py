@@ -1,0 +1,135 @@
+"""Results on disk: one npz file, readable by any program that reads zip and npy, never unpickled.
+
+Every array of the result stands in the file under its dotted name: ``times``, ``q``, ``energies.kinetic``,
+``spots.place``, ``compiled.model.bodies.mass``. Everything else is in the entry ``structure``, a JSON text in which
+
+    {"array": name}                    is the array of that name in the file,
+    {"tuple": [...]}                   a tuple,
+    {"map": [[key, value], ...]}       a mapping,
+    {"value": class, "fields": {...}}  a frozen value of lcpflex, such as ``scene.Layout`` or ``model.Bodies``,
+
+and numbers, texts, true, false and null are themselves. The entry ``format`` holds "lcpflex result 1".
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.errors import ModelError
+
+__all__ = ["read", "write"]
+
+FORMAT = "lcpflex result 1"
+_MODULES = ("result", "energy", "scene", "model")  # whose value classes a file may name
+
+Arrays = dict[str, npt.NDArray[Any]]
+
+
+def write(value: object, path: str | os.PathLike[str]) -> Path:
+    """Write a frozen value of lcpflex to ``path``, all of it or nothing.
+
+    The file is written beside its final name and then put in its place, so that a full disk leaves an older file
+    untouched and no half-written one. Raises ModelError with the path and the reason.
+    """
+    target = Path(path)
+    arrays: Arrays = {}
+    structure = json.dumps(_encode(value, "", arrays))
+    part = target.with_name(f".{target.name}.{os.getpid()}.part") if target.name else target
+    try:
+        try:
+            with part.open("wb") as file:
+                np.savez_compressed(file, format=np.array(FORMAT), structure=np.array(structure), **arrays)  # type: ignore[arg-type]
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(target)
+        except BaseException:
+            part.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise ModelError(f"path: cannot write {str(target)!r}: {error.strerror or error}") from error
+    return target
+
+
+def read(path: str | os.PathLike[str]) -> Any:
+    """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
+    target = Path(path)
+    try:
+        with np.load(target, allow_pickle=False) as file:
+            if "format" not in file or str(file["format"]) != FORMAT:
+                found = str(file["format"]) if "format" in file else "no such entry"
+                raise ModelError(f"path: {str(target)!r} has the format {found!r}; expected {FORMAT!r}")
+            return _decode(json.loads(str(file["structure"])), file)
+    except ModelError:
+        raise
+    except OSError as error:
+        raise ModelError(f"path: cannot read {str(target)!r}: {error.strerror or error}") from error
+    except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error})") from error
+
+
+def _field_names(value: object) -> tuple[str, ...] | None:
+    """Names of the fields of a dataclass or NamedTuple, or None for anything else."""
+    if is_dataclass(value):
+        return tuple(field.name for field in fields(value))
+    return getattr(value, "_fields", None)
+
+
+def _encode(value: Any, path: str, arrays: Arrays) -> Any:
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        arrays[path] = value
+        return {"array": path}
+    prefix = f"{path}." if path else ""
+    names = _field_names(value)
+    if names is not None:
+        kept = {name: _encode(getattr(value, name), prefix + name, arrays) for name in names}
+        return {"value": _class_name(type(value), path), "fields": kept}
+    if isinstance(value, tuple | list):
+        return {"tuple": [_encode(item, f"{prefix}{k}", arrays) for k, item in enumerate(value)]}
+    if isinstance(value, Mapping):
+        pairs = enumerate(value.items())
+        return {
+            "map": [[_encode(k, f"{prefix}{i}", arrays), _encode(v, f"{prefix}{i}", arrays)] for i, (k, v) in pairs]
+        }
+    raise ModelError(
+        f"{path}: a {type(value).__name__} cannot be saved; expected numbers, texts, arrays or values of these"
+    )
+
+
+def _class_name(kind: type, path: str) -> str:
+    package, _, module = kind.__module__.rpartition(".")
+    if package != "lcpflex" or module not in _MODULES:
+        raise ModelError(f"{path}: a {kind.__name__} cannot be saved; expected a value class of {', '.join(_MODULES)}")
+    return f"{module}.{kind.__name__}"
+
+
+def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
+    if not isinstance(node, dict):
+        return node
+    if "array" in node:
+        array = arrays[node["array"]]
+        array.setflags(write=False)
+        return array
+    if "tuple" in node:
+        return tuple(_decode(item, arrays) for item in node["tuple"])
+    if "map" in node:
+        return {_decode(key, arrays): _decode(value, arrays) for key, value in node["map"]}
+    module, _, name = node["value"].partition(".")
+    kind = getattr(import_module(f"lcpflex.{module}"), name) if module in _MODULES else None
+    if not isinstance(kind, type) or kind.__module__ != f"lcpflex.{module}":
+        raise ValueError(f"no value class {node['value']!r}")
+    return kind(**{key: _decode(value, arrays) for key, value in node["fields"].items()})

@@ -1,0 +1,89 @@
+"""The energy audit: where the energy of a simulation is, where it went, and what nobody can explain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+
+__all__ = ["Energies"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Energies:
+    """Energies at the m stored instants, each (m,) [J].
+
+    ``kinetic``, ``elastic`` (deformation of bodies) and ``potential`` (gravity and springs) are stored now.
+    ``friction``, ``impact`` and ``damping`` were dissipated since the start (positive = lost), ``work`` was done by
+    loads and drives since the start. What these leave over,
+
+        remainder = (kinetic + elastic + potential) - (the same at the start) - work + friction + impact + damping,
+
+    is unexplained: integration error, projection, and anything that is wrong.
+    """
+
+    kinetic: FloatArray
+    elastic: FloatArray
+    potential: FloatArray
+    friction: FloatArray
+    impact: FloatArray
+    damping: FloatArray
+    work: FloatArray
+    remainder: FloatArray
+
+    def __post_init__(self) -> None:
+        expected = np.shape(self.kinetic)
+        for field in fields(self):
+            shape = np.shape(getattr(self, field.name))
+            if shape != expected or len(shape) != 1:
+                raise ModelError(f"energies.{field.name}: shape {shape}; expected that of kinetic, {expected}, (m,)")
+
+    @classmethod
+    def audit(
+        cls,
+        kinetic: FloatArray,
+        elastic: FloatArray,
+        potential: FloatArray,
+        friction: FloatArray,
+        impact: FloatArray,
+        damping: FloatArray,
+        work: FloatArray,
+    ) -> Energies:
+        """Draw up the balance: the seven measured energies, each (m,) [J], and the remainder they leave."""
+        stored = kinetic + elastic + potential
+        start = stored[0] if stored.size else 0.0
+        remainder = stored - start - work + friction + impact + damping
+        return cls(kinetic, elastic, potential, friction, impact, damping, work, remainder)
+
+    @property
+    def stored(self) -> FloatArray:
+        """Kinetic + elastic + potential energy, (m,) [J]; the zero of the potential is arbitrary."""
+        return self.kinetic + self.elastic + self.potential
+
+    @property
+    def dissipated(self) -> FloatArray:
+        """Lost to friction, impacts and damping since the start, (m,) [J]."""
+        return self.friction + self.impact + self.damping
+
+    @property
+    def scale(self) -> float:
+        """Largest stored energy [J]: kinetic + elastic + the change of the potential, which has no zero of its own."""
+        if not self.kinetic.size:
+            return 0.0
+        return float(np.max(self.kinetic + self.elastic + np.abs(self.potential - self.potential[0])))
+
+    @property
+    def largest_remainder(self) -> float:
+        """Largest absolute unexplained energy [J]; NaN if any is."""
+        return float(np.max(np.abs(self.remainder), initial=0.0))
+
+    @property
+    def relative_remainder(self) -> float:
+        """Largest unexplained energy relative to the largest stored one; 0 where nothing ever moved."""
+        unexplained, scale = self.largest_remainder, self.scale
+        if unexplained == 0.0:
+            return 0.0
+        return unexplained / scale if scale != 0.0 else float("inf")

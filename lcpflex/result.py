@@ -1,0 +1,341 @@
+"""What a simulation returns: the motion, the contacts, and the proof of its own accuracy."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.energy import Energies
+from lcpflex.errors import ModelError
+from lcpflex.model import Model
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from lcpflex.scene import Compiled
+
+    StateArray = NDArray[np.int8]
+
+__all__ = [
+    "OPEN",
+    "SLIP",
+    "STICK",
+    "ContactHistory",
+    "ContactSpots",
+    "Event",
+    "Result",
+    "material_shapes",
+    "world_places",
+]
+
+OPEN, STICK, SLIP = 0, 1, 2
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened between stored instants: an impact, a touch-down, a lift-off, a change of stick."""
+
+    time: float  # [s]
+    kind: str
+    contact: str  # name of the declared contact, empty if none
+    energy_change: float  # [J], negative: lost
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSpots:
+    """Every touching point at every stored instant, k rows in order of time."""
+
+    record: IntArray  # (k,) index of the stored instant
+    contact: IntArray  # (k,) index of the declared contact
+    place: FloatArray  # (k, 2) [m], world axes
+    normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (slave), world axes
+    force: FloatArray  # (k, 2) normal and tangential force [N], t = (n_y, -n_x)
+    state: StateArray  # (k,) OPEN, STICK or SLIP
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactHistory:
+    """One declared contact over the m stored instants."""
+
+    name: str
+    times: FloatArray  # (m,) [s]
+    force: FloatArray  # (m, 2) normal and tangential force, summed over its points [N]
+    impulse: FloatArray  # (m, 2) accumulated since the start, impacts included [N s]
+    state: StateArray  # (m,) OPEN, STICK or SLIP
+    gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin
+    first_event: float  # [s] first event that names the contact; infinite if there is none
+
+    @property
+    def first_touch(self) -> float | None:
+        """Time of first touch [s], to the resolution of what was stored; None if it never touched."""
+        touched = (self.state != OPEN) | np.any(self.impulse != 0.0, axis=1)
+        stored = float(self.times[np.argmax(touched)]) if touched.any() else float("inf")
+        first = min(stored, self.first_event)
+        return first if np.isfinite(first) else None
+
+    @property
+    def peak_force(self) -> float:
+        """Largest normal force at a stored instant [N]."""
+        return float(np.max(self.force[:, 0], initial=0.0))
+
+    @property
+    def shares(self) -> tuple[float, float, float]:
+        """Shares of the stored instants spent open, sticking and slipping; they sum to 1."""
+        count = max(self.state.size, 1)
+        return tuple(float(np.count_nonzero(self.state == kind)) / count for kind in (OPEN, STICK, SLIP))  # type: ignore[return-value]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
+
+    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model`: per body x, y, angle and its modal coordinates.
+    """
+
+    times: FloatArray  # (m,) [s]
+    q: FloatArray  # (m, ndof) [m], [rad], [kg^1/2 m]
+    u: FloatArray  # (m, ndof) their rates
+    force: FloatArray  # (m, nc, 2) normal and tangential force of each contact at that instant [N]
+    impulse: FloatArray  # (m, nc, 2) accumulated since the start, impacts included [N s]
+    state: StateArray  # (m, nc) OPEN, STICK or SLIP
+    gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin
+    spots: ContactSpots
+    energies: Energies
+    residual: FloatArray  # (m,) largest natural-map residual of the contact problems since the previous instant
+    penetration: FloatArray  # (m,) largest penetration since the previous instant [m]
+    joint_drift: FloatArray  # (m,) largest violation of a joint since the previous instant [m] or [rad]
+    size: IntArray  # (m,) unknowns of the largest contact problem since the previous instant
+    events: tuple[Event, ...]
+    warnings: tuple[str, ...]
+    complete: bool
+    message: str  # why it ended where it ended
+    steps: int
+    wall_time: float  # [s], without compile_time
+    compile_time: float  # [s] spent on compiling kernels or loading them from the cache
+    stepper: str
+    duration: float  # [s] asked for
+    compiled: Compiled | None = None  # what the scene was compiled to; None for a system of the user's own
+    contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
+
+    def __post_init__(self) -> None:
+        if self.compiled is not None and not self.contact_names:
+            object.__setattr__(self, "contact_names", tuple(self.compiled.layout.contacts))
+        m, nc = len(self.times), len(self.contact_names)
+        expected = {
+            **dict.fromkeys(("q", "u"), (m, *self.q.shape[1:2])),
+            **dict.fromkeys(("force", "impulse"), (m, nc, 2)),
+            **dict.fromkeys(("state", "gap"), (m, nc)),
+            **dict.fromkeys(("residual", "penetration", "joint_drift", "size"), (m,)),
+        }
+        for name, shape in expected.items():
+            if getattr(self, name).shape != shape:
+                raise ModelError(f"{name}: shape {getattr(self, name).shape}; expected {shape}")
+        if self.energies.kinetic.shape != (m,):
+            raise ModelError(f"energies: shape {self.energies.kinetic.shape}; expected {(m,)}")
+
+    def contact(self, name: str) -> ContactHistory:
+        """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name."""
+        if name not in self.contact_names:
+            raise ModelError(f"name: no contact {name!r}; expected one of {_listed(self.contact_names)}")
+        k = self.contact_names.index(name)
+        first = min((event.time for event in self.events if event.contact == name), default=float("inf"))
+        return ContactHistory(
+            name, self.times, self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k], first
+        )
+
+    def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
+        """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.
+
+        ``point`` is the name of a point or its undeformed place (x, y) [m] in the frame of the body: anywhere on a
+        rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is none.
+        """
+        model, b, place, phi = self._material(body, point)
+        return _trajectory(model, self.q, b, place, phi)
+
+    def velocity(self, body: str, point: str | tuple[float, float]) -> FloatArray:
+        """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes.
+
+        ``point`` as in :meth:`point`.
+        """
+        model, b, place, phi = self._material(body, point)
+        d = int(model.bodies.dof[b])
+        n = phi.shape[0]
+        s = place + self.q[:, d + 3 : d + 3 + n] @ phi
+        spin = self.u[:, d + 2]
+        rate = self.u[:, d + 3 : d + 3 + n] @ phi + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
+        return self.u[:, d : d + 2] + _turned(self.q[:, d + 2], rate)
+
+    def summary(self) -> str:
+        """The simulation in words: what ran, what touched, where the energy went, how far to trust it."""
+        from lcpflex.summary import summary
+
+        return summary(self)
+
+    def plot(self) -> Figure:
+        """Chart of contact forces, gaps and energies over time."""
+        from lcpflex.plot import plot
+
+        return plot(self)
+
+    def draw(self, t: float, axes: Axes | None = None) -> Figure:
+        """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces."""
+        from lcpflex.plot import draw
+
+        return draw(self, t, axes)
+
+    def animate(self, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
+        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.plot.animate`."""
+        from lcpflex.plot import animate
+
+        return animate(self, path, fps=fps, slowdown=slowdown)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write everything to one npz file (format: :mod:`lcpflex.archive`), all of it or nothing.
+
+        Python callbacks of the scene are left out: a loaded result can be drawn and measured, not continued.
+        Raises ModelError with the path and the reason.
+        """
+        from lcpflex.archive import write
+
+        kept = None if self.compiled is None else replace(self.compiled, callbacks=())
+        return write(replace(self, compiled=kept), path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """Read a saved result. Raises ModelError with the path and the reason."""
+        from lcpflex.archive import read
+
+        loaded = read(path)
+        if not isinstance(loaded, cls):
+            raise ModelError(f"path: {os.fspath(path)!r} holds a {type(loaded).__name__}; expected a Result")
+        return loaded
+
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame, one row per stored instant, indexed by time [s].
+
+        Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
+        ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
+        ``contact.gap``; ``energy.kinetic`` and so on. Raises ModelError where pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise ModelError("to_dataframe() needs pandas, which is not installed: pip install pandas") from error
+        columns: dict[str, Any] = {}
+        names = self.coordinate_names()
+        columns |= {name: self.q[:, k] for k, name in enumerate(names)}
+        columns |= {f"{name}'": self.u[:, k] for k, name in enumerate(names)}
+        for k, name in enumerate(self.contact_names):
+            for what, values in (("force", self.force), ("impulse", self.impulse)):
+                columns |= {f"{name}.{way} {what}": values[:, k, c] for c, way in enumerate(("normal", "tangential"))}
+            columns |= {f"{name}.state": self.state[:, k], f"{name}.gap": self.gap[:, k]}
+        columns |= {f"energy.{name}": getattr(self.energies, name) for name in Energies.__dataclass_fields__}
+        columns |= {name: getattr(self, name) for name in ("residual", "penetration", "joint_drift", "size")}
+        return pandas.DataFrame(columns, index=pandas.Index(self.times, name="time"))
+
+    def coordinate_names(self) -> tuple[str, ...]:
+        """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""
+        if self.compiled is None:
+            return tuple(f"q {k + 1}" for k in range(self.q.shape[1]))
+        dof = self.compiled.model.bodies.dof
+        return tuple(
+            f"{body}.{part}"
+            for b, body in enumerate(self.compiled.layout.bodies)
+            for part in ("x", "y", "angle", *(f"mode {k + 1}" for k in range(int(dof[b + 1] - dof[b]) - 3)))
+        )
+
+    def _material(self, body: str, point: str | tuple[float, float]) -> tuple[Model, int, FloatArray, FloatArray]:
+        """Body index, undeformed place (2,) and shapes (n, 2) of a named or placed point."""
+        if self.compiled is None:
+            raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
+        layout, model = self.compiled.layout, self.compiled.model
+        if body not in layout.bodies:
+            raise ModelError(f"body: no body {body!r}; expected one of {_listed(layout.bodies)}")
+        b = layout.bodies.index(body)
+        if isinstance(point, str):
+            if (body, point) not in layout.points:
+                known = tuple(name for owner, name in layout.points if owner == body)
+                raise ModelError(f"point: {body!r} has no point {point!r}; expected one of {_listed(known)}")
+            p = layout.points[body, point]
+            return model, b, model.points.place[p], material_shapes(model, np.array([p]))[0]
+        place = np.asarray(point, dtype=float)
+        if place.shape != (2,) or not np.isfinite(place).all():
+            raise ModelError(f"point: {point!r}; expected the name of a point or two finite numbers (x, y)")
+        phi = self._shapes_at(b, place)
+        if phi is None:
+            raise ModelError(
+                f"point: {point!r} is neither a named point nor on the outline of the flexible body {body!r}; "
+                "expected one of these (name the point in the scene)"
+            )
+        return model, b, place, phi
+
+    def _shapes_at(self, b: int, place: FloatArray) -> FloatArray | None:
+        """Mode shapes (n, 2) at an undeformed place: of the point that is there, or between two on an outline."""
+        assert self.compiled is not None
+        layout, model = self.compiled.layout, self.compiled.model
+        if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3:
+            return np.zeros((0, 2))
+        own = np.flatnonzero(model.points.body == b)
+        if not own.size:
+            return None
+        near = 1e-9 * float(np.ptp(model.points.place[own], axis=0).max())
+        distance = np.linalg.norm(model.points.place[own] - place, axis=1)
+        if distance.min() <= near:
+            return material_shapes(model, own[[distance.argmin()]])[0]
+        for owner, ids, closed in layout.outlines:
+            if owner == b:
+                ends = np.column_stack([ids, np.roll(ids, -1)])[: len(ids) if closed else len(ids) - 1]
+                start, edge = (
+                    model.points.place[ends[:, 0]],
+                    model.points.place[ends[:, 1]] - model.points.place[ends[:, 0]],
+                )
+                length = np.maximum(np.einsum("ki,ki->k", edge, edge), np.finfo(float).tiny)
+                s = np.clip(np.einsum("ki,ki->k", place - start, edge) / length, 0.0, 1.0)
+                off = np.linalg.norm(start + s[:, None] * edge - place, axis=1)
+                k = int(off.argmin())
+                if off[k] <= near:
+                    phi = material_shapes(model, ends[k])
+                    return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
+        return None
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return ", ".join(repr(name) for name in names) if names else "(there are none)"
+
+
+def _turned(angle: FloatArray, s: FloatArray) -> FloatArray:
+    """A(angle) s for angles (...) and vectors (..., 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * s[..., 0] - sin * s[..., 1], sin * s[..., 0] + cos * s[..., 1]], axis=-1)
+
+
+def _trajectory(model: Model, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
+    """World place of material points of body b: q (..., ndof), place (..., 2), phi (..., n, 2)."""
+    d = int(model.bodies.dof[b])
+    s = place + np.einsum("...n,...nd->...d", q[..., d + 3 : d + 3 + phi.shape[-2]], phi)
+    return q[..., d : d + 2] + _turned(q[..., d + 2], s)
+
+
+def material_shapes(model: Model, points: IntArray) -> FloatArray:
+    """Mode shapes (k, n, 2) of k material points of one body; n = 0 on the ground and on rigid bodies."""
+    start = model.points.start
+    return np.stack([model.points.phi[start[p] : start[p + 1]] for p in points]) if len(points) else np.zeros((0, 0, 2))
+
+
+def world_places(model: Model, q: FloatArray, points: IntArray) -> FloatArray:
+    """r_P = R + A (x + Phi q) of k material points at the configuration q (ndof,): (k, 2) [m]."""
+    places = np.empty((len(points), 2))
+    owners = model.points.body[points]
+    for b in np.unique(owners):
+        chosen = np.flatnonzero(owners == b)
+        ids = points[chosen]
+        x = model.points.place[ids]
+        places[chosen] = x if b < 0 else _trajectory(model, q[None, :], int(b), x, material_shapes(model, ids))
+    return places

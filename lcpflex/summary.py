@@ -1,0 +1,182 @@
+"""A result in words: what ran, what touched, where the energy went, and how far to trust it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.result import ContactHistory, Result
+
+__all__ = ["doubts", "summary"]
+
+# From where on a number casts doubt on a result.
+UNEXPLAINED = 0.01  # energy that nobody can explain, relative to the largest stored energy
+UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
+SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
+LISTED = 8  # contacts that are described one by one
+
+
+def summary(result: Result) -> str:
+    """Several short paragraphs; the last one says whether the result can be trusted."""
+    parts = [_run(result), _contacts(result), _energy(result), _accuracy(result), _warnings(result), _verdict(result)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def doubts(result: Result) -> tuple[str, ...]:
+    """Reasons not to trust the result, each a clause; empty if there is none."""
+    found = []
+    if not result.complete:
+        found.append(f"it stopped early ({result.message})")
+    if not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
+        found.append("the motion contains numbers that are not finite")
+    energies = result.energies
+    if not energies.relative_remainder <= UNEXPLAINED:
+        way = "gained" if energies.remainder.max(initial=0.0) >= energies.largest_remainder else "lost"
+        found.append(
+            f"{_share(energies.relative_remainder)} of the largest stored energy was {way} without explanation "
+            "(take a smaller step)"
+        )
+    if not _largest(result.residual) <= UNSOLVED:
+        found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")
+    size = _scene_size(result)
+    if size is not None:
+        for name, value in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
+            if not _largest(value) <= SUNK * size:
+                found.append(f"the {name} of {_si(_largest(value), 'm')} is large for a scene of {_si(size, 'm')}")
+    return tuple(found)
+
+
+def _run(result: Result) -> str:
+    reached = float(result.times[-1]) if result.times.size else 0.0
+    cost = f", {_si(result.wall_time / result.steps, 's')} a step" if result.steps else ""
+    lines = [
+        f"{result.stepper}",
+        f"simulated {_si(reached, 's')} in {result.steps:,} steps and {_si(result.wall_time, 's')} of computing{cost}; "
+        f"compiling or loading the kernels took {_si(result.compile_time, 's')}",
+    ]
+    if not result.complete:
+        lines.append(f"INCOMPLETE: {_si(reached, 's')} of {_si(result.duration, 's')} - {result.message}")
+    largest = int(result.size.max(initial=0))
+    lines.append(
+        f"{result.q.shape[1]} coordinates; {_counted(len(result.contact_names), 'declared contact')}; "
+        f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
+    )
+    return "\n".join(lines)
+
+
+def _contacts(result: Result) -> str:
+    if not result.contact_names:
+        return ""
+    histories = [result.contact(name) for name in result.contact_names]
+    touched = [h for h in histories if h.first_touch is not None]
+    if not touched:
+        return "Contacts\n  none touched"
+    touched.sort(key=lambda h: -float(h.impulse[-1, 0]))  # stable: equal impulses keep the order of declaration
+    lines = ["Contacts", *(_contact(h) for h in touched[:LISTED])]
+    if len(touched) > LISTED:
+        lines.append(f"  and {len(touched) - LISTED} more with smaller impulses")
+    if len(touched) < len(histories):
+        lines.append(f"  {len(histories) - len(touched)} of {len(histories)} never touched")
+    return "\n".join(lines)
+
+
+def _contact(history: ContactHistory) -> str:
+    _, stick, slip = history.shares
+    closed = stick + slip
+    how = "closed at no stored instant"
+    if closed > 0.0:
+        how = (
+            f"closed {_share(closed)} of the time ({_share(stick / closed)} sticking, {_share(slip / closed)} slipping)"
+        )
+    normal, tangential = history.impulse[-1]
+    return (
+        f"  {history.name}: first touch at {history.first_touch:.6g} s; peak force {_si(history.peak_force, 'N')}; "
+        f"impulse {_si(normal, 'N s')} normal, {_si(tangential, 'N s')} tangential; {how}"
+    )
+
+
+def _energy(result: Result) -> str:
+    energies = result.energies
+    if not energies.kinetic.size:
+        return ""
+    rows = [("", "start", "end")]
+    for name in ("kinetic", "elastic", "potential"):
+        series = getattr(energies, name)
+        rows.append((name, f"{series[0]:.6g}", f"{series[-1]:.6g}"))
+    rows.append(("work of loads and drives", "", f"{energies.work[-1]:.6g}"))
+    for name, label in (
+        ("friction", "lost to friction"),
+        ("impact", "lost in impacts"),
+        ("damping", "lost to damping"),
+    ):
+        rows.append((label, "", f"{getattr(energies, name)[-1]:.6g}"))
+    rows.append(("unexplained", "", f"{energies.remainder[-1]:.3g}"))
+    lines = [f"  {label:<26}{start:>14}{end:>14}" for label, start, end in rows]
+    lines.append(
+        f"  unexplained at most {_si(energies.largest_remainder, 'J')}, "
+        f"{energies.relative_remainder:.2g} of the largest stored energy ({_si(energies.scale, 'J')})"
+    )
+    return "\n".join(["Energy [J]", *lines])
+
+
+def _accuracy(result: Result) -> str:
+    return (
+        "Accuracy\n"
+        f"  largest penetration {_si(_largest(result.penetration), 'm')}; "
+        f"largest joint drift {_si(_largest(result.joint_drift), 'm')}; "
+        f"largest residual of a contact problem {_largest(result.residual):.1e}"
+    )
+
+
+def _warnings(result: Result) -> str:
+    return "\n".join(["Warnings", *(f"  {text}" for text in result.warnings)]) if result.warnings else ""
+
+
+def _verdict(result: Result) -> str:
+    reasons = doubts(result)
+    if reasons:
+        return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
+    if result.warnings:
+        return "Can be trusted as far as its own checks see, but read the warnings above."
+    return (
+        "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept. "
+        "Whether the step and the modes are fine enough, only a second run with finer ones shows."
+    )
+
+
+def _scene_size(result: Result) -> float | None:
+    """Largest extent of a body [m]; None for a system of the user's own or for bodies without outlines."""
+    if result.compiled is None:
+        return None
+    points = result.compiled.model.points
+    extents = [np.ptp(points.place[points.body == b], axis=0).max() for b in np.unique(points.body) if b >= 0]
+    extents += [2.0 * radius for _, radius in result.compiled.layout.circles]
+    largest = float(max(extents, default=0.0))
+    return largest if largest > 0.0 else None
+
+
+def _largest(values: FloatArray) -> float:
+    """Largest value; NaN if any is."""
+    return float(np.max(values, initial=0.0))
+
+
+def _share(value: float) -> str:
+    return f"{100.0 * value:.3g} %"
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count:,} {noun}{'' if count == 1 else 's'}"
+
+
+def _si(value: float, unit: str) -> str:
+    """A number with four digits and a prefix: 0.00123 s becomes 1.23 ms."""
+    size = abs(value)
+    if size == 0.0 or not np.isfinite(size):
+        return f"{value:g} {unit}"
+    for factor, prefix in ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
+        if size >= 0.9995 * factor:
+            return f"{value / factor:.4g} {prefix}{unit}" if not (unit == "s" and factor > 1.0) else f"{value:,.0f} s"
+    return f"{value:.1e} {unit}"
