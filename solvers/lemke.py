@@ -40,6 +40,7 @@ SLIP = 1e-13  # how far a basic variable may pass zero in favour of a larger piv
 GOOD = 1e-12  # residual that needs no repair
 TARGET = 1e-10  # residual at which the ladder of retries ends
 REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
+RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
 ATTEMPTS = 8
 
 
@@ -148,25 +149,50 @@ def _path(
         if row[n + 1] / row[n] < lowest:
             start, lowest = i, row[n + 1] / row[n]
     basis[2 * n] = 2 * n
-    status, pivots, r, s = ITERATION_LIMIT, 0, start, n
+    status, pivots, s = _drive_out(table, basis, n, start, n, pivot_limit)
+    for _ in range(RESTARTS):
+        if status != SOLVED:
+            break
+        deepest, size = 0.0, 0.0
+        for i in range(n):
+            size = max(size, abs(table[i, n + 2]))
+            deepest = max(deepest, -table[i, n + 2])
+        if deepest <= SLIP * size:
+            break
+        # The perturbation was not small for this problem: go on from here, with one that is small beside what is missing.
+        start, lowest = 0, np.inf
+        for i in range(n):
+            table[i, s] = 1.0
+            table[i, n + 1] = table[i, n + 2] + deepest * perturbation * (0.5 + ((i + 1) * GOLDEN) % 1.0)
+            if table[i, n + 1] < lowest:
+                start, lowest = i, table[i, n + 1]
+        status, more, s = _drive_out(table, basis, n, start, s, pivot_limit - pivots)
+        pivots += more
+        if status == RAY:
+            status = NUMERICAL_FAILURE
+    _read_off(table, basis, n, s, load, status)
+    return status, pivots
+
+
+@kernel
+def _drive_out(table: FloatArray, basis: IntArray, n: int, r: int, s: int, pivot_limit: int) -> tuple[int, int, int]:
+    """Complementary pivots from z0 in column s, entering in row r, until z0 leaves; (status, pivots, last column)."""
+    pivots = 0
     while pivots < pivot_limit:
         _exchange(table, n, r, s)
         pivots += 1
         left = basis[r]
         basis[r], basis[n + s] = basis[n + s], left
         if left == 2 * n:
-            status = SOLVED
-            break
+            return SOLVED, pivots, s
         partner = left + n if left < n else left - n
         s = 0
         while basis[n + s] != partner:
             s += 1
         r = _leaving_row(table, basis, n, s)
         if r < 0:
-            status = RAY
-            break
-    _read_off(table, basis, n, s, load, status)
-    return status, pivots
+            return RAY, pivots, s
+    return ITERATION_LIMIT, pivots, s
 
 
 @kernel
@@ -236,11 +262,9 @@ def lemke(
             if ended == ITERATION_LIMIT:
                 for i in range(n):
                     basis[i] = 0
-            limit = REPAIRS if ended == SOLVED else 10 * n + 20
-            first = residual
-            kept = best <= first
-            if not kept:
-                best = first
+            limit = 10 * n + 20 if ended == ITERATION_LIMIT else REPAIRS
+            if residual < best:
+                best = residual
                 for i in range(n):
                     z[i] = candidate[i]
             if block_pivots(M, q, n, candidate, table, basis, limit) > 0:
@@ -251,7 +275,7 @@ def lemke(
                 z[i] = candidate[i]
         if best <= TARGET:
             return SOLVED, total
-        if ended == SOLVED:
+        if ended == SOLVED or ended == NUMERICAL_FAILURE:
             status = NUMERICAL_FAILURE
         elif ended == RAY and status != NUMERICAL_FAILURE:
             status = RAY

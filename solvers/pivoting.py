@@ -8,6 +8,7 @@ as a safeguard, only the last one (Murty's least-index rule read backwards), whi
 from __future__ import annotations
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.solvers.problem import residual_parts
 
 __all__ = ["block_pivots", "solve_active"]
 
@@ -17,10 +18,11 @@ PATIENCE = 3  # block exchanges without fewer wrong signs before single ones
 
 
 @kernel
-def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray) -> bool:
-    """z_A from M_AA z_A = -q_A by elimination with row pivoting, z = 0 elsewhere; False if M_AA is singular.
+def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray) -> None:
+    """z_A from M_AA z_A = -q_A by elimination with complete pivoting, z = 0 elsewhere.
 
-    basis[:n] is 1 on A, else 0; basis[n:2n] is overwritten, and so is the block table[:n, :n + 1].
+    basis[:n] is 1 on A, else 0. Unknowns in excess of the rank of M_AA are set to zero and taken out of A. Overwrites
+    basis[n:2n] and the block table[:n, :n + 1].
     """
     m = 0
     for i in range(n):
@@ -34,32 +36,44 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
         for c in range(m):
             table[k, c] = M[i, basis[n + c]]
             largest = max(largest, abs(table[k, c]))
-        if not largest > 0.0:
-            return False
+        lift = 1.0 / largest if largest > 0.0 else 1.0
         for c in range(m):
-            table[k, c] /= largest
-        table[k, m] = -q[i] / largest
+            table[k, c] *= lift
+        table[k, m] = -q[i] * lift
+    rank = _eliminate(table, basis, n, m)
+    for k in range(rank, m):
+        basis[basis[n + k]] = 0
+    for k in range(rank - 1, -1, -1):
+        value = table[k, m]
+        for c in range(k + 1, rank):
+            value -= table[k, c] * z[basis[n + c]]
+        z[basis[n + k]] = value / table[k, k]
+
+
+@kernel
+def _eliminate(table: FloatArray, basis: IntArray, n: int, m: int) -> int:
+    """Upper triangle of the first m rows and columns, right-hand side in column m; returns the rank. basis[n:n + m] follows the columns."""
     for k in range(m):
-        r = k
-        for i in range(k + 1, m):
-            if abs(table[i, k]) > abs(table[r, k]):
-                r = i
-        if not abs(table[r, k]) > SINGULAR:
-            return False
+        r, s = k, k
+        for i in range(k, m):
+            for c in range(k, m):
+                if abs(table[i, c]) > abs(table[r, s]):
+                    r, s = i, c
+        if not abs(table[r, s]) > SINGULAR:
+            return k
         if r != k:
             for c in range(k, m + 1):
                 table[k, c], table[r, c] = table[r, c], table[k, c]
+        if s != k:
+            for i in range(m):
+                table[i, k], table[i, s] = table[i, s], table[i, k]
+            basis[n + k], basis[n + s] = basis[n + s], basis[n + k]
         for i in range(k + 1, m):
             factor = table[i, k] / table[k, k]
             if factor != 0.0:
                 for c in range(k + 1, m + 1):
                     table[i, c] -= factor * table[k, c]
-    for k in range(m - 1, -1, -1):
-        value = table[k, m]
-        for c in range(k + 1, m):
-            value -= table[k, c] * z[basis[n + c]]
-        z[basis[n + k]] = value / table[k, k]
-    return True
+    return m
 
 
 @kernel
@@ -72,11 +86,8 @@ def block_pivots(
     """
     fewest, patience = n + 1, PATIENCE
     for count in range(1, limit + 1):
-        if not solve_active(M, q, n, z, table, basis):
-            return -1
-        size = 0.0
-        for i in range(n):
-            size = max(size, abs(q[i]))
+        solve_active(M, q, n, z, table, basis)
+        size = residual_parts(M, q, z, n)[1]
         wrong, last = 0, -1
         for i in range(n):
             w, row = q[i], 0.0

@@ -218,17 +218,18 @@ def accept(
 def certifies_infeasibility(problem: Lcp, u: npt.ArrayLike) -> bool:
     """Whether u (n,) proves that no z >= 0 has w >= 0: u >= 0, M^T u <= 0 and q.u < 0 (Farkas).
 
-    For z, w >= 0 would give 0 <= u.w = z.(M^T u) + q.u < 0. Signs are asked for beyond rounding, and the
-    gap |q.u| has to outweigh what M^T u exceeds zero by, for all z up to 1e4 times the size of q / M.
+    With w >= 0 one would have 0 <= u.w = z.(M^T u) + q.u < 0. Where rounding leaves M^T u slightly positive, the statement
+    is checked for every z with z_i <= 1e6 max|q| / max_j |M_ji|.
     """
     ray = np.array(u, dtype=float)
     if ray.shape != problem.q.shape or not np.isfinite(ray).all() or not ray.size or ray.max() <= 0.0:
         return False
     ray = np.maximum(ray, 0.0) / ray.max()
     gain = float(problem.q @ ray)
-    excess = problem.M.T @ ray
-    rounding = 1e-12 * (np.abs(problem.M).T @ ray)
-    return bool((excess <= rounding).all() and gain < -1e-8 * float(np.abs(problem.q) @ ray))
+    excess = np.maximum(problem.M.T @ ray, 0.0)
+    column = np.abs(problem.M).max(axis=0)
+    size = np.divide(np.abs(problem.q).max(), column, out=np.zeros_like(column), where=column > 0.0)
+    return gain + 1e6 * float(excess @ size) < -1e-8 * float(np.abs(problem.q) @ ray)
 
 
 @kernel
