@@ -1,0 +1,147 @@
+"""Symmetric complementarity problems as quadratic programs, through any backend that qpsolvers knows.
+
+With M symmetric and positive semidefinite, 0 <= z _|_ M z + q >= 0 is the optimality condition of
+
+    min 1/2 z.M z + q.z   subject to z >= 0.
+
+Backends stop near 1e-8, some at 1e-4. What they find out reliably is which unknowns are positive: that set is read
+off, and the linear equations on it are solved, which gives full accuracy. Nothing is believed: the result passes the
+residual test of the complementarity problem, or is not called solved.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+from lcpflex.solvers.problem import Lcp, Solution, Status, accept, check_tolerance
+
+__all__ = ["QuadraticProgram"]
+
+# Settings close to what the backend can reach in double precision; a backend that is not listed runs with its own.
+SETTINGS: dict[str, dict[str, Any]] = {
+    "clarabel": {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
+    "osqp": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000},
+    "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 10000},
+    "piqp": {"eps_abs": 1e-12, "eps_rel": 0.0},
+}
+POLISHING = 5  # corrections on the active set: one to three suffice when the backend came near
+
+
+@dataclass(frozen=True, slots=True)
+class QuadraticProgram:
+    """A quadratic-programming solver for frictionless contact (symmetric matrices).
+
+    backend: name of a solver known to qpsolvers and installed ("clarabel" and "osqp" come with lcpflex); tolerance:
+    largest accepted residual [-]. Raises ModelError for a backend that is not installed (the message lists those
+    that are) and, in :meth:`solve`, for an unsymmetric matrix, such as that of Coulomb friction, which is not the
+    gradient of any function; :class:`lcpflex.solvers.Lemke` solves those.
+    """
+
+    backend: str = "clarabel"
+    tolerance: float = 1e-10
+
+    def __post_init__(self) -> None:
+        check_tolerance(self.tolerance)
+        import qpsolvers
+
+        if self.backend not in qpsolvers.available_solvers:
+            installed = ", ".join(sorted(qpsolvers.available_solvers))
+            raise ModelError(f"backend is {self.backend!r}: expected one of the installed {installed}")
+
+    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+        """Solve the problem; a guess only starts those backends that can use one."""
+        if not problem.symmetric:
+            raise ModelError(
+                "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality "
+                "condition; use Lemke(), which takes any matrix"
+            )
+        if not problem.size or (problem.q >= 0.0).all():
+            return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route="q >= 0")
+        # In units in which each diagonal entry is 1: light and heavy bodies then look alike to the backend.
+        diagonal = np.abs(np.diag(problem.M))
+        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+        M = 0.5 * (problem.M + problem.M.T) * np.outer(scale, scale)
+        load = float(np.abs(scale * problem.q).max())
+        q = scale * problem.q / load
+        start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
+        raw, iterations, message = self._run(M, q, start)
+        if not np.isfinite(raw).all():
+            return accept(
+                problem,
+                np.zeros(problem.size),
+                tolerance=self.tolerance,
+                status=Status.NUMERICAL_FAILURE,
+                iterations=iterations,
+                route=self.backend,
+                message=message or f"{self.backend} returned no point",
+            )
+        direction = scale * np.maximum(raw, 0.0)  # of an unbounded program: the point has run away along a certificate
+        polished = _polish(M, q, np.maximum(raw, 0.0))
+        candidates = [(scale * load * np.maximum(z, 0.0), route) for z, route in ((raw, ""), (polished, " + active set"))]
+        residuals = [problem.residual(z) for z, _ in candidates]
+        z, route = candidates[int(np.argmin(residuals))]
+        return accept(
+            problem,
+            z,
+            tolerance=self.tolerance,
+            status=Status.SOLVED if not message else Status.NUMERICAL_FAILURE,
+            iterations=iterations,
+            route=self.backend + route,
+            message="" if min(residuals) <= self.tolerance else message,
+            certificate=direction,
+        )
+
+    def _run(self, M: FloatArray, q: FloatArray, start: FloatArray | None) -> tuple[FloatArray, int, str]:
+        """The backend's point (NaN if it has none), its iterations and, if it does not claim success, what it says."""
+        import qpsolvers
+        import scipy.sparse
+
+        n = len(q)
+        sparse = self.backend in qpsolvers.sparse_solvers
+        P = scipy.sparse.csc_matrix(M) if sparse else M
+        program = qpsolvers.Problem(P, q, lb=np.zeros(n))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # "solution may be inaccurate": the residual tells how much
+            try:
+                found = qpsolvers.solve_problem(
+                    program, solver=self.backend, initvals=start, **SETTINGS.get(self.backend, {})
+                )
+            except (ArithmeticError, ValueError, RuntimeError, qpsolvers.exceptions.QPError) as error:
+                return np.full(n, math.nan), 0, f"{self.backend}: {error}"
+        iterations = int(found.extras.get("iterations", found.extras.get("iter", 0)) or 0)
+        x = np.full(n, math.nan) if found.x is None else np.asarray(found.x, dtype=float).reshape(n)
+        return x, iterations, "" if found.found else f"{self.backend}: {found.extras.get('status', 'no solution found')}"
+
+
+def _polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
+    """Solve on the active set z > w of a near-solution; the least change of z where M_AA is singular.
+
+    M (n, n), q (n,) scaled to entries near 1; z (n,) >= 0. Redundant contacts share their load as the backend left it.
+    """
+    best, least = z, _violation(M, q, z)
+    for _ in range(POLISHING):
+        active = np.flatnonzero(z > M @ z + q)
+        trial = np.zeros_like(z)
+        trial[active] = z[active]
+        if active.size:
+            block = M[np.ix_(active, active)]
+            for _ in range(2):  # the second pass takes out the rounding of the first
+                trial[active] -= np.linalg.lstsq(block, (M @ trial + q)[active], rcond=1e-12)[0]
+        violation = _violation(M, q, np.maximum(trial, 0.0))
+        if violation < least:
+            best, least = np.maximum(trial, 0.0), violation
+        z = trial
+    return best
+
+
+def _violation(M: FloatArray, q: FloatArray, z: FloatArray) -> float:
+    """Largest entry of |min(z, w)|, inf if it is not a number."""
+    violation = float(np.abs(np.minimum(z, M @ z + q)).max())
+    return violation if math.isfinite(violation) else math.inf
