@@ -5,9 +5,10 @@ Every message names the argument, the value that was given and what was expected
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
-__all__ = ["LcpflexError", "ModelError", "SolverError", "StepError"]
+__all__ = ["LcpflexError", "ModelError", "SolverError", "StepError", "in_range"]
 
 
 class LcpflexError(Exception):
@@ -50,3 +51,23 @@ class StepError(LcpflexError, RuntimeError):
         self.step = step
         self.contacts = contacts
         self.result = result
+
+
+def in_range(name: str, value: Any, low: float, high: float, *, open_ends: bool = False) -> float:
+    """``value`` as a float if it is a finite number in [low, high], or in (low, high) with ``open_ends``.
+
+    Raises
+    ------
+    ModelError
+        Naming the argument, the value and what was expected.
+    """
+    brackets = "()" if open_ends else "[]"
+    expected = f"expected a finite number in {brackets[0]}{low:g}, {high:g}{brackets[1]}"
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ModelError(f"{name}: {value!r} was given, {expected}") from None
+    inside = low < number < high if open_ends else low <= number <= high
+    if not (math.isfinite(number) and inside):
+        raise ModelError(f"{name}: {value!r} was given, {expected}")
+    return number

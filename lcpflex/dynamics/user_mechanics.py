@@ -1,0 +1,162 @@
+"""The mechanics of a user's own system behind the names of the kernels that a scene has.
+
+Its contact table names contact k of the system by ``law[k]``; all rows belong to one dense block, body 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.detection import ContactTable
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+
+__all__ = ["Mechanics", "hooks"]
+
+
+class Mechanics(Protocol):
+    """The checked functions of a user's system, n coordinates, m contacts, r joint rows."""
+
+    n: int
+    m: int
+    n_joint: int
+    stiffness: FloatArray
+    damping: FloatArray
+    friction: FloatArray
+
+    @property
+    def has_potential(self) -> bool: ...
+    def mass(self, q: FloatArray) -> FloatArray: ...
+    def force(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray: ...
+    def potential(self, q: FloatArray) -> float: ...
+    def gaps(self, q: FloatArray) -> FloatArray: ...
+    def normals(self, q: FloatArray) -> FloatArray: ...
+    def tangents(self, q: FloatArray) -> FloatArray: ...
+    def biases(self, q: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]: ...
+    def residual(self, t: float, q: FloatArray) -> FloatArray: ...
+    def jacobian(self, t: float, q: FloatArray) -> FloatArray: ...
+    def rate(self, t: float, q: FloatArray) -> FloatArray: ...
+    def constraint_bias(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray: ...
+
+
+def hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+    """Replacements, by name, of the kernels that a stepper calls for the mechanics of a scene."""
+    return {**_contact_hooks(system), **_joint_hooks(system), **_inertia_hooks(system)}
+
+
+def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+    def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+        given = system.force(t, q, u)
+        work.conservative[:] = -system.stiffness @ q + (given if system.has_potential else 0.0)
+        work.driving[:] = 0.0 if system.has_potential else given
+        work.dissipative[:] = -system.damping @ u
+        work.total[:] = work.conservative + work.dissipative + work.driving
+
+    def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
+        matrix = system.mass(q) + alpha_c * system.damping + alpha_k * system.stiffness
+        work.dense[1] = np.linalg.cholesky(matrix)
+
+    def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
+        lower = work.dense[1]
+        x[:] = solve_triangular(lower, solve_triangular(lower, x, lower=True), lower=True, trans="T")
+
+    def solve_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+        if last > first:
+            right = work.rows[first:last, 0].T
+            lower = work.dense[1]
+            half = solve_triangular(lower, right, lower=True)
+            work.solved[first:last, 0] = solve_triangular(lower, half, lower=True, trans="T").T
+
+    def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
+        kinetic = 0.5 * float(u @ system.mass(q) @ u)
+        return kinetic, 0.5 * float(q @ system.stiffness @ q), system.potential(q)
+
+    return {
+        "forces": forces,
+        "factorise": factorise,
+        "solve_vector": solve_vector,
+        "solve_rows": solve_rows,
+        "energies": energies,
+    }
+
+
+def _contact_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+    def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
+        if system.m == 0:
+            return 0
+        gaps = system.gaps(q)
+        near = np.flatnonzero(gaps <= margin)
+        for k, law in enumerate(near[: len(table.key)]):
+            table.key[k] = law
+            table.law[k] = law
+            table.gap[k] = gaps[law]
+            table.body[k] = (0, -1)
+            table.normal[k] = (0.0, 1.0)
+        return len(near)
+
+    def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
+        table.gap[k] = system.gaps(q)[table.law[k]]
+
+    def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
+        return np.nan, np.nan
+
+    def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Workspace) -> int:
+        if n == 0:
+            return 0
+        laws = work.table.law[:n]
+        work.mu[:n] = system.friction[laws]
+        rough = np.flatnonzero(work.mu[:n] > 0.0)
+        work.tangent[: len(rough)] = rough
+        last = n_joint + n + len(rough)
+        work.rows[n_joint : n_joint + n, 0] = system.normals(q)[:, laws].T
+        if len(rough):
+            work.rows[n_joint + n : last, 0] = system.tangents(q)[:, laws[rough]].T
+        work.row_body[n_joint:last] = (0, -1)
+        return len(rough)
+
+    def contact_biases(
+        model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace
+    ) -> None:
+        if n == 0:
+            return
+        w_n, w_t = system.biases(q, u)
+        laws = work.table.law[:n]
+        work.bias[n_joint : n_joint + n] = w_n[laws]
+        work.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[work.tangent[:n_tangent]]]
+
+    return {
+        "detect": detect,
+        "refresh": refresh,
+        "contact_point": contact_point,
+        "fill_contact_rows": fill_contact_rows,
+        "contact_biases": contact_biases,
+    }
+
+
+def _joint_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+    def joint_residual(model: Model, t: float, q: FloatArray, external: FloatArray, phi: FloatArray) -> None:
+        phi[:] = system.residual(t, q)
+
+    def joint_rows(
+        model: Model,
+        t: float,
+        q: FloatArray,
+        u: FloatArray,
+        external: FloatArray,
+        rows: FloatArray,
+        row_body: IntArray,
+        rate: FloatArray,
+        bias: FloatArray,
+    ) -> None:
+        r = system.n_joint
+        rows[:r, 0] = system.jacobian(t, q)
+        row_body[:r] = (0, -1)
+        rate[:r] = system.rate(t, q)
+        bias[:r] = system.constraint_bias(t, q, u)
+
+    return {"joint_residual": joint_residual, "joint_rows": joint_rows}

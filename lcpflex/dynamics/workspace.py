@@ -1,0 +1,106 @@
+"""Memory that a stepper works in: allocated once, handed from step to step, grown by the driver when contacts outnumber it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.detection import ContactTable, contact_table
+from lcpflex.dynamics.inertia import Arrow, arrow
+from lcpflex.solvers.lemke import lemke_workspace
+
+__all__ = ["Workspace", "workspace"]
+
+
+class Workspace(NamedTuple):
+    """Work arrays for ``capacity`` contacts and R = joint rows + 2 capacity + 1 constraint rows (the last one is scratch)."""
+
+    dof: IntArray  # (nb + 1,)
+    external: FloatArray  # (slots, 3) values, rates, accelerations supplied by callbacks
+    table: ContactTable
+    arrow: Arrow
+    dense: FloatArray  # (2, n, n) iteration matrix and its Cholesky factor, user-defined systems only
+    middle: FloatArray  # (ndof,) configuration at which the step is linearised
+    ahead: FloatArray  # (ndof,) configuration at which contacts are detected
+    free_u: FloatArray  # (ndof,) velocity without constraint impulses
+    conservative: FloatArray  # (ndof,) generalised forces by kind
+    dissipative: FloatArray
+    driving: FloatArray
+    total: FloatArray  # (ndof,)
+    rows: FloatArray  # (R, 2, width)
+    solved: FloatArray  # (R, 2, width) A^-1 rows
+    row_body: IntArray  # (R, 2)
+    rate: FloatArray  # (R,) partial time derivatives of the joint constraints
+    bias: FloatArray  # (R,)
+    residual: FloatArray  # (joint rows,) phi
+    G: FloatArray  # (R, R) Delassus operator
+    free: FloatArray  # (R,)
+    lower: FloatArray  # (joint rows, joint rows)
+    share: FloatArray  # (2 capacity, joint rows)
+    Gc: FloatArray  # (2 capacity, 2 capacity) condensed
+    bc: FloatArray  # (2 capacity,)
+    mu: FloatArray  # (capacity,)
+    tangent: IntArray  # (capacity,) the contact that each tangential row belongs to
+    closed: IntArray  # (capacity,)
+    M: FloatArray  # (3 capacity, 3 capacity) LCP
+    q: FloatArray  # (3 capacity,)
+    z: FloatArray  # (3 capacity,)
+    tableau: FloatArray
+    basis: IntArray
+    normal: FloatArray  # (capacity,) normal part of the solution
+    tangential: FloatArray  # (capacity,) one for each tangential row
+    p: FloatArray  # (R,) impulses or forces of all rows
+    step_size: IntArray  # (4,) joint rows, contacts, tangential rows, LCP size of the present step
+    certificate: FloatArray  # (2,) natural-map residual and pivots of the present step
+
+
+def workspace(
+    dof: IntArray, n_external: int, n_joint: int, n_modes: int, capacity: int, n_surfaces: int = 0, dense: bool = False
+) -> Workspace:
+    """Allocate for bodies with offsets ``dof`` and room for ``capacity`` simultaneous contacts."""
+    ndof = int(dof[-1])
+    width = int(np.max(np.diff(dof), initial=3))
+    n_rows = n_joint + 2 * capacity + 1
+    tableau, basis = lemke_workspace(3 * capacity)
+    zeros = np.zeros
+    return Workspace(
+        dof=np.array(dof),
+        external=zeros((n_external, 3)),
+        table=contact_table(capacity, n_surfaces),
+        arrow=arrow(len(dof) - 1, n_modes),
+        dense=zeros((2, ndof, ndof) if dense else (2, 0, 0)),
+        middle=zeros(ndof),
+        ahead=zeros(ndof),
+        free_u=zeros(ndof),
+        conservative=zeros(ndof),
+        dissipative=zeros(ndof),
+        driving=zeros(ndof),
+        total=zeros(ndof),
+        rows=zeros((n_rows, 2, width)),
+        solved=zeros((n_rows, 2, width)),
+        row_body=np.full((n_rows, 2), -1, dtype=np.int64),
+        rate=zeros(n_rows),
+        bias=zeros(n_rows),
+        residual=zeros(n_joint),
+        G=zeros((n_rows, n_rows)),
+        free=zeros(n_rows),
+        lower=zeros((n_joint, n_joint)),
+        share=zeros((2 * capacity, n_joint)),
+        Gc=zeros((2 * capacity, 2 * capacity)),
+        bc=zeros(2 * capacity),
+        mu=zeros(capacity),
+        tangent=np.zeros(capacity, dtype=np.int64),
+        closed=np.zeros(capacity, dtype=np.int64),
+        M=zeros((3 * capacity, 3 * capacity)),
+        q=zeros(3 * capacity),
+        z=zeros(3 * capacity),
+        tableau=tableau,
+        basis=basis,
+        normal=zeros(capacity),
+        tangential=zeros(capacity),
+        p=zeros(n_rows),
+        step_size=np.zeros(4, dtype=np.int64),
+        certificate=zeros(2),
+    )

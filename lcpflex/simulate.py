@@ -1,0 +1,239 @@
+"""The one driver: a scene or a user's own system, a stepper, a duration; out comes a result."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from lcpflex.energy import Energies
+from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
+from lcpflex.result import ContactSpots, Event, Result
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.scene import Compiled, Scene
+    from lcpflex.steppers.run import Records
+    from lcpflex.steppers.system import System
+    from lcpflex.user_system import UserSystem
+
+__all__ = ["simulate"]
+
+INSTANTS = 1000  # stored when no interval is asked for
+CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
+GROWTH = 1e-4  # created energy, relative to the largest stored one, above which the result warns
+REMAINDER = 0.02  # unexplained energy, relative to the largest stored one, above which the result warns
+
+
+class Run(Protocol):
+    """A stepper at work on a system."""
+
+    records: Records
+
+    @property
+    def time(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def finished(self) -> bool: ...
+    @property
+    def touching(self) -> list[int]: ...
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]: ...
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps; empty, or why the run cannot go on."""
+
+
+class Stepper(Protocol):
+    """A time-integration scheme: a frozen value with its numbers."""
+
+    def start(self, system: System, duration: float, interval: float) -> Run:
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+
+
+def simulate(
+    scene: Scene | UserSystem,
+    duration: float,
+    stepper: Stepper,
+    *,
+    record: float | None = None,
+    progress: bool | None = None,
+    project: bool = False,
+) -> Result:
+    """Advance ``scene`` over ``duration`` [s] with ``stepper``.
+
+    Parameters
+    ----------
+    scene
+        A :class:`Scene`, or a :class:`UserSystem` given by its functions M, h, gaps, W, w.
+    duration
+        Time to simulate [s], > 0.
+    stepper
+        ``MoreauJean(step)`` or ``EventDriven()``, with its solver.
+    record
+        Time between stored instants [s]; a thousandth of the duration by default. Steppers store no more often than they step.
+    progress
+        Show a progress bar; by default on a terminal, once the run has lasted two seconds.
+    project
+        Project an initial state that violates joints onto them, instead of refusing it.
+
+    Returns
+    -------
+    Result
+        Complete, or up to an interruption by Ctrl-C, marked incomplete.
+
+    Raises
+    ------
+    ModelError
+        For an argument out of its range, before time is spent.
+    StepError
+        If a step cannot be made; its ``result`` holds everything up to there.
+    """
+    duration = in_range("duration", duration, 0.0, math.inf, open_ends=True)
+    interval = duration / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
+    if not hasattr(stepper, "start"):
+        raise ModelError(f"stepper: {stepper!r} was given, expected a stepper such as MoreauJean(step=1e-4)")
+    system, compiled, names = _system(scene, project)
+    began = time.perf_counter()
+    run = stepper.start(system, duration, interval)
+    message = _guarded(run, 0)  # compiles, or loads from the cache
+    compile_time = time.perf_counter() - began
+    interrupted = False
+    began = time.perf_counter()
+    if not message:
+        try:
+            message = _advance_all(run, duration, progress)
+        except KeyboardInterrupt:
+            interrupted = True
+    timing = (time.perf_counter() - began, compile_time)
+    note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
+    result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, not (message or interrupted))
+    if message:
+        touching = tuple(names[k] for k in run.touching)
+        raise StepError(
+            f"at t = {run.time:.9g} s, after {run.steps} steps, contacts {', '.join(touching) or 'none'}: {message}",
+            time=run.time,
+            step=run.steps,
+            contacts=touching,
+            result=result,
+        )
+    return result
+
+
+def _system(scene: Scene | UserSystem, project: bool) -> tuple[System, Compiled | None, tuple[str, ...]]:
+    """The system that a stepper takes, what the scene was compiled to, and the names of the declared contacts."""
+    from lcpflex.scene import Scene
+    from lcpflex.user_system import UserSystem
+
+    if isinstance(scene, UserSystem):
+        return scene.system(), None, scene.names
+    if not isinstance(scene, Scene):
+        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
+    compiled = scene.compile(project=project)
+    return compiled.system(), compiled, compiled.layout.contacts
+
+
+def _guarded(run: Run, n_steps: int) -> str:
+    """``run.advance``, with what a user's function raised turned into the reason to stop."""
+    try:
+        return run.advance(n_steps)
+    except LcpflexError as error:
+        return str(error)
+
+
+def _advance_all(run: Run, duration: float, progress: bool | None) -> str:
+    """Advance in chunks of about CHUNK_SECONDS until the end."""
+    from tqdm import tqdm
+
+    # disable=None: shown on a terminal only
+    bar: Any = tqdm(
+        total=duration, unit="s", delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
+        bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]",
+    )  # fmt: skip
+    chunk = 16
+    with bar:
+        while not run.finished:
+            began = time.perf_counter()
+            message = _guarded(run, chunk)
+            if message:
+                return message
+            bar.update(run.time - bar.n)
+            spent = time.perf_counter() - began
+            chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(spent, 1e-9))))
+    return ""
+
+
+def _collect(
+    run: Run,
+    system: System,
+    compiled: Compiled | None,
+    names: tuple[str, ...],
+    duration: float,
+    stepper: str,
+    timing: tuple[float, float],
+    message: str,
+    complete: bool,
+) -> Result:
+    """Everything that the run has stored, as a result."""
+    data = run.records.collected()
+    energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
+    spots = data["spots"]
+    events = tuple(
+        Event(time=at, kind=kind, contact=names[law] if law >= 0 else "", energy_change=change)
+        for at, kind, law, change in run.events
+    )
+    return Result(
+        times=data["times"],
+        q=data["q"],
+        u=data["u"],
+        force=data["force"],
+        impulse=data["impulse"],
+        state=data["state"].astype(np.int8),
+        gap=data["gap"],
+        spots=ContactSpots(
+            record=spots[:, 0].astype(np.int64),
+            contact=spots[:, 1].astype(np.int64),
+            place=spots[:, 2:4],
+            normal=spots[:, 4:6],
+            force=spots[:, 6:8],
+            state=spots[:, 8].astype(np.int8),
+        ),
+        energies=energies,
+        residual=data["peaks"][:, 0],
+        penetration=data["peaks"][:, 1],
+        joint_drift=data["peaks"][:, 2],
+        size=data["peaks"][:, 3].astype(np.int64),
+        events=events,
+        warnings=_warnings(energies, run.records.tape.gain, complete),
+        complete=complete,
+        message=message,
+        steps=run.steps,
+        wall_time=timing[0],
+        compile_time=timing[1],
+        stepper=stepper,
+        duration=duration,
+        compiled=compiled,
+        contact_names=names,
+    )
+
+
+def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str, ...]:
+    """What a reader must know before trusting the result."""
+    warnings = [] if complete else ["the run is incomplete"]
+    scale = energies.scale
+    if gain[0] > GROWTH * scale and gain[0] > 0.0:
+        warnings.append(
+            f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = {gain[2]:.6g} s "
+            "(Newton's restitution with friction can do so; e_N = 0 does not)"
+        )
+    growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
+    if growth > GROWTH * scale:
+        warnings.append(f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads")
+    if energies.relative_remainder > REMAINDER:
+        warnings.append(
+            f"{energies.largest_remainder:.4g} J of energy are unexplained ({energies.relative_remainder:.2g} of the "
+            "largest stored): use a shorter step or tighter tolerances"
+        )
+    return tuple(warnings)

@@ -1,0 +1,48 @@
+"""A run in progress: state, memory and records of one stepper, advanced in chunks by the driver."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape
+
+__all__ = ["Records"]
+
+FIELDS = ("times", "q", "u", "force", "impulse", "state", "gap", "energies", "peaks")
+RUNNING = ("sums", "worst", "gain", "total_impulse", "now_force", "now_state")
+
+
+class Records:
+    """The tape of a run and what was read off earlier tapes."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._pages: list[dict[str, Any]] = []
+        self.tape: Tape = system.tape(64, 1024)
+
+    def empty(self) -> None:
+        """Read off the tape and make it ready for more."""
+        tape = self.tape
+        instants, spots = (int(n) for n in tape.count)
+        page = {name: getattr(tape, name)[:instants].copy() for name in FIELDS}
+        page["spots"] = tape.spots[:spots].copy()
+        page["spots"][:, 0] += sum(len(p["times"]) for p in self._pages)
+        self._pages.append(page)
+        tape.count[:] = 0
+
+    def grow(self, needed: int) -> None:
+        """A tape whose contact table holds ``needed`` entries; what it was counting goes on."""
+        self.empty()
+        old = self.tape
+        self.tape = self._system.tape(2 * needed, max(len(old.spots), 8 * needed))
+        for name in RUNNING:
+            getattr(self.tape, name)[:] = getattr(old, name)
+
+    def collected(self) -> dict[str, FloatArray]:
+        """All records so far, one array a field."""
+        self.empty()
+        return {name: np.concatenate([page[name] for page in self._pages]) for name in (*FIELDS, "spots")}

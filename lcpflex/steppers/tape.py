@@ -1,0 +1,145 @@
+"""What a run writes down: flat buffers that compiled loops fill and the driver empties.
+
+Sums (per run): 0 energy lost to friction, 1 lost in impacts and contact closing, 2 lost to damping, 3 work of loads and drives [J].
+Peaks (since the last stored instant): 0 natural-map residual, 1 penetration [m], 2 joint drift, 3 size of the contact problem,
+4 pivots.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.detection import ContactTable, contact_table, detect
+from lcpflex.model import Model
+
+__all__ = ["OPEN", "SLIP", "STICK", "Tape", "note_contact", "note_gain", "store_contacts", "store_state", "tape"]
+
+OPEN = 0
+STICK = 1
+SLIP = 2
+
+
+class Tape(NamedTuple):
+    """Room for ``capacity`` instants and for a number of touching points over all of them."""
+
+    count: IntArray  # (2,) instants and spots written
+    times: FloatArray  # (capacity,)
+    q: FloatArray  # (capacity, ndof)
+    u: FloatArray  # (capacity, ndof)
+    force: FloatArray  # (capacity, laws, 2)
+    impulse: FloatArray  # (capacity, laws, 2)
+    state: IntArray  # (capacity, laws)
+    gap: FloatArray  # (capacity, laws)
+    energies: FloatArray  # (capacity, 7) kinetic, elastic, potential, then the sums
+    peaks: FloatArray  # (capacity, 5)
+    spots: FloatArray  # (spot capacity, 9) instant, law, x, y, n_x, n_y, force N, force T, state
+    table: ContactTable  # near contacts at the stored instant, for gaps
+    margin: FloatArray  # (1,) gaps larger than this are not measured [m]
+    # running values
+    sums: FloatArray  # (4,)
+    worst: FloatArray  # (5,)
+    gain: FloatArray  # (3,) energy created by contact impulses: total [J], largest at once [J], its time [s]
+    total_impulse: FloatArray  # (laws, 2)
+    now_force: FloatArray  # (laws, 2)
+    now_state: IntArray  # (laws,)
+
+
+def tape(ndof: int, n_laws: int, capacity: int, spots: int, table_capacity: int, n_surfaces: int, margin: float) -> Tape:
+    """Allocate an empty tape."""
+    zeros = np.zeros
+    return Tape(
+        count=np.zeros(2, dtype=np.int64),
+        times=zeros(capacity),
+        q=zeros((capacity, ndof)),
+        u=zeros((capacity, ndof)),
+        force=zeros((capacity, n_laws, 2)),
+        impulse=zeros((capacity, n_laws, 2)),
+        state=np.zeros((capacity, n_laws), dtype=np.int64),
+        gap=zeros((capacity, n_laws)),
+        energies=zeros((capacity, 7)),
+        peaks=zeros((capacity, 5)),
+        spots=zeros((spots, 9)),
+        table=contact_table(table_capacity, n_surfaces),
+        margin=np.array([margin]),
+        sums=zeros(4),
+        worst=zeros(5),
+        gain=zeros(3),
+        total_impulse=zeros((n_laws, 2)),
+        now_force=zeros((n_laws, 2)),
+        now_state=np.zeros(n_laws, dtype=np.int64),
+    )
+
+
+@kernel
+def note_contact(
+    tape: Tape, law: int, place: tuple[float, float], normal: FloatArray, force_n: float, force_t: float, state: int
+) -> None:
+    """Add one touching point to the instant about to be stored: to its declared contact and to the spots."""
+    tape.now_force[law, 0] += force_n
+    tape.now_force[law, 1] += force_t
+    tape.now_state[law] = max(tape.now_state[law], state)
+    row = tape.count[1]
+    if row < len(tape.spots):
+        tape.spots[row, 0] = tape.count[0]
+        tape.spots[row, 1] = law
+        tape.spots[row, 2] = place[0]
+        tape.spots[row, 3] = place[1]
+        tape.spots[row, 4] = normal[0]
+        tape.spots[row, 5] = normal[1]
+        tape.spots[row, 6] = force_n
+        tape.spots[row, 7] = force_t
+        tape.spots[row, 8] = state
+        tape.count[1] = row + 1
+
+
+@kernel
+def note_gain(tape: Tape, t: float, work: float) -> None:
+    """Keep account of contact impulses that together did positive work: no passive contact does."""
+    if work > 0.0:
+        tape.gain[0] += work
+        if work > tape.gain[1]:
+            tape.gain[1] = work
+            tape.gain[2] = t
+
+
+@kernel
+def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
+    """Smallest gap of each declared contact; returns the entries that the table of the tape must hold."""
+    row = tape.count[0]
+    for law in range(len(tape.total_impulse)):
+        tape.gap[row, law] = np.nan
+    n = detect(model, q, tape.margin[0], tape.table)
+    for k in range(min(n, len(tape.table.key))):
+        law = tape.table.law[k]
+        if not tape.table.gap[k] >= tape.gap[row, law]:
+            tape.gap[row, law] = tape.table.gap[k]
+    return n
+
+
+@kernel
+def store_state(tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float) -> None:
+    """Close the instant: copy the state, energies, sums and peaks, and reset what is counted per instant."""
+    row = tape.count[0]
+    tape.times[row] = t
+    for i in range(len(q)):
+        tape.q[row, i] = q[i]
+        tape.u[row, i] = u[i]
+    tape.energies[row, 0] = kinetic
+    tape.energies[row, 1] = elastic
+    tape.energies[row, 2] = potential
+    for i in range(4):
+        tape.energies[row, 3 + i] = tape.sums[i]
+    for i in range(5):
+        tape.peaks[row, i] = tape.worst[i]
+        tape.worst[i] = 0.0
+    for law in range(len(tape.total_impulse)):
+        for i in range(2):
+            tape.impulse[row, law, i] = tape.total_impulse[law, i]
+            tape.force[row, law, i] = tape.now_force[law, i]
+            tape.now_force[law, i] = 0.0
+        tape.state[row, law] = tape.now_state[law]
+        tape.now_state[law] = OPEN
+    tape.count[0] = row + 1

@@ -1,0 +1,280 @@
+"""A system given by its own functions: M(q), h(t, q, u), gaps, W and w, and joint rows if it has any.
+
+    M(q) udot + C u + K q = h(t, q, u) + J^T lambda + W_N lambda_N + W_T lambda_T,   qdot = u
+
+It is advanced by the same steppers and solvers as a scene; its functions are called from Python.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.errors import ModelError, in_range
+from lcpflex.model import bodiless_model
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.steppers.system import System
+
+__all__ = ["UserSystem"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UserSystem:
+    """Mechanics written as Python functions of arrays, n coordinates, m contacts, r joint rows.
+
+    Attributes
+    ----------
+    q, u
+        Initial configuration and velocity, (n,) each.
+    mass
+        M, symmetric positive definite: an (n, n) array or a function q -> (n, n).
+    force
+        h: function (t, q, u) -> (n,) of all forces but those of ``stiffness``, ``damping`` and constraints.
+    gaps
+        Function q -> (m,) [m], positive open.
+    normals, tangents
+        W_N and W_T: (n, m) arrays or functions q -> (n, m); gdot = W^T u. ``tangents`` may be omitted where friction is 0.
+    normal_bias, tangent_bias
+        w: functions (q, u) -> (m,) with gddot = W^T udot + w; where omitted, (d/dt W)^T u by central differences.
+    friction, restitution, tangential_restitution
+        mu >= 0, e_N and e_T in [0, 1]: numbers or (m,).
+    names
+        Names of the contacts.
+    stiffness, damping
+        Constant K and C, (n, n), which time-stepping schemes treat implicitly.
+    potential
+        Potential energy of ``force`` as a function of q [J]; without it all of ``force`` counts as work of loads.
+    constraints, jacobian
+        phi(t, q) -> (r,) and J(t, q) -> (r, n) of bilateral joints.
+    constraint_rate, constraint_bias
+        Functions (t, q) -> (r,), the partial time derivative of phi (0 where omitted), and (t, q, u) -> (r,), phiddot - J udot
+        (by central differences where omitted).
+
+    Raises
+    ------
+    ModelError
+        For an argument of a wrong shape or range, or a function that fails or returns a wrong shape at the initial state.
+    """
+
+    q: npt.ArrayLike
+    u: npt.ArrayLike
+    mass: npt.ArrayLike | Callable[..., Any]
+    force: Callable[..., Any]
+    gaps: Callable[..., Any] | None = None
+    normals: npt.ArrayLike | Callable[..., Any] | None = None
+    tangents: npt.ArrayLike | Callable[..., Any] | None = None
+    normal_bias: Callable[..., Any] | None = None
+    tangent_bias: Callable[..., Any] | None = None
+    friction: npt.ArrayLike = 0.0
+    restitution: npt.ArrayLike = 0.0
+    tangential_restitution: npt.ArrayLike = 0.0
+    names: Sequence[str] = ()
+    stiffness: npt.ArrayLike | None = None
+    damping: npt.ArrayLike | None = None
+    potential: Callable[..., Any] | None = None
+    constraints: Callable[..., Any] | None = None
+    jacobian: Callable[..., Any] | None = None
+    constraint_rate: Callable[..., Any] | None = None
+    constraint_bias: Callable[..., Any] | None = None
+    _functions: Functions = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        q = _array("q", self.q, (None,))
+        u = _array("u", self.u, q.shape)
+        object.__setattr__(self, "q", q)
+        object.__setattr__(self, "u", u)
+        n = len(q)
+        if (self.gaps is None) != (self.normals is None):
+            raise ModelError("gaps and normals: one was given without the other, expected both or neither")
+        if (self.constraints is None) != (self.jacobian is None):
+            raise ModelError("constraints and jacobian: one was given without the other, expected both or neither")
+        m = len(_call("gaps", self.gaps, (None,), q)) if self.gaps is not None else 0
+        for name, high in (("friction", math.inf), ("restitution", 1.0), ("tangential_restitution", 1.0)):
+            values = np.broadcast_to(np.asarray(getattr(self, name), dtype=float), (m,)) if m else np.zeros(0)
+            for value in values:
+                in_range(name, value, 0.0, high)
+            object.__setattr__(self, name, np.array(values))
+        names = tuple(self.names) or tuple(f"contact{k + 1}" for k in range(m))
+        if len(names) != m or len(set(names)) != m:
+            raise ModelError(f"names: {names!r} was given, expected {m} different names")
+        object.__setattr__(self, "names", names)
+        if self.tangents is None and np.any(self.friction):
+            raise ModelError("tangents: None was given, expected W_T because friction is not zero")
+        for name in ("stiffness", "damping"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _array(name, getattr(self, name), (n, n)))
+        object.__setattr__(self, "_functions", Functions(self, n, m))
+        self._functions.try_all()
+
+    def system(self) -> System:
+        """What a stepper takes."""
+        from lcpflex.dynamics.user_mechanics import hooks
+        from lcpflex.steppers.system import System
+
+        q = np.array(self.q, dtype=float)
+        return System(
+            model=bodiless_model(
+                len(q), self._functions.n_joint, self.friction, self.restitution, self.tangential_restitution
+            ),
+            q=q,
+            u=np.array(self.u, dtype=float),
+            n_external=0,
+            hooks=hooks(self._functions),
+            dense=True,
+            margin=math.inf,
+        )
+
+
+def _array(name: str, value: Any, shape: tuple[int | None, ...]) -> FloatArray:
+    """``value`` as a finite float array of ``shape`` (None: any length)."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(f"{name}: {value!r} was given, expected an array of numbers of shape {shape}") from None
+    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
+    if not fits:
+        raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {shape}")
+    if not np.isfinite(array).all():
+        raise ModelError(f"{name}: {array!r} was given, expected finite numbers")
+    return array
+
+
+def _call(name: str, function: Callable[..., Any], shape: tuple[int | None, ...], *arguments: Any) -> FloatArray:
+    """What a user's function returns, checked; what it raises, named."""
+    try:
+        value = function(*arguments)
+    except Exception as error:
+        raise ModelError(f"{name}: the function raised {type(error).__name__}: {error}") from error
+    return _array(f"{name} (returned)", value, shape)
+
+
+class Functions:
+    """The functions of a :class:`UserSystem`, each checked at every call, with defaults for those left out."""
+
+    def __init__(self, given: UserSystem, n: int, m: int) -> None:
+        self._given = given
+        self.n = n
+        self.m = m
+        self.stiffness = np.zeros((n, n)) if given.stiffness is None else np.asarray(given.stiffness, dtype=float)
+        self.damping = np.zeros((n, n)) if given.damping is None else np.asarray(given.damping, dtype=float)
+        self.friction = np.asarray(given.friction, dtype=float)
+        start = np.asarray(given.q, dtype=float)
+        self.n_joint = 0 if given.constraints is None else len(_call("constraints", given.constraints, (None,), 0.0, start))
+
+    def try_all(self) -> None:
+        """Call every function once at the initial state, so that a wrong one is refused before time is spent."""
+        q = np.asarray(self._given.q, dtype=float)
+        u = np.asarray(self._given.u, dtype=float)
+        mass = self.mass(q)
+        if not np.allclose(mass, mass.T, rtol=1e-10, atol=1e-12 * float(np.abs(mass).max())):
+            raise ModelError("mass: an unsymmetric matrix was given, expected M(q) symmetric positive definite")
+        try:
+            np.linalg.cholesky(mass)
+        except np.linalg.LinAlgError:
+            raise ModelError("mass: an indefinite matrix was given, expected M(q) symmetric positive definite") from None
+        self.force(0.0, q, u)
+        self.potential(q)
+        if self.m:
+            self.gaps(q)
+            self.normals(q)
+            self.tangents(q)
+            self.biases(q, u)
+        if self.n_joint:
+            self.residual(0.0, q)
+            self.jacobian(0.0, q)
+            self.rate(0.0, q)
+            self.constraint_bias(0.0, q, u)
+
+    def mass(self, q: FloatArray) -> FloatArray:
+        """M (n, n)."""
+        return self._matrix("mass", self._given.mass, (self.n, self.n), q)
+
+    def _matrix(self, name: str, given: Any, shape: tuple[int | None, ...], *arguments: Any) -> FloatArray:
+        return _call(name, given, shape, *arguments) if callable(given) else _array(name, given, shape)
+
+    def force(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
+        """h (n,)."""
+        return _call("force", self._given.force, (self.n,), t, q.copy(), u.copy())
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether ``force`` has a known potential."""
+        return self._given.potential is not None
+
+    def potential(self, q: FloatArray) -> float:
+        """Potential energy of ``force`` [J]; 0 where unknown."""
+        if self._given.potential is None:
+            return 0.0
+        return float(_call("potential", self._given.potential, (), q.copy()))
+
+    def gaps(self, q: FloatArray) -> FloatArray:
+        """g_N (m,)."""
+        if self._given.gaps is None:
+            return np.zeros(0)
+        return _call("gaps", self._given.gaps, (self.m,), q.copy())
+
+    def normals(self, q: FloatArray) -> FloatArray:
+        """W_N (n, m)."""
+        return self._matrix("normals", self._given.normals, (self.n, self.m), q.copy())
+
+    def tangents(self, q: FloatArray) -> FloatArray:
+        """W_T (n, m)."""
+        if self._given.tangents is None:
+            return np.zeros((self.n, self.m))
+        return self._matrix("tangents", self._given.tangents, (self.n, self.m), q.copy())
+
+    def biases(self, q: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """w_N and w_T (m,) each."""
+        given = (self._given.normal_bias, self._given.tangent_bias)
+        rows = (self.normals, self.tangents)
+        names = ("normal_bias", "tangent_bias")
+        pair = [
+            _call(name, function, (self.m,), q.copy(), u.copy()) if function is not None else _change(w, q, u)
+            for name, function, w in zip(names, given, rows, strict=True)
+        ]
+        return pair[0], pair[1]
+
+    def residual(self, t: float, q: FloatArray) -> FloatArray:
+        """phi (r,)."""
+        if self._given.constraints is None:
+            return np.zeros(0)
+        return _call("constraints", self._given.constraints, (self.n_joint,), t, q.copy())
+
+    def jacobian(self, t: float, q: FloatArray) -> FloatArray:
+        """J (r, n)."""
+        if self._given.jacobian is None:
+            return np.zeros((0, self.n))
+        return _call("jacobian", self._given.jacobian, (self.n_joint, self.n), t, q.copy())
+
+    def rate(self, t: float, q: FloatArray) -> FloatArray:
+        """Partial time derivative of phi (r,)."""
+        if self._given.constraint_rate is None:
+            return np.zeros(self.n_joint)
+        return _call("constraint_rate", self._given.constraint_rate, (self.n_joint,), t, q.copy())
+
+    def constraint_bias(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
+        """phiddot - J udot (r,)."""
+        if self._given.constraint_bias is not None:
+            return _call("constraint_bias", self._given.constraint_bias, (self.n_joint,), t, q.copy(), u.copy())
+        e = _difference_step(q, u)
+        ahead = self.jacobian(t + e, q + e * u) @ u + self.rate(t + e, q + e * u)
+        behind = self.jacobian(t - e, q - e * u) @ u + self.rate(t - e, q - e * u)
+        return np.asarray((ahead - behind) / (2.0 * e))
+
+
+def _difference_step(q: FloatArray, u: FloatArray) -> float:
+    """Time step [s] that moves the configuration by about 1e-5 of its size: the best of a central difference."""
+    return 1e-5 * (1.0 + float(np.abs(q).max(initial=0.0))) / max(1.0, float(np.abs(u).max(initial=0.0)))
+
+
+def _change(w: Callable[[FloatArray], FloatArray], q: FloatArray, u: FloatArray) -> FloatArray:
+    """(d/dt W)^T u along the motion, by central differences."""
+    e = _difference_step(q, u)
+    return np.asarray((w(q + e * u) - w(q - e * u)).T @ u / (2.0 * e))
