@@ -1,0 +1,171 @@
+"""Generalised forces of springs, dampers, forces and torques, and the functions of time behind them."""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.bodies.floating_frame import (
+    add_point_row,
+    add_rotation_row,
+    point_angle,
+    point_position,
+    point_velocity,
+)
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.model import Bodies, Model, Points, Signals
+
+__all__ = ["applied_forces", "point_spin", "signal_value", "spring_energy"]
+
+SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
+
+
+@kernel
+def signal_value(signals: Signals, index: int, t: float, external: FloatArray) -> tuple[float, float, float]:
+    """Value, first and second derivative at time t of function ``index`` (see :class:`lcpflex.model.Signals`)."""
+    first = signals.first[index]
+    if signals.kind[index] == 2:
+        return external[first, 0], external[first, 1], external[first, 2]
+    if signals.kind[index] == 1:
+        mean = signals.coefficients[first, 0]
+        amplitude = signals.coefficients[first, 1]
+        omega = signals.coefficients[first, 2]
+        phase = omega * t + signals.coefficients[first, 3]
+        swing = amplitude * math.sin(phase)
+        return mean + swing, omega * amplitude * math.cos(phase), -omega * omega * swing
+    low = first
+    high = signals.last[index] - 1
+    if t < signals.breaks[low]:
+        return signals.coefficients[low, 3], 0.0, 0.0
+    if t > signals.breaks[high]:
+        return signals.coefficients[high, 3], 0.0, 0.0
+    while high - low > 1:
+        middle = (low + high) // 2
+        if signals.breaks[middle] <= t:
+            low = middle
+        else:
+            high = middle
+    s = t - signals.breaks[low]
+    cubic = signals.coefficients[low, 0]
+    square = signals.coefficients[low, 1]
+    slope = signals.coefficients[low, 2]
+    value = ((cubic * s + square) * s + slope) * s + signals.coefficients[low, 3]
+    return value, (3.0 * cubic * s + 2.0 * square) * s + slope, 6.0 * cubic * s + 2.0 * square
+
+
+@kernel
+def point_spin(bodies: Bodies, points: Points, u: FloatArray, p: int) -> float:
+    """Angular velocity of the material at point p, that of the body plus psi qdot [rad/s]; 0 on the ground."""
+    b = points.body[p]
+    if b < 0:
+        return 0.0
+    d = bodies.dof[b]
+    spin = u[d + 2]
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        spin += points.psi[start + k] * u[d + 3 + k]
+    return float(spin)
+
+
+@kernel
+def push(model: Model, q: FloatArray, p: int, fx: float, fy: float, force: FloatArray) -> None:
+    """force += generalised force of (fx, fy) [N, world axes] at point p."""
+    b = model.points.body[p]
+    if b >= 0:
+        block = force[model.bodies.dof[b] : model.bodies.dof[b + 1]]
+        add_point_row(model.bodies, model.points, q, p, fx, fy, block)
+
+
+@kernel
+def twist(model: Model, p: int, torque: float, force: FloatArray) -> None:
+    """force += generalised force of a torque [N m] on the material at point p."""
+    b = model.points.body[p]
+    if b >= 0:
+        add_rotation_row(model.bodies, model.points, p, torque, force[model.bodies.dof[b] : model.bodies.dof[b + 1]])
+
+
+@kernel
+def spring_forces(
+    model: Model, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
+) -> None:
+    """Forces -k (L - L0) and -c Ldot along each spring; torques -k (angle - angle0) and -c rate of torsional ones."""
+    bodies = model.bodies
+    points = model.points
+    for k in range(len(model.loads.spring_kind)):
+        i = model.loads.spring_point[k, 0]
+        j = model.loads.spring_point[k, 1]
+        stiffness = model.loads.spring_value[k, 0]
+        damping = model.loads.spring_value[k, 1]
+        free = model.loads.spring_value[k, 2]
+        if model.loads.spring_kind[k] == 1:
+            torque = -stiffness * (point_angle(bodies, points, q, i) - point_angle(bodies, points, q, j) - free)
+            twist(model, i, torque, conservative)
+            twist(model, j, -torque, conservative)
+            torque = -damping * (point_spin(bodies, points, u, i) - point_spin(bodies, points, u, j))
+            twist(model, i, torque, dissipative)
+            twist(model, j, -torque, dissipative)
+        else:
+            xi, yi = point_position(bodies, points, q, i)
+            xj, yj = point_position(bodies, points, q, j)
+            length = math.hypot(xi - xj, yi - yj)
+            if length < SMALLEST_LENGTH:
+                continue
+            ex = (xi - xj) / length
+            ey = (yi - yj) / length
+            tension = -stiffness * (length - free)
+            push(model, q, i, tension * ex, tension * ey, conservative)
+            push(model, q, j, -tension * ex, -tension * ey, conservative)
+            vxi, vyi = point_velocity(bodies, points, q, u, i)
+            vxj, vyj = point_velocity(bodies, points, q, u, j)
+            tension = -damping * (ex * (vxi - vxj) + ey * (vyi - vyj))
+            push(model, q, i, tension * ex, tension * ey, dissipative)
+            push(model, q, j, -tension * ex, -tension * ey, dissipative)
+
+
+@kernel
+def applied_forces(
+    model: Model,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    external: FloatArray,
+    conservative: FloatArray,
+    dissipative: FloatArray,
+    driving: FloatArray,
+) -> None:
+    """Add the generalised forces of springs, of dampers, and of forces and torques at time t, each (ndof,).
+
+    ``external`` (slots, 3) holds what Python callbacks supply at t.
+    """
+    spring_forces(model, q, u, conservative, dissipative)
+    for k in range(len(model.loads.force_kind)):
+        p = model.loads.force_point[k]
+        fx, _, _ = signal_value(model.signals, model.loads.force_signal[k, 0], t, external)
+        if model.loads.force_kind[k] == 2:
+            twist(model, p, fx, driving)
+            continue
+        fy, _, _ = signal_value(model.signals, model.loads.force_signal[k, 1], t, external)
+        if model.loads.force_kind[k] == 1:
+            angle = point_angle(model.bodies, model.points, q, p)
+            cos = math.cos(angle)
+            sin = math.sin(angle)
+            push(model, q, p, cos * fx - sin * fy, sin * fx + cos * fy, driving)
+        else:
+            push(model, q, p, fx, fy, driving)
+
+
+@kernel
+def spring_energy(model: Model, q: FloatArray) -> float:
+    """Energy stored in all springs, the sum of k (L - L0)^2 / 2 and k (angle - angle0)^2 / 2 [J]."""
+    energy = 0.0
+    for k in range(len(model.loads.spring_kind)):
+        i = model.loads.spring_point[k, 0]
+        j = model.loads.spring_point[k, 1]
+        if model.loads.spring_kind[k] == 1:
+            size = point_angle(model.bodies, model.points, q, i) - point_angle(model.bodies, model.points, q, j)
+        else:
+            xi, yi = point_position(model.bodies, model.points, q, i)
+            xj, yj = point_position(model.bodies, model.points, q, j)
+            size = math.hypot(xi - xj, yi - yj)
+        stretch = size - model.loads.spring_value[k, 2]
+        energy += 0.5 * model.loads.spring_value[k, 0] * stretch * stretch
+    return energy
