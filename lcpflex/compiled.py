@@ -2,13 +2,14 @@
 
 A kernel is a function of arrays and scalars in the subset of Python that numba compiles. It is
 compiled at its first call and kept in a cache on disk. The cache of numba is keyed by the source file
-of the function alone, so a change in another file that a kernel calls would go unseen; here the
-key is the content of the whole package, and an upgrade never runs stale code.
+of the function alone, so a change in another file that a kernel calls would go unseen; here the key is
+the content of that file and of all that it imports from the package, and an upgrade never runs stale code.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 import sys
 import types
 from collections.abc import Callable
@@ -25,18 +26,31 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 F = TypeVar("F", bound=Callable[..., Any])
 
+ROOT = Path(__file__).resolve().parent
+
 _announced = False
 
 
-@lru_cache(maxsize=1)
-def _package_digest() -> str:
-    """Hash of every source file of the package (1 ms): the stamp of all its compiled kernels."""
+@lru_cache(maxsize=None)
+def _imports(path: Path) -> tuple[Path, ...]:
+    """The source files of the package that the one at ``path`` names in its imports."""
+    names = re.findall(r"^\s*from (lcpflex[\w.]*) import", path.read_text(encoding="utf-8"), re.MULTILINE)
+    files = (ROOT.joinpath(*name.split(".")[1:]).with_suffix(".py") for name in names)
+    return tuple(file for file in files if file.is_file())
+
+
+@lru_cache(maxsize=None)
+def _stamp(path: Path) -> str:
+    """Hash of all the sources that a kernel in the file at ``path`` can depend on."""
+    sources, waiting = set(), [path]
+    while waiting:
+        source = waiting.pop()
+        if source not in sources:
+            sources.add(source)
+            waiting.extend(_imports(source))
     digest = hashlib.sha256()
-    root = Path(__file__).resolve().parent
-    for folder in (root, (root / "solvers").resolve()):
-        for path in sorted(folder.rglob("*.py")):
-            digest.update(path.name.encode())
-            digest.update(path.read_bytes())
+    for source in sorted(sources):
+        digest.update(source.read_bytes())
     return digest.hexdigest()
 
 
@@ -53,14 +67,19 @@ def _announce() -> None:
         )
 
 
+def _source_of(function: Callable[..., Any]) -> Path:
+    """The file of a function's module, found by its name: ``lcpflex/solvers`` is a link."""
+    return ROOT.joinpath(*function.__module__.split(".")[1:]).with_suffix(".py")
+
+
 def _package_cache(function: Callable[..., Any]) -> Any:
-    """Numba's on-disk cache of one function, stamped with the content of the whole package."""
+    """Numba's on-disk cache of one function, stamped with all the sources it depends on."""
     from numba.core.caching import FunctionCache
 
     class PackageCache(FunctionCache):  # type: ignore[misc]
         def __init__(self, py_func: Callable[..., Any]) -> None:
             super().__init__(py_func)
-            self._cache_file._source_stamp = _package_digest()
+            self._cache_file._source_stamp = _stamp(_source_of(py_func))
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
             loaded = super().load_overload(sig, target_context)
@@ -81,7 +100,7 @@ def kernel(function: F) -> F:
     dispatcher = numba.njit(function)
     try:
         dispatcher._cache = _package_cache(function)
-    except (AttributeError, RuntimeError):  # other numba internals, or no writable folder for a cache
+    except (AttributeError, OSError, RuntimeError):  # other numba internals, no folder for a cache, a kernel of a user's
         pass
     return cast(F, dispatcher)
 
