@@ -48,7 +48,7 @@ _HOME = {
     "simulate": "lcpflex.simulate",
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
-    "UserSystem": "lcpflex.dynamics.user_system",
+    "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
     "Lemke": "lcpflex.solvers.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
@@ -125,7 +125,6 @@ if TYPE_CHECKING:
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
-    from lcpflex.dynamics.user_system import UserSystem
     from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
     from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
@@ -136,3 +135,4 @@ if TYPE_CHECKING:
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.steppers.event_driven import EventDriven
     from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.user_system import UserSystem

@@ -70,10 +70,10 @@ class Energies:
 
     @property
     def scale(self) -> float:
-        """Largest stored energy [J]: kinetic + elastic + the change of the potential, which has no zero of its own."""
+        """Largest stored energy [J], with the potential, which has no zero of its own, counted from its lowest value."""
         if not self.kinetic.size:
             return 0.0
-        return float(np.max(self.kinetic + self.elastic + np.abs(self.potential - self.potential[0])))
+        return float(np.max(self.stored) - np.min(self.potential))
 
     @property
     def largest_remainder(self) -> float:
@@ -86,4 +86,4 @@ class Energies:
         unexplained, scale = self.largest_remainder, self.scale
         if unexplained == 0.0:
             return 0.0
-        return unexplained / scale if scale != 0.0 else float("inf")
+        return unexplained / scale if scale > 0.0 else float("inf")

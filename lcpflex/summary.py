@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["doubts", "summary"]
 
 # From where on a number casts doubt on a result.
-UNEXPLAINED = 0.01  # energy that nobody can explain, relative to the largest stored energy
+UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
 SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
 LISTED = 8  # contacts that are described one by one

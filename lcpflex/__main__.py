@@ -1,0 +1,227 @@
+"""The command line: ``lcpflex`` or ``python -m lcpflex``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lcpflex import __version__
+from lcpflex.errors import LcpflexError, ModelError, StepError
+
+if TYPE_CHECKING:
+    from lcpflex.gallery import Case
+    from lcpflex.result import Result
+
+__all__ = ["main"]
+
+DEMO = "pendulum"  # the flexible pendulum that falls onto its stop, with friction
+STEP = 1e-4  # of a stepper that is asked for by name without a step [s]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command. Returns the exit code: 0 done, 1 the simulation failed, 2 the request cannot be."""
+    parser = _parser()
+    request = parser.parse_args(arguments)
+    if request.command is None:
+        parser.print_help()
+        return 0
+    try:
+        return int(request.command(request))
+    except ModelError as error:
+        print(f"lcpflex: {error}", file=sys.stderr)
+        return 2
+    except LcpflexError as error:
+        print(f"lcpflex: {error}", file=sys.stderr)
+        if isinstance(error, StepError) and error.result is not None:
+            print(f"\nUp to there:\n\n{error.result.summary()}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("lcpflex: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="lcpflex", description="Frictional contact in flexible multibody systems.")
+    parser.add_argument("--version", action="version", version=f"lcpflex {__version__}")
+    parser.set_defaults(command=None)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
+
+    demo = commands.add_parser("demo", help="a flexible pendulum falls onto its stop: summary, picture and film")
+    demo.add_argument("--folder", type=Path, default=Path(), help="where to write the files (default: here)")
+    demo.set_defaults(command=_demo)
+
+    gallery = commands.add_parser("gallery", help="list the reference scenes")
+    gallery.set_defaults(command=_gallery)
+
+    run = commands.add_parser("run", help="run one scene and print its summary")
+    run.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
+    run.add_argument("--stepper", choices=("moreau-jean", "event-driven"), help="default: the one of the scene")
+    run.add_argument("--step", type=float, metavar="SECONDS", help="step of Moreau-Jean, largest step of event-driven")
+    run.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
+    run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
+    run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
+    run.set_defaults(command=_run)
+
+    warmup = commands.add_parser("warmup", help="compile every kernel into the cache, once for this machine")
+    warmup.set_defaults(command=_warmup)
+    return parser
+
+
+def _demo(request: argparse.Namespace) -> int:
+    from lcpflex.simulate import simulate
+
+    folder = _checked_folder(request.folder)
+    case = _case(DEMO)
+    print(f"{case.title}\n", flush=True)
+    result = simulate(case.build(), case.duration, case.stepper, progress=True)
+    print(result.summary(), "\n", flush=True)
+    picture, chart, film = (folder / f"lcpflex-demo.{name}" for name in ("png", "chart.png", "gif"))
+    _save_figure(result.draw(_telling_time(result)), picture)
+    _save_figure(result.plot(), chart)
+    print("drawing the film ...", file=sys.stderr, flush=True)
+    result.animate(film, fps=20.0)
+    print("written: " + "\n         ".join(str(path.resolve()) for path in (picture, chart, film)))
+    return 0 if result.complete else 1
+
+
+def _gallery(request: argparse.Namespace) -> int:
+    from lcpflex.gallery import scenes
+
+    cases = scenes()
+    width = max(len(name) for name in cases)
+    for name, case in cases.items():
+        print(f"{name:<{width}}  {case.title}")
+    print("\nrun one with: lcpflex run NAME")
+    return 0
+
+
+def _run(request: argparse.Namespace) -> int:
+    from lcpflex.simulate import simulate
+
+    for option in ("step", "duration"):
+        value = getattr(request, option)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise ModelError(f"--{option}: {value!r}; expected a number of seconds > 0")
+    for path in (request.save, request.plot):
+        if path is not None:
+            _checked_folder(path.parent)
+    scene, duration, stepper = _scene(request.scene)
+    duration = request.duration or duration
+    if duration is None:
+        raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
+    stepper = _stepper(request.stepper, request.step, stepper)
+    result = simulate(scene, duration, stepper, progress=True)
+    print(result.summary())
+    if request.save is not None:
+        print(f"\nsaved: {result.save(request.save).resolve()}")
+    if request.plot is not None:
+        _save_figure(result.plot(), request.plot)
+        print(f"\nchart: {request.plot.resolve()}")
+    return 0 if result.complete else 1
+
+
+def _warmup(request: argparse.Namespace) -> int:
+    """Run a few steps of scenes that between them use every kernel."""
+    from time import perf_counter
+
+    from tqdm import tqdm
+
+    from lcpflex.gallery import warmup_cases
+    from lcpflex.simulate import simulate
+
+    start = perf_counter()
+    with tqdm(warmup_cases(), desc="compiling", unit="scene") as cases:
+        for case in cases:
+            cases.set_postfix_str(case.name)
+            simulate(case.build(), case.duration, case.stepper, progress=False)
+    print(f"every kernel is in the cache; {perf_counter() - start:.1f} s")
+    return 0
+
+
+def _case(name: str) -> Case:
+    from lcpflex.gallery import scenes
+
+    cases = scenes()
+    if name not in cases:
+        raise ModelError(f"SCENE: no scene {name!r}; expected file.py:function or one of {', '.join(cases)}")
+    return cases[name]
+
+
+def _scene(text: str) -> tuple[Any, float | None, Any]:
+    """Scene, its duration [s] and its stepper, the last two None where only a scene was given."""
+    path, colon, function = text.rpartition(":")
+    if not (colon and path.endswith(".py")):
+        case = _case(text)
+        return case.build(), case.duration, case.stepper
+    from lcpflex.gallery import Case
+
+    made = _load_function(Path(path), function)()
+    if isinstance(made, Case):
+        return made.build(), made.duration, made.stepper
+    return made, None, None
+
+
+def _load_function(path: Path, name: str) -> Any:
+    """A function of a Python file of the user's own, which may import its neighbours."""
+    import importlib.util
+
+    if not path.is_file():
+        raise ModelError(f"SCENE: no file {str(path)!r}; expected file.py:function")
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.path.insert(0, str(path.resolve().parent))
+    sys.modules[path.stem] = module  # dataclasses of the file look themselves up there
+    specification.loader.exec_module(module)
+    function = getattr(module, name, None)
+    if not callable(function):
+        raise ModelError(f"SCENE: {str(path)!r} has no function {name!r}; expected one that returns a Scene")
+    return function
+
+
+def _stepper(name: str | None, step: float | None, own: Any) -> Any:
+    """The stepper asked for, else the scene's own, with the step asked for."""
+    from dataclasses import replace
+
+    from lcpflex import EventDriven, MoreauJean
+
+    if name is None:
+        name = "moreau-jean" if own is None else None
+    kind: Any = {"moreau-jean": MoreauJean, "event-driven": EventDriven, None: type(own)}[name]
+    option = "step" if kind is MoreauJean else "largest_step"
+    if type(own) is kind:
+        return own if step is None else replace(own, **{option: step})
+    if kind is MoreauJean:
+        return MoreauJean(step=step or STEP)
+    return EventDriven() if step is None else EventDriven(**{option: step})
+
+
+def _telling_time(result: Result) -> float:
+    """The stored instant of the largest contact force."""
+    return float(result.times[result.force[:, :, 0].sum(axis=1).argmax()])
+
+
+def _checked_folder(folder: Path) -> Path:
+    """Refuse a folder that cannot be written to before time is spent."""
+    if not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise ModelError(f"folder: {str(folder)!r} cannot be written to; expected an existing, writable folder")
+    return folder
+
+
+def _save_figure(figure: Any, path: Path) -> None:
+    try:
+        figure.savefig(path, dpi=150)
+    except (OSError, ValueError) as error:
+        raise ModelError(f"path: cannot write {str(path)!r}: {error}") from error
+
+
+if __name__ == "__main__":
+    sys.exit(main())

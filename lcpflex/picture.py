@@ -1,0 +1,197 @@
+"""What a scene looks like: places of surfaces in the world, and the part of the plane to show."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.result import world_places
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from lcpflex.compiled import FloatArray, IntArray
+    from lcpflex.result import Result
+    from lcpflex.scene import Compiled
+
+__all__ = ["View", "draw_bodies", "draw_forces", "draw_surfaces", "view_of"]
+
+View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
+
+_BODY, _GROUND, _FORCE = "#0072B2", "#6E6E6E", "#D55E00"
+_SOLID = "#D9D9D9"
+_SEGMENT, _ARC = 0, 1  # kinds of features
+_MARGIN = 0.12  # of the picture, around what moves
+_ARROW = 0.2  # length of an arrow of the force that sets the scale, relative to the picture
+_LONGEST = 1.5  # forces beyond that are cut to this many times its length
+
+
+def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
+    """The part of the plane that the bodies sweep in the given records, with the finite ground surfaces near it."""
+    points = compiled.model.points
+    drawn = [ids for body, ids, _ in compiled.layout.outlines if body >= 0]
+    round_ones = [(p, radius) for p, radius in compiled.layout.circles if points.body[p] >= 0]
+    moving = np.unique(np.concatenate([*drawn, np.array([p for p, _ in round_ones], dtype=np.int64)]))
+    if not moving.size:
+        moving = np.flatnonzero(points.body >= 0)
+    rim = max((radius for _, radius in round_ones), default=0.0)
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for record in records[:: max(1, len(records) // 60)]:
+        places = world_places(compiled.model, result.q[record], moving)
+        low, high = np.minimum(low, places.min(axis=0) - rim), np.maximum(high, places.max(axis=0) + rim)
+    reach = max(float((high - low).max()), 1e-9)
+    for corner_low, corner_high in _ground_boxes(compiled):
+        if np.all(corner_high > low - reach) and np.all(corner_low < high + reach):
+            # Of a long floor only the part near the bodies is shown.
+            low = np.minimum(low, np.maximum(corner_low, low - 0.3 * reach))
+            high = np.maximum(high, np.minimum(corner_high, high + 0.3 * reach))
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    half = np.maximum(half, 0.3 * half.max()) + _MARGIN * 2.0 * half.max()  # no thinner than 1 : 3
+    return (
+        float(middle[0] - half[0]),
+        float(middle[0] + half[0]),
+        float(middle[1] - half[1]),
+        float(middle[1] + half[1]),
+    )
+
+
+def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
+    """Deformed outlines and discs of all bodies at the configuration q (ndof,)."""
+    from matplotlib.patches import Circle
+
+    model = compiled.model
+    for body, points, closed in compiled.layout.outlines:
+        if body >= 0:
+            xy = world_places(model, q, points)
+            if closed:
+                ax.fill(xy[:, 0], xy[:, 1], facecolor=_BODY, alpha=0.2, edgecolor="none")
+                xy = np.vstack([xy, xy[:1]])
+            ax.plot(xy[:, 0], xy[:, 1], color=_BODY, linewidth=1.2, solid_joinstyle="round")
+    for point, radius in compiled.layout.circles:
+        body = int(model.points.body[point])
+        if body >= 0:
+            x, y = world_places(model, q, np.array([point]))[0]
+            ax.add_patch(Circle((x, y), radius, facecolor=(0.0, 0.447, 0.698, 0.2), edgecolor=_BODY, linewidth=1.2))
+            angle = q[model.bodies.dof[body] + 2]
+            spoke = (x + radius * np.cos(angle), y + radius * np.sin(angle))
+            ax.plot([x, spoke[0]], [y, spoke[1]], color=_BODY, linewidth=0.8)
+
+
+def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> None:
+    """Ground surfaces (half-planes filled up to the edge of the view) and arcs, holes and half-planes on bodies."""
+    contacts, model = compiled.model.contacts, compiled.model
+    for surface in range(len(contacts.surface_body)):
+        on_ground = contacts.surface_body[surface] < 0
+        colour = _GROUND if on_ground else _BODY
+        first, last = contacts.feature_start[surface], contacts.feature_start[surface + 1]
+        endless = not np.isfinite(contacts.surface_extent[surface])
+        for f in range(first, last):
+            a, b = world_places(model, q, contacts.feature_point[f])
+            if contacts.feature_kind[f] == _ARC:
+                radius, hole = abs(contacts.feature_radius[f]), contacts.feature_sense[f] < 0
+                if radius > 0.0 and (on_ground or hole or contacts.feature_span[f, 1] < 2.0 * np.pi - 1e-12):
+                    turn = _angle_of(compiled, q, int(contacts.surface_body[surface]))
+                    xy = a + radius * _circle_points(contacts.feature_span[f], turn)
+                    whole = contacts.feature_span[f, 1] >= 2.0 * np.pi - 1e-12
+                    if whole and not hole and on_ground:
+                        ax.fill(xy[:, 0], xy[:, 1], facecolor=_SOLID, edgecolor="none")
+                    ax.plot(xy[:, 0], xy[:, 1], color=colour, linewidth=1.2)
+            elif endless:
+                _draw_half_plane(ax, a, b, view, colour)
+            elif on_ground:
+                ax.plot([a[0], b[0]], [a[1], b[1]], color=colour, linewidth=1.2, solid_capstyle="round")
+                _hatch(ax, a, b, view)
+
+
+def draw_forces(ax: Axes, result: Result, record: int, view: View, scale: float) -> None:
+    """An arrow for each contact force of the record; a force of ``scale`` [N] has the full length."""
+    if scale <= 0.0:
+        return
+    spots = result.spots
+    length = _ARROW * max(view[1] - view[0], view[3] - view[2])
+    ax.text(
+        1.0,
+        1.01,
+        f"forces: {length:.2g} m is {scale:.3g} N",
+        transform=ax.transAxes,
+        ha="right",
+        va="bottom",
+        fontsize="small",
+        color=_FORCE,
+    )
+    for k in np.flatnonzero(spots.record == record):
+        normal = spots.normal[k]
+        tangent = np.array([normal[1], -normal[0]])
+        force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
+        size = float(np.hypot(*force))
+        if size > 1e-3 * scale:
+            arrow = force / size * length * min(size / scale, _LONGEST)
+            ax.annotate(
+                "",
+                xy=tuple(spots.place[k] + arrow),
+                xytext=tuple(spots.place[k]),
+                arrowprops={"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
+                zorder=5,
+            )
+            ax.plot(*spots.place[k], marker="o", markersize=3, color=_FORCE, zorder=5)
+
+
+def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:
+    """Bounding boxes (low, high) of the finite ground surfaces."""
+    contacts = compiled.model.contacts
+    boxes = []
+    for surface in np.flatnonzero((contacts.surface_body < 0) & np.isfinite(contacts.surface_extent)):
+        features = slice(contacts.feature_start[surface], contacts.feature_start[surface + 1])
+        if contacts.feature_start[surface] < contacts.feature_start[surface + 1]:
+            places = compiled.model.points.place[contacts.feature_point[features].ravel()]
+            radius = np.abs(contacts.feature_radius[features]).max()
+            boxes.append((places.min(axis=0) - radius, places.max(axis=0) + radius))
+    return boxes
+
+
+def _angle_of(compiled: Compiled, q: FloatArray, body: int) -> float:
+    return 0.0 if body < 0 else float(q[compiled.model.bodies.dof[body] + 2])
+
+
+def _circle_points(span: FloatArray, turn: float) -> FloatArray:
+    """Points of a unit arc from its start angle over its extent, turned by ``turn``: (k, 2)."""
+    extent = min(float(span[1]), 2.0 * np.pi)
+    angles = turn + float(span[0]) + np.linspace(0.0, extent, max(8, round(extent * 30)))
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def _draw_half_plane(ax: Axes, a: FloatArray, b: FloatArray, view: View, colour: str) -> None:
+    """The line through a and b, and the part of the view on its left filled."""
+    x0, x1, y0, y1 = view
+    along = (b - a) / np.hypot(*(b - a))
+    inward = np.array([-along[1], along[0]])
+    corners = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+    depth = (corners - a) @ inward
+    inside, border = [], []
+    for k in range(4):
+        this, following = depth[k], depth[(k + 1) % 4]
+        if this >= 0.0:
+            inside.append(corners[k])
+        if (this >= 0.0) != (following >= 0.0):
+            crossing = corners[k] + this / (this - following) * (corners[(k + 1) % 4] - corners[k])
+            inside.append(crossing)
+            border.append(crossing)
+    if inside:
+        ax.fill(*np.array(inside).T, facecolor=_SOLID, edgecolor="none", zorder=0)
+    if len(border) == 2:
+        ax.plot(*np.array(border).T, color=colour, linewidth=1.2)
+
+
+def _hatch(ax: Axes, a: FloatArray, b: FloatArray, view: View) -> None:
+    """Short strokes on the solid side of a segment, its left."""
+    from matplotlib.collections import LineCollection
+
+    picture = max(view[1] - view[0], view[3] - view[2])
+    length = float(np.hypot(*(b - a)))
+    if length == 0.0:
+        return
+    along = (b - a) / length
+    stroke = 0.015 * picture * (np.array([-along[1], along[0]]) - along)
+    feet = [a + along * s for s in np.arange(0.5, min(length / (0.025 * picture), 400.0)) * 0.025 * picture]
+    ax.add_collection(LineCollection([(foot, foot + stroke) for foot in feet], colors=_GROUND, linewidths=0.6))

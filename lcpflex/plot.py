@@ -1,0 +1,236 @@
+"""Pictures of results: charts over time, the scene at an instant, and films of it.
+
+No picture is opened on the screen and no global state of matplotlib is touched: functions return the figure,
+which notebooks show and ``figure.savefig(path)`` writes.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+from lcpflex.picture import View, draw_bodies, draw_forces, draw_surfaces, view_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from lcpflex.result import Result
+    from lcpflex.scene import Compiled
+
+__all__ = ["animate", "draw", "plot"]
+
+# Okabe and Ito's colours, told apart with any colour vision.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_SHOWN = 6  # contacts drawn in a chart; of more, those with the largest impulses
+_FILM = 6.0  # length of a film whose slowdown is not given [s]
+
+
+def plot(result: Result) -> Figure:
+    """Chart of contact forces [N], gaps [m] and energies [J] over time [s].
+
+    Of many contacts those with the largest normal impulses are shown.
+    """
+    from matplotlib.figure import Figure
+
+    if not result.times.size:
+        raise ModelError("result: it holds no instant; expected at least one")
+    order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
+    panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
+    figure = Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, ax in zip(panels, axes, strict=True):
+        panel(ax, result, order)
+        ax.grid(True, linewidth=0.4, alpha=0.5)
+        ax.margins(x=0.0)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
+    axes[-1].set_xlabel("time [s]")
+    left_out = len(result.contact_names) - order.size
+    title = result.stepper if len(result.stepper) <= 90 else result.stepper[:87] + "..."
+    if left_out > 0:
+        title += f"\n{left_out} contacts with smaller impulses are not shown"
+    axes[0].set_title(title, fontsize="medium", loc="left")
+    return figure
+
+
+def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
+    """Picture of the scene at the stored instant nearest to ``t`` [s].
+
+    Bodies with their deformed outlines, ground surfaces, and at each touching point an arrow for the force on the
+    body whose surface the normal points to; the key gives its scale. ``axes`` draws into axes of your own.
+    Raises ModelError for a time outside the simulation and for systems without a scene.
+    """
+    from matplotlib.figure import Figure
+
+    compiled = _scene_of(result)
+    if not (result.times.size and result.times[0] <= t <= result.times[-1]):
+        reached = f"{result.times[0]:g} to {result.times[-1]:g} s" if result.times.size else "no instant"
+        raise ModelError(f"t: {t!r} s; expected a time within the result, {reached}")
+    record = int(np.argmin(np.abs(result.times - t)))
+    view = view_of(result, compiled, np.array([record]))
+    if axes is None:
+        axes = Figure(figsize=_figure_size(view), layout="constrained").subplots()
+    forces = np.linalg.norm(result.spots.force[result.spots.record == record], axis=1)
+    _draw_record(axes, result, compiled, record, view, float(forces.max(initial=0.0)))
+    axes.set_title(f"t = {result.times[record]:.6g} s", fontsize="medium", loc="left")
+    return axes.get_figure(root=True)  # type: ignore[return-value]
+
+
+def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
+    """Film of the scene: GIF, or MP4 where ffmpeg is installed, by the ending of ``path``.
+
+    ``slowdown`` is film time over simulated time; by default the film lasts six seconds. Frames show the stored
+    instant nearest to theirs. One scale of forces holds for the whole film, set by all but the largest twentieth of
+    them; arrows beyond it are cut. Raises ModelError for another ending, a missing ffmpeg, or an unwritable path.
+    """
+    from matplotlib import animation
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    compiled = _scene_of(result)
+    target = Path(path)
+    ending = target.suffix.lower()
+    if ending not in (".gif", ".mp4"):
+        raise ModelError(f"path: {str(target)!r}; expected a name that ends in .gif or .mp4")
+    if ending == ".mp4" and not animation.FFMpegWriter.isAvailable():
+        raise ModelError(f"path: {str(target)!r} needs ffmpeg, which is not installed; install it or expect .gif")
+    if not (np.isfinite(fps) and fps > 0.0):
+        raise ModelError(f"fps: {fps!r}; expected a number > 0")
+    if slowdown is not None and not (np.isfinite(slowdown) and slowdown > 0.0):
+        raise ModelError(f"slowdown: {slowdown!r}; expected a number > 0, or None")
+    if not result.times.size:
+        raise ModelError("result: it holds no instant; expected at least one")
+    records, slower = _frames(result.times, fps, slowdown)
+    view = view_of(result, compiled, records)
+    figure = Figure(figsize=_figure_size(view), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    forces = np.linalg.norm(result.spots.force, axis=1)
+    scale = float(np.quantile(forces[forces > 0.0], 0.95)) if np.any(forces > 0.0) else 0.0
+    writer = animation.PillowWriter(fps=fps) if ending == ".gif" else animation.FFMpegWriter(fps=fps)  # type: ignore[arg-type]
+    try:
+        with writer.saving(figure, str(target), dpi=80):
+            for frame, record in enumerate(records):
+                axes.clear()
+                _draw_record(axes, result, compiled, int(record), view, scale)
+                axes.set_title(f"t = {result.times[record]:.4f} s, {slower}", fontsize="medium", loc="left")
+                if frame == 0:  # laid out once, for all frames
+                    figure.draw_without_rendering()
+                    figure.set_layout_engine("none")
+                writer.grab_frame()
+    except OSError as error:
+        raise ModelError(f"path: cannot write {str(target)!r}: {error.strerror or error}") from error
+    return target
+
+
+def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
+    factor, prefix = _prefix(np.abs(result.force[:, order]).max(initial=0.0))
+    for place, k in enumerate(order):
+        colour, name = _COLOURS[place], _short(result.contact_names[k])
+        ax.plot(result.times, result.force[:, k, 0] / factor, color=colour, linewidth=1.2, label=f"{name}, normal")
+        if np.any(result.force[:, k, 1] != 0.0):
+            label = f"{name}, tangential"
+            ax.plot(
+                result.times, result.force[:, k, 1] / factor, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=label
+            )
+    ax.set_ylabel(f"contact force [{prefix}N]")
+
+
+def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
+    gaps = result.gap[:, order]
+    factor, prefix = _prefix(float(np.abs(gaps[np.isfinite(gaps)]).max(initial=0.0)))
+    for place, k in enumerate(order):
+        ax.plot(
+            result.times,
+            result.gap[:, k] / factor,
+            color=_COLOURS[place],
+            linewidth=1.2,
+            label=_short(result.contact_names[k]),
+        )
+    ax.axhline(0.0, color="black", linewidth=0.6)
+    ax.set_ylabel(f"gap [{prefix}m]")
+
+
+def _plot_energies(ax: Axes, result: Result, order: IntArray) -> None:
+    energies = result.energies
+    curves = (
+        ("kinetic", energies.kinetic, "-"),
+        ("elastic", energies.elastic, "-"),
+        ("potential, change", energies.potential - energies.potential[0], "-"),
+        ("lost to friction", energies.friction, "--"),
+        ("lost in impacts", energies.impact, "--"),
+        ("lost to damping", energies.damping, "--"),
+        ("work of loads", energies.work, ":"),
+    )
+    factor, prefix = _prefix(max(float(np.abs(values).max()) for _, values, _ in curves))
+    for (label, values, style), colour in zip(curves, _COLOURS, strict=True):
+        if np.any(values != 0.0):
+            ax.plot(result.times, values / factor, color=colour, linestyle=style, linewidth=1.2, label=label)
+    share = energies.relative_remainder
+    ax.plot(
+        result.times,
+        energies.remainder / factor,
+        color="#888888",
+        linewidth=2.2,
+        alpha=0.8,
+        label=f"unexplained\n(at most {share:.1g} of the\nlargest stored energy)",
+    )
+    ax.set_ylabel(f"energy [{prefix}J]")
+
+
+def _draw_record(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
+    """One instant into ``ax``; ``scale`` [N] is the force whose arrow has the full length."""
+    q = result.q[record]
+    draw_surfaces(ax, compiled, q, view)
+    draw_bodies(ax, compiled, q)
+    draw_forces(ax, result, record, view, scale)
+    ax.set_aspect("equal")
+    ax.set_xlim(view[0], view[1])
+    ax.set_ylim(view[2], view[3])
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
+
+
+def _scene_of(result: Result) -> Compiled:
+    if result.compiled is None:
+        raise ModelError("result: a system of the user's own has no shapes to draw; expected the result of a Scene")
+    return result.compiled
+
+
+def _frames(times: FloatArray, fps: float, slowdown: float | None) -> tuple[IntArray, str]:
+    """Records nearest to the frames of a film, and how fast it runs, in words."""
+    span = float(times[-1] - times[0])
+    if slowdown is None:
+        slowdown = _FILM / span if span > 0.0 else 1.0
+    moments = np.linspace(times[0], times[-1], max(2, round(span * slowdown * fps)))
+    after = np.clip(np.searchsorted(times, moments), 1, max(len(times) - 1, 1))
+    records = np.where(
+        moments - times[after - 1] <= times[np.minimum(after, len(times) - 1)] - moments, after - 1, after
+    )
+    records = np.minimum(records, len(times) - 1)
+    words = f"{slowdown:.3g} times slower" if slowdown >= 1.0 else f"{1.0 / slowdown:.3g} times faster"
+    return records, words
+
+
+def _figure_size(view: View) -> tuple[float, float]:
+    """Inches: the longer side of the picture six, and room for labels."""
+    width, height = view[1] - view[0], view[3] - view[2]
+    scale = 6.0 / max(width, height)
+    return max(scale * width, 3.2) + 0.9, max(scale * height, 2.0) + 0.9
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """Factor and prefix of the unit in which the largest value reads well."""
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
+        if largest >= factor:
+            return factor, prefix
+    return (1e-9, "n") if largest > 0.0 else (1.0, "")
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= 28 else name[:25] + "..."
