@@ -11,14 +11,14 @@ and ``rows[r, 1, :]`` for body ``row_body[r, 1]`` (-1: no block), each padded to
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 
-__all__ = ["Bodies", "Contacts", "Joints", "Loads", "Model", "Points", "PointTable", "Signals", "frozen"]
+__all__ = ["Bodies", "Contacts", "Joints", "Loads", "Model", "Points", "PointTable", "Signals", "bodiless_model", "frozen"]
 
 GROUND = -1
 
@@ -138,7 +138,7 @@ class Model(NamedTuple):
     contacts: Contacts
 
 
-def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: int = 0) -> npt.NDArray[np.generic]:
+def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: int = 0) -> npt.NDArray[Any]:
     """A read-only C-contiguous copy; ``columns`` shapes an empty list as (0, columns)."""
     array = np.array(values, dtype=dtype, order="C")
     if columns:
@@ -172,9 +172,82 @@ class PointTable:
         phi = np.concatenate([np.zeros((0, 2)), *self._phi])
         psi = np.concatenate([np.zeros(0), *self._psi])
         return Points(
-            body=frozen(self._body, np.int64),  # type: ignore[arg-type]
-            place=frozen(self._place, columns=2),  # type: ignore[arg-type]
-            start=frozen(self._start, np.int64),  # type: ignore[arg-type]
-            phi=frozen(phi, columns=2),  # type: ignore[arg-type]
-            psi=frozen(psi),  # type: ignore[arg-type]
+            body=frozen(self._body, np.int64),
+            place=frozen(self._place, columns=2),
+            start=frozen(self._start, np.int64),
+            phi=frozen(phi, columns=2),
+            psi=frozen(psi),
         )
+
+
+def bodiless_model(
+    n: int, n_joint: int, friction: npt.ArrayLike, restitution: npt.ArrayLike, tangential_restitution: npt.ArrayLike
+) -> Model:
+    """A model of n coordinates in one block, n_joint joint rows and the given contact laws, without any geometry.
+
+    Its array types are those of every other model, so that the same compiled kernels serve it.
+    """
+    numbers = frozen([])
+    pairs = frozen([], columns=2)
+    indices = frozen([], np.int64)
+    index_pairs = frozen([], np.int64, columns=2)
+    offsets = frozen([0], np.int64)
+    nowhere = frozen([0, 0], np.int64)
+    bodies = Bodies(
+        dof=frozen([0, n], np.int64),
+        mass=numbers,
+        inertia=numbers,
+        moment=pairs,
+        S=pairs,
+        a=numbers,
+        c=numbers,
+        stiffness=numbers,
+        damping=numbers,
+        coupling_start=nowhere,
+        coupling=numbers,
+        cross_damping_start=nowhere,
+        cross_damping=numbers,
+    )
+    joints = Joints(
+        kind=indices,
+        point=index_pairs,
+        row=frozen([0, n_joint], np.int64),
+        value=frozen([], columns=4),
+        signal=indices,
+    )
+    loads = Loads(
+        gravity=frozen([0.0, 0.0]),
+        spring_kind=indices,
+        spring_point=index_pairs,
+        spring_value=frozen([], columns=3),
+        force_kind=indices,
+        force_point=indices,
+        force_signal=index_pairs,
+    )
+    contacts = Contacts(
+        slave_start=offsets,
+        slave_point=indices,
+        slave_radius=numbers,
+        slave_normal=pairs,
+        feature_start=offsets,
+        feature_kind=indices,
+        feature_point=index_pairs,
+        feature_radius=numbers,
+        feature_sense=numbers,
+        feature_reach=numbers,
+        feature_span=pairs,
+        feature_neighbour=index_pairs,
+        surface_body=indices,
+        surface_center=pairs,
+        surface_extent=numbers,
+        surface_sway=frozen([], columns=1),
+        pass_slave=indices,
+        pass_feature=indices,
+        pass_law=indices,
+        friction=frozen(friction),
+        restitution=frozen(restitution),
+        tangential_restitution=frozen(tangential_restitution),
+    )
+    points = Points(body=indices, place=pairs, start=offsets, phi=pairs, psi=numbers)
+    signals = Signals(kind=indices, first=indices, last=indices, breaks=numbers, coefficients=frozen([], columns=4))
+    return Model(bodies, points, signals, joints, loads, contacts)
