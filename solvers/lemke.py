@@ -54,21 +54,25 @@ def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
 
 
 @kernel
-def _scale(M: FloatArray, n: int, equilibrate: bool, scale: FloatArray) -> None:
-    """scale[:n] such that the largest entry of each row and column of scale_i M_ij scale_j is near 1 (Ruiz's sweep)."""
+def _scale(M: FloatArray, n: int, equilibrate: bool, table: FloatArray) -> None:
+    """table[n, :n] = s such that the largest entry of each row and column of s_i M_ij s_j is near 1 (Ruiz)."""
     largest = 0.0
     for i in range(n):
-        for j in range(n):
-            largest = max(largest, abs(M[i, j]))
+        for j in range(i + 1):
+            size = max(abs(M[i, j]), abs(M[j, i]))
+            table[i, j] = size
+            table[j, i] = size
+            largest = max(largest, size)
+    scale = table[n]
     start = 1.0 / np.sqrt(largest) if largest > 0.0 else 1.0
     for i in range(n):
         scale[i] = start
     if equilibrate:
-        for _ in range(3):
+        for _ in range(2):
             for i in range(n):
-                peak = 0.0
+                row, peak = table[i], 0.0
                 for j in range(n):
-                    peak = max(peak, max(abs(M[i, j]), abs(M[j, i])) * scale[j])
+                    peak = max(peak, row[j] * scale[j])
                 peak *= scale[i]
                 if peak > 0.0:
                     scale[i] /= np.sqrt(peak)
@@ -76,7 +80,10 @@ def _scale(M: FloatArray, n: int, equilibrate: bool, scale: FloatArray) -> None:
 
 @kernel
 def _exchange(table: FloatArray, n: int, r: int, s: int) -> None:
-    """Exchange the basic variable of row r with the nonbasic one of column s in x_B = b + T x_N; b in columns n + 1, n + 2."""
+    """Exchange the basic variable of row r with the nonbasic one of column s in x_B = b + T x_N.
+
+    T is table[:n, :n + 1]; b, with and without perturbation, are the next two columns.
+    """
     pivot_row = table[r]
     inverse = 1.0 / pivot_row[s]
     for j in range(n + 3):
@@ -128,7 +135,8 @@ def _path(
 ) -> tuple[int, int]:
     """Follow one almost complementary path; (status, pivots). The scaling is in table[n, :n].
 
-    Out: the candidate z in table[n + 1, :n], or the direction of the ray in table[n + 2, :n]; basis[:n] = 1 where z is basic.
+    Out: the candidate z in table[n + 1, :n], the direction of a ray in table[n + 2, :n], basis[:n] = 1 where z is
+    basic.
     """
     scale = table[n]
     load = 0.0
@@ -159,7 +167,7 @@ def _path(
             deepest = max(deepest, -table[i, n + 2])
         if deepest <= SLIP * size:
             break
-        # The perturbation was not small for this problem: go on from here, with one that is small beside what is missing.
+        # The perturbation was not small for this problem: go on from here, with one small beside what is missing.
         start, lowest = 0, np.inf
         for i in range(n):
             table[i, s] = 1.0
@@ -229,10 +237,10 @@ def lemke(
 ) -> tuple[int, int]:
     """Solve 0 <= z _|_ M z + q >= 0; returns (status, pivots), status as the integers of :class:`Status`.
 
-    M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,), first n
-    entries (the best point found if not solved). Work: table, basis of ``lemke_workspace(cap)``; afterwards basis[:n] is
-    1 where z is basic if solved, and table[n + 2, :n] the direction of the ray after RAY. pivot_limit: for each path.
-    SOLVED here means a natural residual of 1e-10 or less.
+    M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,),
+    first n entries (the best point found if not solved). Work: table, basis of ``lemke_workspace(cap)``; afterwards
+    basis[:n] is 1 where z is basic if solved, and table[n + 2, :n] the direction of the ray after RAY.
+    pivot_limit: for each path. SOLVED here means a natural residual of 1e-10 or less.
     """
     trivial = True
     for i in range(n):
@@ -245,12 +253,12 @@ def lemke(
     best, status, total = np.inf, ITERATION_LIMIT, 0
     candidate = table[n + 1]
     for attempt in range(ATTEMPTS):
-        if attempt == 0 or attempt == 2 or attempt == 3:  # the scaling changes
-            _scale(M, n, attempt != 2, table[n])
+        if attempt in (0, 2, 3):  # the scaling changes
+            _scale(M, n, attempt != 2, table)
         perturbation = 1e-8
-        if attempt == 1 or attempt == 5:
+        if attempt in (1, 5):
             perturbation = 1e-6
-        elif attempt == 3 or attempt == 6:
+        elif attempt in (3, 6):
             perturbation = 1e-4
         elif attempt == 4:
             perturbation = 1e-11
@@ -258,7 +266,7 @@ def lemke(
         total += pivots
         residual = natural_residual(M, q, candidate, n)
         if residual > GOOD and ended != RAY:
-            # The basis of the last attempt starts block pivoting; if that path hit the limit (Murty's matrices), from nothing.
+            # Repair from the basis where the path ended; from nothing if it hit the limit (Murty's matrices).
             if ended == ITERATION_LIMIT:
                 for i in range(n):
                     basis[i] = 0
@@ -275,7 +283,7 @@ def lemke(
                 z[i] = candidate[i]
         if best <= TARGET:
             return SOLVED, total
-        if ended == SOLVED or ended == NUMERICAL_FAILURE:
+        if ended in (SOLVED, NUMERICAL_FAILURE):
             status = NUMERICAL_FAILURE
         elif ended == RAY and status != NUMERICAL_FAILURE:
             status = RAY
@@ -301,17 +309,22 @@ class Lemke:
     def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
         """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
         n = problem.size
-        z = np.zeros(n)
+        M, q, z = problem.writable(), problem.q.copy(), np.zeros(n)
         table, basis = lemke_workspace(n)
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
             basis[:n] = guess.active
-            solves = block_pivots(problem.M, problem.q, n, z, table, basis, REPAIRS)
+            solves = block_pivots(M, q, n, z, table, basis, REPAIRS)
             if solves > 0 and problem.residual(z) <= self.tolerance:
                 return accept(
-                    problem, z, tolerance=self.tolerance, iterations=solves, route="basis of the guess", active=basis[:n].copy()
+                    problem,
+                    z,
+                    tolerance=self.tolerance,
+                    iterations=solves,
+                    route="basis of the guess",
+                    active=basis[:n].copy(),
                 )
         limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
-        code, pivots = lemke(problem.M, problem.q, n, z, table, basis, limit)
+        code, pivots = lemke(M, q, n, z, table, basis, limit)
         status = Status(code)
         return accept(
             problem,

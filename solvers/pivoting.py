@@ -52,7 +52,10 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
 
 @kernel
 def _eliminate(table: FloatArray, basis: IntArray, n: int, m: int) -> int:
-    """Upper triangle of the first m rows and columns, right-hand side in column m; returns the rank. basis[n:n + m] follows the columns."""
+    """Upper triangle of the first m rows and columns, right-hand side in column m; returns the rank.
+
+    basis[n:n + m], the unknowns of the columns, is permuted with them.
+    """
     for k in range(m):
         r, s = k, k
         for i in range(k, m):
@@ -82,7 +85,8 @@ def block_pivots(
 ) -> int:
     """Exchange wrong signs from the active set basis[:n] on; returns the number of solves, or -1 without a solution.
 
-    In: M (cap, cap), q (cap,). Out: z (cap,), basis[:n]. Work: table, basis of :func:`lcpflex.solvers.lemke.lemke_workspace`.
+    In: M (cap, cap), q (cap,), both as for ``lemke``, whose work arrays table and basis serve here too. Out: z (cap,),
+    basis[:n]. The signs are right to 1e-13 of the terms of w; the residual is for the caller to judge.
     """
     fewest, patience = n + 1, PATIENCE
     for count in range(1, limit + 1):

@@ -1,6 +1,6 @@
 """Complementarity problems, what a solution of one is, and the only door through which a solver may claim one.
 
-    0 <= z  _|_  w = M z + q >= 0                                                    (Cottle, Pang & Stone)
+0 <= z  _|_  w = M z + q >= 0                                                    (Cottle, Pang & Stone)
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see natural_residual
+ROUNDING = 2.2e-16  # of one operation, relative
 SYMMETRY = 1e-10  # largest |M - M^T| of a symmetric matrix, relative to max|M|
 
 
@@ -56,7 +57,7 @@ SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3
 
 @kernel
 def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
-    """The absolute natural-map residual, the size of the terms that make up w, and |q|; inf where anything is not finite.
+    """The absolute natural-map residual, the size of the terms of w, and |q|; all inf if anything is not finite.
 
     M (cap, cap), q (cap,), z (cap,): the leading n x n block and the first n entries count. Returns
     ``max_i |min(d_i z_i, w_i)|`` with d_i the largest |M_ij| of the row (1 for a zero row),
@@ -89,9 +90,12 @@ def natural_residual(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> flo
 
     ``max_i |min(d_i z_i, w_i)| / max_i (|q_i| + sum_j |M_ij z_j|)`` with d_i the largest |M_ij| of row i. A z that
     runs away along a ray makes the denominator, and not the numerator, large; so a residual above
-    1e-6 |q| is taken relative to |q| instead. Arrays as in :func:`residual_parts`.
+    1e-6 |q| is taken relative to |q| instead, and so is the rounding of w itself when it comes to more than that (w
+    would be 0 if z is so large that q is lost in the sum). Arrays as in :func:`residual_parts`.
     """
     worst, size, load = residual_parts(M, q, z, n)
+    if size < np.inf and ROUNDING * size > GUARD * load > 0.0:
+        return max(worst, ROUNDING * size) / load
     if worst == 0.0:
         return 0.0
     if worst == np.inf:
@@ -106,7 +110,8 @@ class Lcp:
     """The problem 0 <= z _|_ M z + q >= 0.
 
     M (n, n), q (n,): any consistent units; n = 0 is a valid problem, solved by the empty z.
-    Both are copied and made read-only. Raises ModelError if M is not square, the sizes differ or a number is not finite.
+    Both are copied and made read-only. Raises ModelError if M is not square, the sizes differ or a number is not
+    finite.
     """
 
     M: FloatArray
@@ -127,6 +132,10 @@ class Lcp:
         """Number of unknowns n."""
         return len(self.q)
 
+    def writable(self) -> FloatArray:
+        """A copy of M for kernels: they would be compiled a second time for an array that is read-only."""
+        return self.M.copy()
+
     @property
     def symmetric(self) -> bool:
         """Whether M equals its transpose to rounding; looked at when asked."""
@@ -143,12 +152,13 @@ class Lcp:
 
         inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
-        point = np.ascontiguousarray(z, dtype=float)
+        point = np.array(z, dtype=float, order="C")
         if point.shape != self.q.shape:
             raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
+        M, q = self.writable(), self.q.copy()
         if scaled:
-            return float(natural_residual(self.M, self.q, point, self.size))
-        return float(residual_parts(self.M, self.q, point, self.size)[0])
+            return float(natural_residual(M, q, point, self.size))
+        return float(residual_parts(M, q, point, self.size)[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,8 +201,8 @@ def accept(
 ) -> Solution:
     """Judge a point on the original data: the one exit of every solver.
 
-    z (n,): the point; status: what the algorithm believes; its word counts only for *why* it failed. SOLVED is granted if and only if the
-    residual is within the tolerance; INFEASIBLE only with a verified certificate u (n,).
+    z (n,): the point; status: what the algorithm believes; its word counts only for *why* it failed. SOLVED is granted
+    if and only if the residual is within the tolerance; INFEASIBLE only with a verified certificate u (n,).
     """
     point = np.array(z, dtype=float)
     residual = problem.residual(point)
@@ -218,8 +228,8 @@ def accept(
 def certifies_infeasibility(problem: Lcp, u: npt.ArrayLike) -> bool:
     """Whether u (n,) proves that no z >= 0 has w >= 0: u >= 0, M^T u <= 0 and q.u < 0 (Farkas).
 
-    With w >= 0 one would have 0 <= u.w = z.(M^T u) + q.u < 0. Where rounding leaves M^T u slightly positive, the statement
-    is checked for every z with z_i <= 1e6 max|q| / max_j |M_ji|.
+    With w >= 0 one would have 0 <= u.w = z.(M^T u) + q.u < 0. Where rounding leaves M^T u slightly positive, the
+    statement is checked for every z with z_i <= 1e6 max|q| / max_j |M_ji|.
     """
     ray = np.array(u, dtype=float)
     if ray.shape != problem.q.shape or not np.isfinite(ray).all() or not ray.size or ray.max() <= 0.0:
@@ -245,11 +255,12 @@ def assemble_friction_lcp(
 ) -> int:
     """The LCP of planar Coulomb contact with three unknowns a frictional contact and one a frictionless contact.
 
-    G (cap, cap): Delassus matrix, the leading block of order n_normal + n_tangent, normals first; free (cap,): velocity or
-    acceleration of the contacts without contact forces; mu (>= n_normal,): friction coefficients [-]; tangent (>= n_tangent,):
-    row j of the tangents belongs to normal contact tangent[j]. Out: M (cap', cap') and q (cap',), of which the
-    leading n = n_normal + 2 n_tangent are written; n is returned. Unknowns [lambda_N, lambda_R, xi_L] with
-    lambda_R = lambda_T + mu lambda_N and the tangential velocity xi_R - xi_L (Glocker & Studer 2005).
+    G (cap, cap): Delassus matrix, the leading block of order n_normal + n_tangent, normals first; free (cap,):
+    velocity or acceleration of the contacts without contact forces; mu (>= n_normal,): friction coefficients [-];
+    tangent (>= n_tangent,): row j of the tangents belongs to normal contact tangent[j]. Out: M (cap', cap') and
+    q (cap',), of which the leading n = n_normal + 2 n_tangent are written; n is returned. Unknowns
+    [lambda_N, lambda_R, xi_L] with lambda_R = lambda_T + mu lambda_N and the tangential velocity xi_R - xi_L
+    (Glocker & Studer 2005).
     """
     n = n_normal + 2 * n_tangent
     m = n_normal + n_tangent
@@ -332,7 +343,7 @@ class ContactProblem:
         return np.flatnonzero(self.friction).astype(np.int64)
 
     def lcp(self) -> Lcp:
-        """The problem with the unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
+        """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
         tangent, normals = self.tangent, len(self.friction)
         n = normals + 2 * len(tangent)
         M, q = np.zeros((n, n)), np.zeros(n)
@@ -342,7 +353,7 @@ class ContactProblem:
     def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
         tangent, normals = self.tangent, len(self.friction)
-        point = np.ascontiguousarray(z, dtype=float)
+        point = np.array(z, dtype=float, order="C")
         if point.shape != (normals + 2 * len(tangent),):
             raise ModelError(f"z has shape {point.shape}: expected ({normals + 2 * len(tangent)},)")
         out = np.zeros(normals), np.zeros(len(tangent))

@@ -84,16 +84,16 @@ class QuadraticProgram:
             )
         direction = scale * np.maximum(raw, 0.0)  # of an unbounded program: the point has run away along a certificate
         polished = _polish(M, q, np.maximum(raw, 0.0))
-        candidates = [(scale * load * np.maximum(z, 0.0), route) for z, route in ((raw, ""), (polished, " + active set"))]
-        residuals = [problem.residual(z) for z, _ in candidates]
-        z, route = candidates[int(np.argmin(residuals))]
+        candidates = [scale * load * np.maximum(z, 0.0) for z in (raw, polished)]
+        residuals = [problem.residual(z) for z in candidates]
+        best = int(np.argmin(residuals))
         return accept(
             problem,
-            z,
+            candidates[best],
             tolerance=self.tolerance,
             status=Status.SOLVED if not message else Status.NUMERICAL_FAILURE,
             iterations=iterations,
-            route=self.backend + route,
+            route=self.backend + ("", " + active set")[best],
             message="" if min(residuals) <= self.tolerance else message,
             certificate=direction,
         )
@@ -113,11 +113,12 @@ class QuadraticProgram:
                 found = qpsolvers.solve_problem(
                     program, solver=self.backend, initvals=start, **SETTINGS.get(self.backend, {})
                 )
-            except (ArithmeticError, ValueError, RuntimeError, qpsolvers.exceptions.QPError) as error:
-                return np.full(n, math.nan), 0, f"{self.backend}: {error}"
+            except Exception as error:  # each backend has exceptions of its own; what it says is passed on
+                return np.full(n, math.nan), 0, f"{self.backend}: {type(error).__name__} {error}"
         iterations = int(found.extras.get("iterations", found.extras.get("iter", 0)) or 0)
         x = np.full(n, math.nan) if found.x is None else np.asarray(found.x, dtype=float).reshape(n)
-        return x, iterations, "" if found.found else f"{self.backend}: {found.extras.get('status', 'no solution found')}"
+        said = found.extras.get("status", "no solution found")
+        return x, iterations, "" if found.found else f"{self.backend}: {said}"
 
 
 def _polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
