@@ -1,0 +1,53 @@
+"""Bodies: where they come from (mass properties, shapes, finite elements) and the one form they all take."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+_HOME = {
+    "Bar": "beam",
+    "Beam": "beam",
+    "Body": "body",
+    "Box": "rigid",
+    "Chain": "body",
+    "Disc": "rigid",
+    "MaterialPoint": "body",
+    "Matrices": "matrices",
+    "Polygon": "rigid",
+    "Rayleigh": "reduction",
+    "RigidBody": "rigid",
+    "Round": "body",
+}
+
+__all__ = [
+    "Bar",
+    "Beam",
+    "Body",
+    "Box",
+    "Chain",
+    "Disc",
+    "MaterialPoint",
+    "Matrices",
+    "Polygon",
+    "Rayleigh",
+    "RigidBody",
+    "Round",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module at first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.beam import Bar, Beam
+    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Round
+    from lcpflex.bodies.matrices import Matrices
+    from lcpflex.bodies.reduction import Rayleigh
+    from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody

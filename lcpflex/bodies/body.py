@@ -1,0 +1,224 @@
+"""The one kind of body: a floating frame with n >= 0 modal coordinates; n = 0 is a rigid body.
+
+A material point that lies at x in the undeformed body (body frame) is found at
+
+    r = R + A (x + Phi(x) q)       R, A: place and rotation of the frame,  q (n,): modal coordinates
+
+With < . > = integral of rho ( . ) dV and J = [[0, -1], [1, 0]], a body is its inertia integrals
+
+    m = <1>,  s0 = <x>,  I0 = <x.x>,  S = <Phi>,  a = <Phi^T x>,  c = <Phi^T J x>,  D = <Phi^T J^T Phi>
+
+in a basis with <Phi^T Phi> = I and a diagonal stiffness. Inertia terms: Zwoelfer & Gerstmayr (2020).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeAlias, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, in_range
+from lcpflex.model import frozen
+
+__all__ = ["Body", "Chain", "Displacement", "Lazily", "MaterialPoint", "Outline", "Round", "array_of", "whole_number"]
+
+T = TypeVar("T")
+Displacement: TypeAlias = Callable[[float, float], tuple[float, float]] | npt.ArrayLike
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MaterialPoint:
+    """A point of a body that is not placed in a scene yet.
+
+    Attributes
+    ----------
+    place : (2,) undeformed place x in the body frame [m]
+    phi : (n, 2) displacement shape of each mode at the point [kg^-1/2]
+    psi : (n,) rotation of the material at the point, of each mode [kg^-1/2 / m]
+    """
+
+    place: FloatArray
+    phi: FloatArray
+    psi: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """A piece of outline: straight from point to point, solid on the left, outward normal on the right.
+
+    A ``closed`` chain runs on from its last point to its first; around a solid it is counter-clockwise,
+    around a hole clockwise.
+    """
+
+    points: tuple[MaterialPoint, ...]
+    closed: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Round:
+    """A circular outline about a material point: solid inside, or outside of it if it is a ``hole``."""
+
+    center: MaterialPoint
+    radius: float
+    hole: bool = False
+
+
+Outline: TypeAlias = Chain | Round
+
+
+class Lazily(Mapping[str, T], Generic[T]):
+    """A read-only mapping whose values are made when they are first asked for."""
+
+    __slots__ = ("_made", "_makers")
+
+    def __init__(self, makers: Mapping[str, Callable[[], T]]) -> None:
+        self._makers = dict(makers)
+        self._made: dict[str, T] = {}
+
+    def __getitem__(self, name: str) -> T:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+def whole_number(name: str, value: Any, low: int, high: float = math.inf, why: str = "") -> int:
+    """``value`` as an int if it is a whole number in [low, high]; raises :class:`ModelError` otherwise."""
+    expected = f"a whole number from {low} to {high:g}" if math.isfinite(high) else f"a whole number >= {low}"
+    try:
+        whole = not isinstance(value, bool) and int(value) == value
+    except (TypeError, ValueError, OverflowError):
+        whole = False
+    if not whole or not low <= value <= high:
+        raise ModelError(f"{name}: {value!r} was given, expected {expected}{why}")
+    return int(value)
+
+
+def array_of(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """``value`` as a read-only array of finite numbers of that shape (-1: any length); raises :class:`ModelError`."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ModelError(f"{name}: {value!r} was given, expected an array of numbers") from None
+    wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
+    if array.ndim != len(shape) or any(want >= 0 and have != want for have, want in zip(array.shape, shape, strict=True)):
+        raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
+    if not np.isfinite(array).all():
+        bad = array[~np.isfinite(array)].flat[0]
+        raise ModelError(f"{name}: an array with {bad} in it was given, expected finite numbers only")
+    return np.asarray(frozen(array), dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """A planar body in its own orthonormal modal basis; the makers of bodies give one, a user may write one.
+
+    Attributes
+    ----------
+    mass : m = <1> [kg]
+    inertia : I0 = <x.x>, about the origin of the frame [kg m^2]
+    moment : (2,) s0 = <x> [kg m]
+    S : (n, 2) <Phi> [kg^1/2]
+    a : (n,) <Phi^T x> [kg^1/2 m]
+    c : (n,) <Phi^T J x> [kg^1/2 m]
+    stiffness : (n,) squares of the natural angular frequencies [rad^2/s^2]
+    damping : (n,) diagonal of the modal damping matrix, 2 zeta omega [1/s]
+    coupling : (n, n) D = <Phi^T J^T Phi>, skew [-]; None where it is zero
+    cross_damping : (n, n) off-diagonal part of the modal damping matrix [1/s]; None where it is zero
+    points : named material points
+    surfaces : named outlines, each a :class:`Chain` or a :class:`Round`; "outline" is the whole of it
+    locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
+    products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
+        distribution of mass is not known (:meth:`project` needs it)
+
+    Raises
+    ------
+    ModelError
+        For NaN, wrong shapes, or inertia that no distribution of mass can have (m <= 0 or m I0 <= |s0|^2).
+    """
+
+    mass: float
+    inertia: float
+    moment: FloatArray
+    S: FloatArray
+    a: FloatArray
+    c: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    coupling: FloatArray | None
+    cross_damping: FloatArray | None
+    points: Mapping[str, MaterialPoint]
+    surfaces: Mapping[str, Outline]
+    locate: Callable[[float, float], MaterialPoint]
+    products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.stiffness)
+        shapes: dict[str, tuple[int, ...]] = {
+            "moment": (2,), "S": (n, 2), "a": (n,), "c": (n,), "stiffness": (n,), "damping": (n,),
+            "coupling": (n, n), "cross_damping": (n, n),
+        }  # fmt: skip
+        object.__setattr__(self, "mass", in_range("mass", self.mass, 0.0, math.inf, open_ends=True))
+        object.__setattr__(self, "inertia", in_range("inertia", self.inertia, 0.0, math.inf, open_ends=True))
+        for name, shape in shapes.items():
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, array_of(name, value, shape))
+        if n and (self.stiffness.min() <= 0.0 or self.damping.min() < 0.0):
+            raise ModelError("stiffness, damping: a body has elastic modes only, stiffness > 0 and damping >= 0")
+        if self.coupling is not None and not np.array_equal(self.coupling, -self.coupling.T):
+            raise ModelError("coupling: the matrix that was given is not skew, expected D = -D^T")
+        if self.cross_damping is not None and np.abs(np.diag(self.cross_damping)).any():
+            raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
+        least = float(self.moment @ self.moment) / self.mass
+        if not self.inertia > least:
+            raise ModelError(f"inertia: {self.inertia!r} was given, expected more than |moment|^2 / mass = {least!r}")
+
+    @property
+    def modes(self) -> int:
+        """Number n of modal coordinates; 0 for a rigid body."""
+        return len(self.stiffness)
+
+    def frequencies(self) -> FloatArray:
+        """(n,) natural angular frequencies of the free, undamped body [rad/s], ascending as made."""
+        return np.asarray(np.sqrt(self.stiffness))
+
+    def project(self, displacement: Displacement) -> tuple[float, float, float, FloatArray]:
+        """Split a displacement (or velocity) field into motion of the frame and modal coordinates.
+
+        Minimises <|d - (dx, dy) - dangle J x - Phi q|^2>, the mass-weighted distance; exact when the field is
+        a combination of the rigid motions and the modes kept. The angle is taken as small.
+
+        Parameters
+        ----------
+        displacement : function (x, y) -> (dx, dy) of the place in the body frame [m], or nodal values:
+            (nodes, 2) for bars and meshes, (nodes, 3) with the rotation [rad] last for beams
+
+        Returns
+        -------
+        dx, dy [m], dangle [rad], modal (n,) : the split, body axes
+
+        Raises
+        ------
+        ModelError
+            For a body without a known distribution of mass, a wrong shape, or NaN.
+        """
+        if self.products is None:
+            raise ModelError("project: this body has no known distribution of mass, expected a beam, bar or mesh")
+        right = self.products(displacement)
+        sx, sy = self.moment
+        rigid = np.array([[self.mass, 0.0, -sy], [0.0, self.mass, sx], [-sy, sx, self.inertia]])
+        coupled = np.vstack([self.S.T, self.c])  # zero for free-interface modes
+        reduced = rigid - coupled @ coupled.T
+        frame = np.linalg.solve(reduced, right[:3] - coupled @ right[3:])
+        return float(frame[0]), float(frame[1]), float(frame[2]), right[3:] - coupled.T @ frame
