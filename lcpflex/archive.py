@@ -65,7 +65,7 @@ def read(path: str | os.PathLike[str]) -> Any:
     """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
     target = Path(path)
     try:
-        with np.load(target, allow_pickle=False) as file:
+        with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             if "format" not in file or str(file["format"]) != FORMAT:
                 found = str(file["format"]) if "format" in file else "no such entry"
                 raise ModelError(f"path: {str(target)!r} has the format {found!r}; expected {FORMAT!r}")

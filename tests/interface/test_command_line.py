@@ -1,0 +1,98 @@
+"""The command line, as typed."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lcpflex import __version__
+from lcpflex.__main__ import main
+from lcpflex.result import Result
+
+SCENE = """
+import lcpflex as lf
+
+def ball():
+    scene = lf.Scene()
+    ball = scene.add(lf.Disc(radius=0.05, mass=1.0), name="ball", position=(0.0, 0.06))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    return scene
+
+number = 3
+"""
+
+
+@pytest.fixture
+def scene_file(tmp_path: Path) -> Path:
+    path = tmp_path / "my_scene.py"
+    path.write_text(SCENE)
+    return path
+
+
+def test_python_m_lcpflex_prints_the_version() -> None:
+    printed = subprocess.run([sys.executable, "-m", "lcpflex", "--version"], capture_output=True, text=True, check=True)
+    assert printed.stdout == f"lcpflex {__version__}\n"
+
+
+def test_without_a_command_it_explains_itself(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    printed = capsys.readouterr().out
+    assert all(command in printed for command in ("demo", "gallery", "run", "warmup"))
+
+
+def test_gallery_lists_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    from lcpflex.gallery import scenes
+
+    assert main(["gallery"]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"{name} " in printed and case.title in printed for name, case in scenes().items())
+
+
+def test_run_a_scene_of_ones_own(scene_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    saved, chart = scene_file.with_name("ball.npz"), scene_file.with_name("ball.png")
+    scene = f"{scene_file}:ball"
+    options = ["--step", "1e-3", "--duration", "0.1", "--save", str(saved), "--plot", str(chart)]
+    assert main(["run", scene, "--stepper", "moreau-jean", *options]) == 0
+    printed = capsys.readouterr().out
+    assert "100 steps" in printed
+    assert "floor: first touch at 0.04" in printed
+    assert str(saved) in printed
+    assert chart.read_bytes()[1:4] == b"PNG"
+    result = Result.load(saved)
+    assert result.times[-1] == pytest.approx(0.1)
+    assert result.point("ball", (0.0, 0.0))[-1, 1] == pytest.approx(0.05, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "no such scene"], "no scene 'no such scene'; expected file.py:function or one of"),
+        (["run", "missing.py:ball"], "no file 'missing.py'"),
+        (["run", "{file}:bal"], "has no function 'bal'"),
+        (["run", "{file}:number"], "has no function 'number'"),
+        (["run", "{file}:ball"], "--duration: not given"),
+        (["run", "{file}:ball", "--duration", "-1"], "--duration: -1.0; expected a number of seconds > 0"),
+        (["run", "{file}:ball", "--duration", "1", "--step", "nan"], "--step: nan"),
+        (["run", "{file}:ball", "--duration", "1", "--save", "no_folder/x.npz"], "no_folder"),
+        (["demo", "--folder", "no_folder"], "no_folder"),
+    ],
+)
+def test_impossible_requests(
+    scene_file: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+) -> None:
+    assert main([text.format(file=scene_file) for text in arguments]) == 2
+    captured = capsys.readouterr()
+    assert words in captured.err
+    assert captured.out == ""
+
+
+@pytest.mark.slow
+def test_demo_writes_picture_chart_and_film(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--folder", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    for name in ("lcpflex-demo.png", "lcpflex-demo.chart.png", "lcpflex-demo.gif"):
+        assert (tmp_path / name).stat().st_size > 5000
+        assert str(tmp_path / name) in printed
