@@ -111,7 +111,7 @@ def array_of(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatAr
     except (TypeError, ValueError):
         raise ModelError(f"{name}: {value!r} was given, expected an array of numbers") from None
     wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
-    if array.ndim != len(shape) or any(want >= 0 and have != want for have, want in zip(array.shape, shape, strict=True)):
+    if array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True)):
         raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
     if not np.isfinite(array).all():
         bad = array[~np.isfinite(array)].flat[0]
