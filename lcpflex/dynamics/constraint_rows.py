@@ -9,8 +9,8 @@ With r = r_P - r_Q, v = rdot, alpha the angle of the material at a point, d a di
     distance     phi = |r| - f,  e = r / |r|  bias = e.b + (v.v - (e.v)^2) / |r| - f''
 
 Which of them a joint has, in the order of its rows, follows from its kind (:mod:`lcpflex.joints`):
-0 revolute: coincidence (2 rows); 1 weld: coincidence, angle; 2 prismatic: direction normal to the axis, angle; 3 point on
-line: direction normal to the axis; 4 distance; 5 driven angle; 6 driven displacement: direction of the axis.
+0 revolute: coincidence (2 rows); 1 weld: coincidence, angle; 2 prismatic: direction normal to the axis, angle;
+3 point on line: direction normal to the axis; 4 distance; 5 driven angle; 6 driven displacement: direction of the axis.
 """
 
 from __future__ import annotations
@@ -109,7 +109,8 @@ def joint_rows(
     """The rows J of all joints by body block, with phidot = J u + rate and phiddot = J udot + bias.
 
     rows (R, 2, width), row_body (R, 2), rate (R,) [m/s] or [rad/s], bias (R,) [m/s^2] or [rad/s^2]: the first
-    ``joints.row[-1]`` of each are overwritten. Block 0 belongs to the body of P, block 1 to that of Q, body -1 is the ground.
+    ``joints.row[-1]`` of each are overwritten. Block 0 belongs to the body of P, block 1 to that of Q; body -1 is the
+    ground.
     """
     bodies = model.bodies
     points = model.points

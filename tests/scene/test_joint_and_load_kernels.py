@@ -137,19 +137,19 @@ def test_coincident_rows_at_zero_distance_stay_finite():
         place=np.zeros((2, 2)), phi=np.zeros_like(model.points.phi), psi=np.zeros_like(model.points.psi)
     )
     jacobian, rate, bias = evaluate(model._replace(points=points), 0.0, np.zeros(n), np.zeros(n))
-    assert np.isfinite(jacobian).all() and np.isfinite(rate).all() and np.isfinite(bias).all()
+    assert np.isfinite(jacobian).all()
+    assert np.isfinite([*rate, *bias]).all()
 
 
-@pytest.mark.parametrize("t", [-3.0, -0.5, 0.2, 0.5, 1.7, 4.0])
+@pytest.mark.parametrize("t", [-3.0, -0.5, 0.2, 1.7, 4.0])
 @pytest.mark.parametrize("index", [0, 1])
 def test_signal_derivatives(index, t):
     h = 1e-4
     value, rate, acceleration = signal_value(SIGNALS, index, t, EXTERNAL)
     sides = [signal_value(SIGNALS, index, t + s * h, EXTERNAL) for s in (-1, 1)]
-    assert np.isfinite(value)
-    if (index, t) != (1, 0.5):  # a break of pieces that are not C2
-        assert (sides[1][0] - sides[0][0]) / (2 * h) == pytest.approx(rate, abs=1e-6)
-        assert (sides[1][1] - sides[0][1]) / (2 * h) == pytest.approx(acceleration, abs=1e-6)
+    assert (sides[1][0] - sides[0][0]) / (2 * h) == pytest.approx(rate, abs=1e-6)
+    assert (sides[1][1] - sides[0][1]) / (2 * h) == pytest.approx(acceleration, abs=1e-6)
+    assert (sides[1][0] + sides[0][0]) / 2 == pytest.approx(value, abs=1e-6)
 
 
 def test_signals_end_in_constants_and_external_ones_are_passed_through():
@@ -176,7 +176,7 @@ def test_spring_force_is_the_gradient_of_its_energy(spring, ground_side):
     gradient = [(spring_energy(model, q + h * e) - spring_energy(model, q - h * e)) / (2 * h) for e in np.eye(len(q))]
     np.testing.assert_allclose(conservative, -np.array(gradient), atol=1e-8)
     assert np.abs(gradient).max() > 0.1
-    assert not dissipative.any() and not driving.any()
+    assert not np.concatenate([dissipative, driving]).any()
 
 
 @pytest.mark.parametrize("ground_side", [None, 0, 1])
@@ -211,8 +211,6 @@ def test_power_of_a_force_is_force_times_velocity_of_its_point(kind):
         2: fx * (turning @ u)[0],
     }[kind]
     assert driving @ u == pytest.approx(power, rel=1e-12)
-    assert not conservative.any() and not dissipative.any()
-    for compiled, plain in zip(
-        (conservative, dissipative, driving), summed_forces(model, t, q, u, applied_forces.py_func), strict=True
-    ):
-        np.testing.assert_allclose(compiled, plain, atol=1e-14)
+    assert not np.concatenate([conservative, dissipative]).any()
+    plain = summed_forces(model, t, q, u, applied_forces.py_func)
+    np.testing.assert_allclose([conservative, dissipative, driving], plain, atol=1e-14)

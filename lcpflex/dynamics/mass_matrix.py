@@ -1,0 +1,44 @@
+"""The mass matrix of a scene in full, for what happens once in a run. Steppers use its arrow form (inertia)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.model import Bodies, Model
+
+__all__ = ["mass_matrix"]
+
+
+def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
+    """M(q) (ndof, ndof), symmetric positive definite, block-diagonal over the bodies; T = u^T M u / 2 [J].
+
+    M_RR = m I,  M_Rtheta = A J (s0 + S q),  M_Rf = A S,  M_thetatheta = I0 + 2 a.q + q.q,  M_thetaf = c + D^T q,
+    M_ff = I
+    """
+    dof = model.bodies.dof
+    M = np.zeros((dof[-1], dof[-1]))
+    for b in range(len(dof) - 1):
+        block = slice(dof[b], dof[b + 1])
+        M[block, block] = _block(model.bodies, b, q[block])
+    return M
+
+
+def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:
+    """M of body b at its own coordinates (3 + n,)."""
+    n = len(q) - 3
+    first = int(bodies.dof[b]) - 3 * b
+    modes = slice(first, first + n)
+    S, modal = bodies.S[modes], q[3:]
+    A = np.array([[np.cos(q[2]), -np.sin(q[2])], [np.sin(q[2]), np.cos(q[2])]])
+    x, y = bodies.moment[b] + S.T @ modal
+    start, end = bodies.coupling_start[b : b + 2]
+    turn = bodies.c[modes] + (modal @ bodies.coupling[start:end].reshape(n, n) if end > start else 0.0)
+    M = np.eye(3 + n)
+    M[:2, :2] *= bodies.mass[b]
+    M[:2, 2] = M[2, :2] = A @ np.array([-y, x])
+    M[2, 2] = bodies.inertia[b] + 2.0 * bodies.a[modes] @ modal + modal @ modal
+    M[:2, 3:] = A @ S.T
+    M[3:, :2] = M[:2, 3:].T
+    M[2, 3:] = M[3:, 2] = turn
+    return M

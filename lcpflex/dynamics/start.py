@@ -1,0 +1,70 @@
+"""Consistent start: how far a state violates the joints, and its projection onto them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.model import Model
+
+__all__ = ["Violation", "project", "violation"]
+
+ITERATIONS = 50
+INDEPENDENT = 1e-12  # singular values of J M^-1 J^T below this part of the largest belong to redundant joint rows
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """Joint constraints of a state at t = 0, r rows."""
+
+    position: FloatArray  # (r,) phi [m] or [rad]
+    velocity: FloatArray  # (r,) phidot = J u + dphi/dt [m/s] or [rad/s]
+    speed: FloatArray  # (r,) sum of |J_k u_k| and |dphi/dt|: the size that rounding in phidot is to be compared with
+    jacobian: FloatArray  # (r, ndof) J
+
+
+def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) -> Violation:
+    """phi, phidot and J of all joints at t = 0; ``external`` (slots, 3) holds what callbacks supply then."""
+    count = int(model.joints.row[-1])
+    dof = model.bodies.dof
+    width = int(np.max(np.diff(dof), initial=3))
+    rows = np.zeros((count, 2, width))
+    row_body = np.zeros((count, 2), dtype=np.int64)
+    phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)
+    joint_residual(model, 0.0, q, external, phi)
+    joint_rows(model, 0.0, q, u, external, rows, row_body, rate, bias)
+    J = np.zeros((count, len(q)))
+    for r in range(count):
+        for side in range(2):
+            b = row_body[r, side]
+            if b >= 0:
+                J[r, dof[b] : dof[b + 1]] += rows[r, side, : dof[b + 1] - dof[b]]
+    return Violation(phi, J @ u + rate, np.abs(J) @ np.abs(u) + np.abs(rate), J)
+
+
+def project(
+    model: Model, q: FloatArray, u: FloatArray, external: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """The state nearest to (q, u), in the mass metric, that fulfils the joints to ``tolerance``.
+
+    q by Newton steps dq = -M^-1 J^T (J M^-1 J^T)^-1 phi, u by one such step of phidot. Where the joints cannot be
+    fulfilled the state returned still violates them.
+    """
+    q = q.copy()
+    for _ in range(ITERATIONS):
+        state = violation(model, q, u, external)
+        if not np.abs(state.position).max(initial=0.0) > tolerance:
+            break
+        q -= _nearest(mass_matrix(model, q), state.jacobian, state.position)
+    state = violation(model, q, u, external)
+    return q, u - _nearest(mass_matrix(model, q), state.jacobian, state.velocity)
+
+
+def _nearest(M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:
+    """The shortest d, in the metric of M, with J d = residual; redundant rows allowed."""
+    spread = np.linalg.solve(M, J.T)
+    return np.asarray(spread @ (np.linalg.pinv(J @ spread, rcond=INDEPENDENT, hermitian=True) @ residual))

@@ -1,0 +1,226 @@
+"""Functions of time of a scene in compiled form, and the Python functions that are called for them while it runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any, Protocol
+
+import numpy as np
+
+from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
+from lcpflex.model import Signals, frozen
+
+__all__ = ["DIFFERENCE_STEP", "Callback", "ForceCallback", "MotionCallback", "SignalTable", "State"]
+
+PIECES, HARMONIC, EXTERNAL = range(3)
+# Fourth-order differences of f(t): relative errors below (omega h)^4 / 90 in truncation and, for the second derivative,
+# about 20 eps |f| / h^2 = 1e-7 |f| / s^2 in rounding.
+DIFFERENCE_STEP = 2e-4  # [s]
+
+
+class OnBody(Protocol):
+    """A placed body or a point of one."""
+
+    @property
+    def body(self) -> int: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """The state that a Python force is asked at; nothing in it may be changed.
+
+    Places and velocities are in world axes [m], [m/s]; q and u are laid out as told in :mod:`lcpflex.model`.
+    """
+
+    time: float  # [s]
+    q: FloatArray  # (ndof,)
+    u: FloatArray  # (ndof,)
+    dof: IntArray  # (nb + 1,) offsets of the bodies into q and u
+
+    def position(self, point: PlacedPoint) -> FloatArray:
+        """r_P (2,) [m]."""
+        place, _, d = self._local(point)
+        return place if d is None else self.q[d : d + 2] + _turned(self.q[d + 2], place)
+
+    def velocity(self, point: PlacedPoint) -> FloatArray:
+        """rdot_P (2,) [m/s]."""
+        place, rate, d = self._local(point)
+        if d is None:
+            return np.zeros(2)
+        spin = self.u[d + 2] * np.array([-place[1], place[0]])
+        return self.u[d : d + 2] + _turned(self.q[d + 2], rate + spin)
+
+    def angle(self, of: OnBody) -> float:
+        """Angle [rad] of a body, or of the material at a point of one; 0 for the ground."""
+        return self._angular(of, self.q)
+
+    def angular_velocity(self, of: OnBody) -> float:
+        """Angular velocity [rad/s] of a body, or of the material at a point of one; 0 for the ground."""
+        return self._angular(of, self.u)
+
+    def _angular(self, of: OnBody, values: FloatArray) -> float:
+        if of.body < 0:
+            return 0.0
+        d = int(self.dof[of.body])
+        elastic = of.material.psi @ values[d + 3 : self.dof[of.body + 1]] if isinstance(of, PlacedPoint) else 0.0
+        return float(values[d + 2] + elastic)
+
+    def _local(self, point: PlacedPoint) -> tuple[FloatArray, FloatArray, int | None]:
+        """x + Phi q and Phi qdot, body axes, and the offset of the body; None for the ground."""
+        place = np.array(point.material.place, dtype=float)
+        if point.body < 0:
+            return place, np.zeros(2), None
+        d = int(self.dof[point.body])
+        modal = slice(d + 3, int(self.dof[point.body + 1]))
+        return place + self.q[modal] @ point.material.phi, self.u[modal] @ point.material.phi, d
+
+
+def _turned(angle: float, s: FloatArray) -> FloatArray:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([cos * s[0] - sin * s[1], sin * s[0] + cos * s[1]])
+
+
+def _called(
+    name: str, expected: str, shapes: tuple[tuple[int, ...], ...], function: Callable[..., Any], *a: Any
+) -> FloatArray:
+    """What a user's function returns, as finite numbers of one of ``shapes``.
+
+    Raises ModelError, chained to what the function raised.
+    """
+    try:
+        returned = function(*a)
+    except Exception as error:
+        raise ModelError(f"{name}: the function raised {type(error).__name__} at t = {a[0]:.9g} s: {error}") from error
+    try:
+        values = np.asarray(returned, dtype=float)
+    except (TypeError, ValueError):
+        raise ModelError(
+            f"{name}: the function returned {returned!r} at t = {a[0]:.9g} s, expected {expected}"
+        ) from None
+    if values.shape not in shapes or not np.isfinite(values).all():
+        raise ModelError(f"{name}: the function returned {returned!r} at t = {a[0]:.9g} s, expected {expected}")
+    return values
+
+
+@dataclass(frozen=True, slots=True)
+class ForceCallback:
+    """A Python force: f(t) or f(t, state), for one external slot or two."""
+
+    name: str
+    function: Callable[..., Any]
+    slots: tuple[int, ...]
+    with_state: bool
+
+    def fill(self, t: float, state: State, external: FloatArray) -> None:
+        """Write f into ``external`` (slots, 3). Raises ModelError if the function fails or returns something else."""
+        many = len(self.slots)
+        expected = "a finite number" if many == 1 else f"{many} finite numbers"
+        shapes = ((), (1,)) if many == 1 else ((many,),)
+        arguments = (t, state) if self.with_state else (t,)
+        values = _called(self.name, expected, shapes, self.function, *arguments)
+        external[list(self.slots), 0] = values.reshape(many)
+
+
+@dataclass(frozen=True, slots=True)
+class MotionCallback:
+    """A Python motion f(t) with its derivatives, given by the function or taken by central differences."""
+
+    name: str
+    function: Callable[..., Any]
+    slot: int
+
+    def fill(self, t: float, state: State, external: FloatArray) -> None:
+        """Write (f, f', f'') into ``external`` (slots, 3). Raises ModelError if the function fails."""
+        values = self._at(t)
+        if values.shape == (3,):
+            external[self.slot] = values
+            return
+        h = DIFFERENCE_STEP
+        far_before, before, after, far_after = (float(self._at(t + k * h).flat[0]) for k in (-2, -1, 1, 2))
+        now = float(values.flat[0])
+        external[self.slot, 0] = now
+        external[self.slot, 1] = (8.0 * (after - before) - (far_after - far_before)) / (12.0 * h)
+        external[self.slot, 2] = (16.0 * (after + before) - (far_after + far_before) - 30.0 * now) / (12.0 * h * h)
+
+    def _at(self, t: float) -> FloatArray:
+        expected = "a finite number or three: value, rate, acceleration"
+        return _called(self.name, expected, ((), (1,), (3,)), self.function, t)
+
+
+Callback = ForceCallback | MotionCallback
+
+
+class SignalTable:
+    """Collects functions of time while a scene is compiled; hands out their indices."""
+
+    def __init__(self) -> None:
+        self._kind: list[int] = []
+        self._first: list[int] = []
+        self._last: list[int] = []
+        self._breaks: list[float] = []
+        self._coefficients: list[tuple[float, ...]] = []
+        self._callbacks: list[Callback] = []
+        self.n_external = 0
+
+    def motion(self, name: str, value: Motion) -> int:
+        """Register a prescribed motion; a table becomes a cubic spline."""
+        if callable(value):
+            self._callbacks.append(MotionCallback(name, value, self.n_external))
+            return self._external()
+        return self._add(value, smooth=True)
+
+    def force(self, name: str, value: Signal) -> int:
+        """Register a component of a force or a torque; a table becomes straight lines."""
+        if callable(value):
+            self._callbacks.append(ForceCallback(name, value, (self.n_external,), takes_state(value)))
+            return self._external()
+        return self._add(value, smooth=False)
+
+    def force_pair(self, name: str, value: Callable[..., Any]) -> tuple[int, int]:
+        """Register a Python function that returns both components of a force."""
+        slots = (self.n_external, self.n_external + 1)
+        self._callbacks.append(ForceCallback(name, value, slots, takes_state(value)))
+        return self._external(), self._external()
+
+    def compile(self) -> tuple[Signals, tuple[Callback, ...]]:
+        """All functions so far as read-only arrays, and the Python ones among them."""
+        signals = Signals(
+            kind=frozen(self._kind, np.int64),
+            first=frozen(self._first, np.int64),
+            last=frozen(self._last, np.int64),
+            breaks=frozen(self._breaks),
+            coefficients=frozen(self._coefficients, columns=4),
+        )
+        return signals, tuple(self._callbacks)
+
+    def _external(self) -> int:
+        self._put(EXTERNAL, self.n_external, self.n_external + 1)
+        self.n_external += 1
+        return len(self._kind) - 1
+
+    def _add(self, value: float | Harmonic | Table, smooth: bool) -> int:
+        first = len(self._breaks)
+        if isinstance(value, Table):
+            breaks, coefficients = value.pieces(smooth)
+            self._breaks.extend(float(b) for b in breaks)
+            self._coefficients.extend(tuple(float(c) for c in row) for row in coefficients)
+            self._put(PIECES, first, len(self._breaks))
+            return len(self._kind) - 1
+        if isinstance(value, Real):
+            value = Harmonic(0.0, 0.0, 0.0, float(value))
+        assert isinstance(value, Harmonic)
+        self._breaks.append(0.0)  # breaks and coefficients share their offsets
+        self._coefficients.append((value.mean, value.amplitude, value.omega, value.phase))
+        self._put(HARMONIC, first, first + 1)
+        return len(self._kind) - 1
+
+    def _put(self, kind: int, first: int, last: int) -> None:
+        self._kind.append(kind)
+        self._first.append(first)
+        self._last.append(last)

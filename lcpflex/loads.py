@@ -1,0 +1,221 @@
+"""Springs, dampers, forces and torques, and functions of time for them and for drives. Gravity belongs to the scene.
+
+A function of time is one of
+
+- a number: constant;
+- :class:`Harmonic`;
+- :class:`Table`: values at instants, constant before the first and after the last; between them straight lines for a
+  force, and the cubic spline that is twice continuously differentiable for a motion;
+- a Python function. It makes the outer loop of a simulation run in Python, which costs some tens of microseconds a
+  step. A force is called as f(t), or as f(t, state) if it takes two arguments, with a
+  :class:`lcpflex.dynamics.time_functions.State`. A motion is called as f(t), also a little before the start, and
+  returns its value, or the triple (value, rate, acceleration); without these two, they are taken by central
+  differences.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.body import array_of
+from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, in_range
+
+__all__ = [
+    "Force",
+    "Harmonic",
+    "Load",
+    "Motion",
+    "Signal",
+    "Spring",
+    "Table",
+    "Torque",
+    "TorsionSpring",
+    "check_motion",
+    "takes_state",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Harmonic:
+    """mean + amplitude sin(omega t + phase); omega [rad/s], phase [rad]. Raises ModelError for numbers not finite."""
+
+    amplitude: float
+    omega: float
+    phase: float = 0.0
+    mean: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "omega", "phase", "mean"):
+            in_range(f"Harmonic: {name}", getattr(self, name), -math.inf, math.inf)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """``values`` (m,) at increasing ``times`` (m,) [s], m >= 2; constant before the first and after the last.
+
+    A motion that is still moving at its last instant stops there at once: let the table cover the simulation, or come
+    to rest. Raises ModelError for arrays of other shapes, times that do not increase, or numbers that are not finite.
+    """
+
+    times: npt.ArrayLike
+    values: npt.ArrayLike
+
+    def __post_init__(self) -> None:
+        for name in ("times", "values"):
+            object.__setattr__(self, name, array_of(f"Table: {name}", getattr(self, name), (-1,)))
+        times, values = np.asarray(self.times), np.asarray(self.values)
+        if times.shape != values.shape:
+            raise ModelError(f"Table: values: {values.size} were given for {times.size} times, expected as many")
+        if times.size < 2 or not (np.diff(times) > 0.0).all():
+            raise ModelError(f"Table: times: {times!r} was given, expected at least two increasing instants [s]")
+
+    def pieces(self, smooth: bool) -> tuple[FloatArray, FloatArray]:
+        """Breaks (m,) and coefficients (m, 4) for the powers 3 to 0 of (t - break); the last row is the last value."""
+        from scipy.interpolate import CubicSpline
+
+        times, values = np.asarray(self.times), np.asarray(self.values)
+        coefficients = np.zeros((times.size, 4))
+        if smooth:
+            coefficients[:-1] = CubicSpline(times, values).c.T
+        else:
+            coefficients[:-1, 2] = np.diff(values) / np.diff(times)
+            coefficients[:-1, 3] = values[:-1]
+        coefficients[-1, 3] = values[-1]
+        return times, coefficients
+
+
+Motion = float | Harmonic | Table | Callable[[float], Any]
+Signal = float | Harmonic | Table | Callable[..., Any]
+
+
+def check_motion(name: str, value: object) -> None:
+    """Raise ModelError unless ``value`` is a function of time."""
+    if isinstance(value, Real):
+        in_range(name, value, -math.inf, math.inf)
+    elif not (isinstance(value, (Harmonic, Table)) or callable(value)):
+        raise ModelError(
+            f"{name}: {value!r} was given, expected a number, Harmonic, Table or a Python function of the time"
+        )
+
+
+def takes_state(function: Callable[..., Any]) -> bool:
+    """Whether a force function is to be called as f(t, state)."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):  # some built-in functions do not tell
+        return False
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    required = [p for p in parameters if p.kind in kinds and p.default is p.empty]
+    return len(required) >= 2 or any(p.kind is p.VAR_POSITIONAL for p in parameters)
+
+
+def _check_spring(spring: Any, rest: str) -> None:
+    """Points, coefficients >= 0 and the rest length or angle."""
+    owner = type(spring).__name__
+    check_pair(owner, spring.P, spring.Q)
+    in_range(f"{owner}: stiffness", spring.stiffness, 0.0, math.inf)
+    in_range(f"{owner}: damping", spring.damping, 0.0, math.inf)
+    value = getattr(spring, rest)
+    if value is not None:
+        in_range(f"{owner}: {rest}", value, 0.0 if rest == "length" else -math.inf, math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Spring:
+    """Spring and damper along the line from P to Q: tension k (L - ``length``) + c Ldot with L = |r_P - r_Q|.
+
+    ``stiffness`` k [N/m] >= 0, ``damping`` c [N s/m] >= 0, ``length`` [m] >= 0 without force, that of the start
+    configuration if omitted. Raises ModelError for points or numbers that cannot be.
+    """
+
+    P: PlacedPoint
+    Q: PlacedPoint
+    stiffness: float
+    damping: float = 0.0
+    length: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_spring(self, "length")
+
+
+@dataclass(frozen=True, slots=True)
+class TorsionSpring:
+    """Torsional spring and damper: torque -k (angle_P - angle_Q - ``angle``) - c (rate of it) on P, the opposite on Q.
+
+    ``stiffness`` k [N m/rad] >= 0, ``damping`` c [N m s/rad] >= 0, ``angle`` [rad] without torque, that of the start
+    configuration if omitted. Raises ModelError for points or numbers that cannot be.
+    """
+
+    P: PlacedPoint
+    Q: PlacedPoint
+    stiffness: float
+    damping: float = 0.0
+    angle: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_spring(self, "angle")
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """Force [N] at P, in world axes or, with ``follower``, in axes that turn with the material at P.
+
+    ``value`` is a pair of functions of time, one for each component, or one Python function f(t) or f(t, state)
+    that returns both. Raises ModelError for a point on the ground or a value that is none of these.
+    """
+
+    P: PlacedPoint
+    value: tuple[Signal, Signal] | Callable[..., Any]
+    follower: bool = False
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check_loaded(self)
+        if callable(self.value):
+            return
+        try:
+            x, y = self.value
+        except (TypeError, ValueError):
+            raise ModelError(
+                f"Force: value: {self.value!r} was given, expected a pair (fx, fy) or a Python function of the time"
+            ) from None
+        check_motion("Force: value[0]", x)
+        check_motion("Force: value[1]", y)
+        object.__setattr__(self, "value", (x, y))
+
+
+@dataclass(frozen=True, slots=True)
+class Torque:
+    """Torque [N m] on the material at P, counter-clockwise: a function of time, f(t) or f(t, state).
+
+    Raises ModelError for a point on the ground or a value that is none of these.
+    """
+
+    P: PlacedPoint
+    value: Signal
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        _check_loaded(self)
+        check_motion("Torque: value", self.value)
+
+
+def _check_loaded(load: Any) -> None:
+    """A point on a body."""
+    owner = type(load).__name__
+    check_point(owner, "P", load.P)
+    if load.P.body < 0:
+        raise ModelError(f"{owner}: P: {load.P.label} was given, expected a point of a body: the ground does not move")
+
+
+Load = Spring | TorsionSpring | Force | Torque
