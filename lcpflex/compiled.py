@@ -13,7 +13,7 @@ import re
 import sys
 import types
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -31,7 +31,7 @@ ROOT = Path(__file__).resolve().parent
 _announced = False
 
 
-@lru_cache(maxsize=None)
+@cache
 def _imports(path: Path) -> tuple[Path, ...]:
     """The source files of the package that the one at ``path`` names in its imports."""
     names = re.findall(r"^\s*from (lcpflex[\w.]*) import", path.read_text(encoding="utf-8"), re.MULTILINE)
@@ -39,7 +39,7 @@ def _imports(path: Path) -> tuple[Path, ...]:
     return tuple(file for file in files if file.is_file())
 
 
-@lru_cache(maxsize=None)
+@cache
 def _stamp(path: Path) -> str:
     """Hash of all the sources that a kernel in the file at ``path`` can depend on."""
     sources, waiting = set(), [path]
@@ -100,7 +100,11 @@ def kernel(function: F) -> F:
     dispatcher = numba.njit(function)
     try:
         dispatcher._cache = _package_cache(function)
-    except (AttributeError, OSError, RuntimeError):  # other numba internals, no folder for a cache, a kernel of a user's
+    except (
+        AttributeError,
+        OSError,
+        RuntimeError,
+    ):  # other numba internals, no folder for a cache, a kernel of a user's
         pass
     return cast(F, dispatcher)
 

@@ -18,9 +18,24 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 
-__all__ = ["Bodies", "Contacts", "Joints", "Loads", "Model", "Points", "PointTable", "Signals", "bodiless_model", "frozen"]
+__all__ = [
+    "Bodies",
+    "Contacts",
+    "Joints",
+    "Loads",
+    "Model",
+    "Points",
+    "PointTable",
+    "Signals",
+    "OPEN",
+    "SLIP",
+    "STICK",
+    "bodiless_model",
+    "frozen",
+]
 
 GROUND = -1
+OPEN, STICK, SLIP = 0, 1, 2  # states of a contact
 
 
 class Bodies(NamedTuple):

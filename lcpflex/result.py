@@ -12,7 +12,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError
-from lcpflex.model import Model
+from lcpflex.model import OPEN, SLIP, STICK, Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,8 +34,6 @@ __all__ = [
     "material_shapes",
     "world_places",
 ]
-
-OPEN, STICK, SLIP = 0, 1, 2
 
 
 @dataclass(frozen=True, slots=True)

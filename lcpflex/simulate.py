@@ -230,7 +230,9 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str
         )
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
     if growth > GROWTH * scale:
-        warnings.append(f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads")
+        warnings.append(
+            f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
+        )
     if energies.relative_remainder > REMAINDER:
         warnings.append(
             f"{energies.largest_remainder:.4g} J of energy are unexplained ({energies.relative_remainder:.2g} of the "

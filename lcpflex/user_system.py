@@ -166,7 +166,9 @@ class Functions:
         self.damping = np.zeros((n, n)) if given.damping is None else np.asarray(given.damping, dtype=float)
         self.friction = np.asarray(given.friction, dtype=float)
         start = np.asarray(given.q, dtype=float)
-        self.n_joint = 0 if given.constraints is None else len(_call("constraints", given.constraints, (None,), 0.0, start))
+        self.n_joint = (
+            0 if given.constraints is None else len(_call("constraints", given.constraints, (None,), 0.0, start))
+        )
 
     def try_all(self) -> None:
         """Call every function once at the initial state, so that a wrong one is refused before time is spent."""
@@ -178,7 +180,9 @@ class Functions:
         try:
             np.linalg.cholesky(mass)
         except np.linalg.LinAlgError:
-            raise ModelError("mass: an indefinite matrix was given, expected M(q) symmetric positive definite") from None
+            raise ModelError(
+                "mass: an indefinite matrix was given, expected M(q) symmetric positive definite"
+            ) from None
         self.force(0.0, q, u)
         self.potential(q)
         if self.m:

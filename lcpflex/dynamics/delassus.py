@@ -15,7 +15,15 @@ import math
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 
-__all__ = ["apply_impulses", "condense", "delassus", "factorise_joints", "joint_impulses", "row_velocity", "solve_joints"]
+__all__ = [
+    "apply_impulses",
+    "condense",
+    "delassus",
+    "factorise_joints",
+    "joint_impulses",
+    "row_velocity",
+    "solve_joints",
+]
 
 REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent joint row
 
@@ -97,7 +105,14 @@ def solve_joints(lower: FloatArray, n: int, x: FloatArray) -> None:
 
 @kernel
 def condense(
-    G: FloatArray, free: FloatArray, n_joint: int, n: int, lower: FloatArray, share: FloatArray, Gc: FloatArray, bc: FloatArray
+    G: FloatArray,
+    free: FloatArray,
+    n_joint: int,
+    n: int,
+    lower: FloatArray,
+    share: FloatArray,
+    Gc: FloatArray,
+    bc: FloatArray,
 ) -> None:
     """Condense the joints: Gc, bc of the n - n_joint contact rows; share[c] = G_JJ^-1 G_J,c for joint_impulses."""
     m = n - n_joint
@@ -118,9 +133,7 @@ def condense(
 
 
 @kernel
-def joint_impulses(
-    free: FloatArray, n_joint: int, n: int, lower: FloatArray, share: FloatArray, p: FloatArray
-) -> None:
+def joint_impulses(free: FloatArray, n_joint: int, n: int, lower: FloatArray, share: FloatArray, p: FloatArray) -> None:
     """p[:n_joint] = -G_JJ^-1 (free_J + G_JW p_W) for the contact impulses p[n_joint:n]."""
     for j in range(n_joint):
         p[j] = free[j]

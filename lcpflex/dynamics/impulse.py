@@ -64,7 +64,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
 def solve_lcp(work: Workspace) -> int:
     """Solve the posed LCP by Lemke's method; 0 where solved. Residual and pivots go to ``work.certificate``."""
     m = work.step_size[3]
-    status, pivots = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 50 * m + 100)
+    status, pivots = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
     work.certificate[0] = natural_residual(work.M, work.q, work.z, m)
     work.certificate[1] = pivots
     return status

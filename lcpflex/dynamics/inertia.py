@@ -183,7 +183,9 @@ def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, 
 
 
 @kernel
-def elastic_forces(bodies: Bodies, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray) -> None:
+def elastic_forces(
+    bodies: Bodies, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
+) -> None:
     """conservative -= K q and dissipative -= C u, modal, every body (C with its off-diagonal part)."""
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
@@ -200,7 +202,9 @@ def elastic_forces(bodies: Bodies, q: FloatArray, u: FloatArray, conservative: F
 
 
 @kernel
-def stored_energies(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, work: Arrow) -> tuple[float, float, float]:
+def stored_energies(
+    bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, work: Arrow
+) -> tuple[float, float, float]:
     """Kinetic, elastic (modal) and weight energy of all bodies [J]; overwrites ``work.couple``."""
     kinetic = 0.0
     elastic = 0.0

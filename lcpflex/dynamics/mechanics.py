@@ -14,7 +14,16 @@ from lcpflex.dynamics.inertia import factorise as factorise_bodies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 
-__all__ = ["contact_biases", "energies", "fill_contact_rows", "forces", "factorise", "solve_rows", "solve_vector", "supply"]
+__all__ = [
+    "contact_biases",
+    "energies",
+    "fill_contact_rows",
+    "forces",
+    "factorise",
+    "solve_rows",
+    "solve_vector",
+    "supply",
+]
 
 
 @kernel
@@ -88,7 +97,9 @@ def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: W
 
 
 @kernel
-def contact_biases(model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace) -> None:
+def contact_biases(
+    model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace
+) -> None:
     """bias[r] = w_N and w_T of the contact rows laid out by ``fill_contact_rows``."""
     tangent = 0
     for k in range(n):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from lcpflex.compiled import FloatArray, interpreted
+from lcpflex.compiled import interpreted
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.solvers.lemke import Lemke
 from lcpflex.solvers.problem import Lcp, Solution, Status
@@ -53,4 +53,3 @@ def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., 
         if name not in scope:
             scope[name] = interpreted(function, **scope)
     return scope[functions[-1].__name__]  # type: ignore[no-any-return]
-

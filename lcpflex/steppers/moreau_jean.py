@@ -33,13 +33,13 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.model import Model
 from lcpflex.errors import ModelError, in_range
+from lcpflex.model import SLIP, STICK, Model
 from lcpflex.solvers.lemke import Lemke, lemke
 from lcpflex.steppers.driver import LcpSolver, link, solver_hooks
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import SLIP, STICK, Tape, note_contact, note_gain, store_contacts, store_state
+from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
 
 __all__ = ["MoreauJean", "MoreauJeanRun", "Settings", "advance", "correct", "predict", "record"]
 
@@ -136,7 +136,9 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
 
 
 @kernel
-def project_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, tolerance: float) -> None:
+def project_joints(
+    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, tolerance: float
+) -> None:
     """q += A^-1 J^T d until |phi(q, t)| <= tolerance, with the rows of the step (a simplified Newton method)."""
     n_joint = len(work.residual)
     if n_joint == 0:
@@ -181,7 +183,7 @@ def project_contacts(model: Model, settings: Settings, q: FloatArray, work: Work
         work.q[i] = work.table.gap[work.closed[i]]
         for j in range(m):
             work.M[i, j] = work.Gc[work.closed[i], work.closed[j]]
-    status, _ = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 50 * m + 100)
+    status, _ = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
     if status != 0:
         return False
     for i in range(m):
@@ -216,7 +218,9 @@ def correct(
 
 
 @kernel
-def record(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
+def record(
+    model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
+) -> int:
     """Store the present instant; the contact forces are the impulses of the last step over its length."""
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
@@ -236,7 +240,9 @@ def record(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatAr
         if p_n > 0.0:
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
-            note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / settings.step, p_t / settings.step, state)
+            note_contact(
+                tape, work.table.law[k], place, work.table.normal[k], p_n / settings.step, p_t / settings.step, state
+            )
     kinetic, elastic, potential = energies(model, q, u, work)
     store_state(tape, t, q, u, kinetic, elastic, potential)
     return needed
@@ -426,7 +432,9 @@ class MoreauJean:
         in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
         in_range("solver_tolerance", self.solver_tolerance, 0.0, math.inf, open_ends=True)
         if not hasattr(self.solver, "solve"):
-            raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Lemke()")
+            raise ModelError(
+                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Lemke()"
+            )
 
     def start(self, system: System, duration: float, interval: float) -> MoreauJeanRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""

@@ -59,4 +59,3 @@ class System:
         """An empty tape."""
         surfaces = len(self.model.contacts.surface_body)
         return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table_capacity, surfaces, self.margin)
-

@@ -13,13 +13,9 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable, contact_table, detect
-from lcpflex.model import Model
+from lcpflex.model import OPEN, Model
 
-__all__ = ["OPEN", "SLIP", "STICK", "Tape", "note_contact", "note_gain", "store_contacts", "store_state", "tape"]
-
-OPEN = 0
-STICK = 1
-SLIP = 2
+__all__ = ["Tape", "note_contact", "note_gain", "store_contacts", "store_state", "tape"]
 
 
 class Tape(NamedTuple):
@@ -47,7 +43,9 @@ class Tape(NamedTuple):
     now_state: IntArray  # (laws,)
 
 
-def tape(ndof: int, n_laws: int, capacity: int, spots: int, table_capacity: int, n_surfaces: int, margin: float) -> Tape:
+def tape(
+    ndof: int, n_laws: int, capacity: int, spots: int, table_capacity: int, n_surfaces: int, margin: float
+) -> Tape:
     """Allocate an empty tape."""
     zeros = np.zeros
     return Tape(
@@ -120,7 +118,9 @@ def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
 
 
 @kernel
-def store_state(tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float) -> None:
+def store_state(
+    tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float
+) -> None:
     """Close the instant: copy the state, energies, sums and peaks, and reset what is counted per instant."""
     row = tape.count[0]
     tape.times[row] = t
