@@ -48,9 +48,7 @@ def RigidBody(
     return _rigid(m, about_center, places["center"], places, {})
 
 
-def Disc(
-    radius: float, density: float | None = None, mass: float | None = None, thickness: float = 1.0
-) -> Body:
+def Disc(radius: float, density: float | None = None, mass: float | None = None, thickness: float = 1.0) -> Body:
     """A homogeneous disc. Frame origin and point "center": its centre. Surface "outline": its circle.
 
     m = rho t pi r^2, inertia m r^2 / 2.
