@@ -47,9 +47,9 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
 
 
 def project(
-    model: Model, q: FloatArray, u: FloatArray, external: FloatArray, tolerance: float
+    model: Model, q: FloatArray, u: FloatArray, external: FloatArray, tolerance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """The state nearest to (q, u), in the mass metric, that fulfils the joints to ``tolerance``.
+    """The state nearest to (q, u), in the mass metric, that fulfils the joints to ``tolerance`` (r,).
 
     q by Newton steps dq = -M^-1 J^T (J M^-1 J^T)^-1 phi, u by one such step of phidot. Where the joints cannot be
     fulfilled the state returned still violates them.
@@ -57,7 +57,7 @@ def project(
     q = q.copy()
     for _ in range(ITERATIONS):
         state = violation(model, q, u, external)
-        if not np.abs(state.position).max(initial=0.0) > tolerance:
+        if (np.abs(state.position) <= tolerance).all():
             break
         q -= _nearest(mass_matrix(model, q), state.jacobian, state.position)
     state = violation(model, q, u, external)

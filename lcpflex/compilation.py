@@ -1,0 +1,345 @@
+"""From the objects of a scene to the arrays of a model, and the checks that need the whole scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.bodies.body import Body, Chain, MaterialPoint
+from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.shapes import compile_contacts
+from lcpflex.dynamics.time_functions import Callback, SignalTable, State
+from lcpflex.errors import ModelError
+from lcpflex.joints import Joint
+from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
+from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
+from lcpflex.placed import Placed, PlacedSurface
+from lcpflex.scene import ContactRule, DeclaredContact, Layout
+
+if TYPE_CHECKING:
+    from lcpflex.dynamics.start import Violation
+
+__all__ = ["compiled_parts"]
+
+JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
+PROJECTION_TOLERANCE = 1e-12
+PENETRATION = 1e-6  # times the size of the largest body: an initial penetration beyond it is an error
+
+
+@dataclass(slots=True)
+class Assembly:
+    """Material points and functions of time, collected while a scene is compiled."""
+
+    state: State  # at the start
+    points: PointTable = field(default_factory=PointTable)
+    signals: SignalTable = field(default_factory=SignalTable)
+    _known: dict[tuple[int, int], tuple[int, MaterialPoint]] = field(default_factory=dict)
+
+    def point(self, body: int, material: MaterialPoint) -> int:
+        """Index of a material point; one object is registered once."""
+        key = (body, id(material))
+        if key not in self._known:
+            index = self.points.add(body, material.place, material.phi, material.psi)
+            self._known[key] = (index, material)  # holds the object, so that its id stays its own
+        return self._known[key][0]
+
+    def of(self, point: PlacedPoint) -> int:
+        """Index of a point of the scene."""
+        return self.point(point.body, point.material)
+
+    def angle(self, P: PlacedPoint, Q: PlacedPoint) -> float:
+        """Relative angle of P and Q at the start [rad]."""
+        return self.state.angle(P) - self.state.angle(Q)
+
+    def distance(self, P: PlacedPoint, Q: PlacedPoint) -> float:
+        """Distance of P and Q at the start [m]."""
+        return math.hypot(*(self.state.position(P) - self.state.position(Q)))
+
+
+def compiled_parts(
+    gravity: FloatArray,
+    placed: tuple[Placed, ...],
+    joints: Mapping[str, Joint],
+    loads: Sequence[Load],
+    contacts: Mapping[str, DeclaredContact],
+    rules: Sequence[ContactRule],
+    surfaces: Sequence[PlacedSurface],
+    project: bool,
+) -> tuple[Model, Layout, FloatArray, FloatArray, float, int, tuple[Callback, ...]]:
+    """The fields of :class:`lcpflex.scene.Compiled`. Raises ModelError for a start that cannot be."""
+    if not placed:
+        raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
+    sources = [p.source for p in placed if p.source is not None]
+    bodies = _bodies(sources)
+    q = frozen(np.concatenate([p.start[0] for p in placed]))
+    u = frozen(np.concatenate([p.start[1] for p in placed]))
+    assembly = Assembly(State(0.0, q, u, bodies.dof))
+    named = {
+        (p.name, name): assembly.point(p.body, p.source.points[name])
+        for p in placed
+        if p.source
+        for name in p.source.points
+    }
+    outlines, circles = _drawn(placed, assembly)
+    joint_arrays = _joints(joints, assembly)
+    load_arrays = _loads(gravity, loads, assembly)
+    declared = {**contacts, **_by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
+    contact_arrays = _contacts(declared, surfaces, assembly)
+    signals, callbacks = assembly.signals.compile()
+    model = Model(bodies, assembly.points.compile(), signals, joint_arrays, load_arrays, contact_arrays)
+    layout = Layout(tuple(p.name for p in placed), tuple(declared), tuple(joints), outlines, circles, named)
+    external = np.zeros((assembly.signals.n_external, 3))
+    for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
+        callback.fill(0.0, assembly.state, external)
+    size = _size(model, circles, q)
+    if joints:
+        q, u = _consistent(model, joints, q, u, external, size, project)
+    if declared:
+        _refuse_penetration(model, q.copy(), tuple(declared), size)
+    return model, layout, frozen(q), frozen(u), size, assembly.signals.n_external, callbacks
+
+
+def _bodies(sources: Sequence[Body]) -> Bodies:
+    def joined(pick: Callable[[Body], object], columns: int = 0) -> FloatArray:
+        parts = [np.asarray(pick(body), dtype=float).reshape((-1, columns) if columns else -1) for body in sources]
+        return frozen(np.concatenate(parts), columns=columns)
+
+    def square(pick: Callable[[Body], FloatArray | None]) -> tuple[IntArray, FloatArray]:
+        flat = [np.zeros(0) if pick(body) is None else np.ravel(np.asarray(pick(body))) for body in sources]
+        return frozen(np.cumsum([0, *(part.size for part in flat)]), np.int64), frozen(np.concatenate(flat))
+
+    coupling_start, coupling = square(lambda body: body.coupling)
+    cross_start, cross = square(lambda body: body.cross_damping)
+    return Bodies(
+        dof=frozen(np.cumsum([0, *(3 + body.modes for body in sources)]), np.int64),
+        mass=joined(lambda body: body.mass),
+        inertia=joined(lambda body: body.inertia),
+        moment=joined(lambda body: body.moment, 2),
+        S=joined(lambda body: body.S, 2),
+        a=joined(lambda body: body.a),
+        c=joined(lambda body: body.c),
+        stiffness=joined(lambda body: body.stiffness),
+        damping=joined(lambda body: body.damping),
+        coupling_start=coupling_start,
+        coupling=coupling,
+        cross_damping_start=cross_start,
+        cross_damping=cross,
+    )
+
+
+def _drawn(
+    placed: Sequence[Placed], assembly: Assembly
+) -> tuple[tuple[tuple[int, IntArray, bool], ...], tuple[tuple[int, float], ...]]:
+    """Outlines (body, points, closed) and circles (point, radius) of the bodies."""
+    outlines, circles = [], []
+    for p in placed:
+        outline = p.source.surfaces.get("outline") if p.source else None
+        if isinstance(outline, Chain):
+            ids = frozen([assembly.point(p.body, material) for material in outline.points], np.int64)
+            outlines.append((p.body, ids, outline.closed))
+        elif outline is not None and not outline.hole:
+            circles.append((assembly.point(p.body, outline.center), float(outline.radius)))
+    return tuple(outlines), tuple(circles)
+
+
+def _joints(joints: Mapping[str, Joint], assembly: Assembly) -> Joints:
+    kind, point, value, signal, row = [], [], [], [], [0]
+    for name, joint in joints.items():
+        form = joint.form()
+        angle = assembly.angle(joint.P, joint.Q) if form.angle is None else form.angle
+        length = assembly.distance(joint.P, joint.Q) if form.length is None else form.length
+        if form.length is None and not length > 0.0:
+            raise ModelError(f"joint {name!r}: its points coincide at the start, expected a distance > 0 or a length")
+        kind.append(form.kind)
+        point.append((assembly.of(joint.P), assembly.of(joint.Q)))
+        value.append((angle, *form.axis, length))
+        signal.append(-1 if form.motion is None else assembly.signals.motion(f"joint {name!r}: motion", form.motion))
+        row.append(row[-1] + len(form.rows))
+    return Joints(
+        kind=frozen(kind, np.int64),
+        point=frozen(point, np.int64, columns=2),
+        row=frozen(row, np.int64),
+        value=frozen(value, columns=4),
+        signal=frozen(signal, np.int64),
+    )
+
+
+def _loads(gravity: FloatArray, loads: Sequence[Load], assembly: Assembly) -> Loads:
+    springs: list[tuple[int, tuple[int, int], tuple[float, float, float]]] = []
+    forces: list[tuple[int, int, tuple[int, int]]] = []
+    signals = assembly.signals
+    for load in loads:
+        P = assembly.of(load.P)
+        if isinstance(load, Spring | TorsionSpring):
+            given = load.length if isinstance(load, Spring) else load.angle
+            start = assembly.distance if isinstance(load, Spring) else assembly.angle
+            rest = start(load.P, load.Q) if given is None else given
+            kind = 0 if isinstance(load, Spring) else 1
+            springs.append((kind, (P, assembly.of(load.Q)), (load.stiffness, load.damping, rest)))
+        elif isinstance(load, Torque):
+            index = signals.force(f"{load.name or 'torque'} at {load.P.label}", load.value)
+            forces.append((2, P, (index, index)))
+        else:
+            forces.append((int(load.follower), P, _components(load, signals)))
+    return Loads(
+        gravity=frozen(gravity),
+        spring_kind=frozen([s[0] for s in springs], np.int64),
+        spring_point=frozen([s[1] for s in springs], np.int64, columns=2),
+        spring_value=frozen([s[2] for s in springs], columns=3),
+        force_kind=frozen([f[0] for f in forces], np.int64),
+        force_point=frozen([f[1] for f in forces], np.int64),
+        force_signal=frozen([f[2] for f in forces], np.int64, columns=2),
+    )
+
+
+def _components(force: Force, signals: SignalTable) -> tuple[int, int]:
+    name = f"{force.name or 'force'} at {force.P.label}"
+    if callable(force.value):
+        return signals.force_pair(name, force.value)
+    x, y = force.value
+    return signals.force(f"{name}, x", x), signals.force(f"{name}, y", y)
+
+
+def _by_rules(
+    placed: Sequence[Placed],
+    surfaces: Sequence[PlacedSurface],
+    declared: Mapping[str, DeclaredContact],
+    rules: Sequence[ContactRule],
+    joints: Sequence[Joint],
+) -> dict[str, DeclaredContact]:
+    """The contacts that "everything against everything" adds, by name; an earlier rule has precedence."""
+    if not rules:
+        return {}
+    outlines = [p.surface() for p in placed if p.source and "outline" in p.source.surfaces]
+    candidates = [*outlines, *surfaces]
+    taken = {frozenset(surface.label for surface in contact.pair) for contact in declared.values()}
+    jointed = {frozenset((joint.P.body, joint.Q.body)) for joint in joints if joint.P.body >= 0 and joint.Q.body >= 0}
+    found = {}
+    for rule in rules:
+        for i, a in enumerate(candidates):
+            for b in candidates[i + 1 :]:
+                pair = frozenset((a.label, b.label))
+                apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
+                if apart and pair not in taken and not _excluded(rule, a, b):
+                    taken.add(pair)
+                    law = (rule.friction, rule.restitution, rule.tangential_restitution)
+                    found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *law)
+    return found
+
+
+def _excluded(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> bool:
+    def matches(side: Placed | PlacedSurface, surface: PlacedSurface) -> bool:
+        return side.body == surface.body if isinstance(side, Placed) else side.label == surface.label
+
+    return any((matches(x, a) and matches(y, b)) or (matches(x, b) and matches(y, a)) for x, y in rule.exclude)
+
+
+def _contacts(
+    declared: Mapping[str, DeclaredContact], surfaces: Sequence[PlacedSurface], assembly: Assembly
+) -> Contacts:
+    used = {s.label: s for s in surfaces}  # surfaces without a contact are drawn, too
+    for contact in declared.values():
+        used.update((s.label, s) for s in contact.pair)
+    number = {label: k for k, label in enumerate(used)}
+    return compile_contacts(
+        [(s.body, s.shape) for s in used.values()],
+        [
+            (number[c.pair[0].label], number[c.pair[1].label], c.friction, c.restitution, c.tangential_restitution)
+            for c in declared.values()
+        ],
+        assembly.points,
+    )
+
+
+def _size(model: Model, circles: Sequence[tuple[int, float]], q: FloatArray) -> float:
+    """Extent of the largest body [m]; of the scene where all bodies are points."""
+    points = model.points
+    places = [points.place[points.body == b] for b in range(len(model.bodies.mass))]
+    extents = [float(np.ptp(p, axis=0).max()) for p in places if len(p)]
+    extents += [2.0 * radius for point, radius in circles if points.body[point] >= 0]
+    slaves = model.contacts.slave_point
+    moving = points.body[slaves] >= 0
+    extents += [2.0 * float(radius) for radius in model.contacts.slave_radius[moving]]
+    largest = max(extents, default=0.0)
+    if largest > 0.0:
+        return largest
+    frames = np.vstack([q[model.bodies.dof[:-1, None] + np.arange(2)], points.place[points.body < 0]])
+    return float(np.ptp(frames, axis=0).max()) or 1.0
+
+
+def _consistent(
+    model: Model,
+    joints: Mapping[str, Joint],
+    q: FloatArray,
+    u: FloatArray,
+    external: FloatArray,
+    size: float,
+    project: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """A start that fulfils the joints: the given one, or its projection."""
+    from lcpflex.dynamics import start
+
+    units = [unit for joint in joints.values() for unit in joint.form().rows]
+    reach = max(size, float(np.abs(q[model.bodies.dof[:-1, None] + np.arange(2)]).max()))
+    scale = np.array([reach if unit == "m" else 1.0 for unit in units])
+    q, u = q.copy(), u.copy()  # writable, as the kernels are compiled for
+    if project:
+        q, u = start.project(model, q, u, external, PROJECTION_TOLERANCE * scale)
+    _refuse_violation(start.violation(model, q, u, external), model, joints, units, scale, project)
+    return q, u
+
+
+def _refuse_violation(
+    found: Violation,
+    model: Model,
+    joints: Mapping[str, Joint],
+    units: Sequence[str],
+    scale: FloatArray,
+    project: bool,
+) -> None:
+    """Raise ModelError for the joint that is violated most, relative to what is tolerated."""
+    hint = "the joints contradict each other" if project else "place the bodies accordingly, or use project=True"
+    owner = np.searchsorted(model.joints.row, np.arange(len(units)), side="right") - 1
+    names = list(joints)
+    for violated, allowed, rate in (
+        (found.position, JOINT_TOLERANCE * scale, ""),
+        (found.velocity, JOINT_TOLERANCE * (scale + found.speed), "/s"),
+    ):
+        worst = int(np.argmax(np.abs(violated) / allowed))
+        if not abs(violated[worst]) <= allowed[worst]:
+            name = names[owner[worst]]
+            joint = joints[name]
+            rows = model.joints.row[owner[worst] : owner[worst] + 2]
+            of_unit = [violated[r] for r in range(*rows) if units[r] == units[worst]]
+            what = "velocity" if rate else "position"
+            raise ModelError(
+                f"joint {name!r} ({type(joint).__name__} of {joint.P.label} and {joint.Q.label}): the initial {what} "
+                f"violates it by {math.hypot(*of_unit):.6g} {units[worst]}{rate}, expected at most {allowed[worst]:.1g}: {hint}"
+            )
+
+
+def _refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], size: float) -> None:
+    """Raise ModelError for the deepest initial penetration beyond tolerance."""
+    from lcpflex.contact.detection import contact_table, detect
+
+    capacity = 64
+    while True:
+        table = contact_table(capacity, len(model.contacts.surface_body))
+        found = detect(model, q, 0.0, table)
+        if found <= capacity:
+            break
+        capacity = 2 * found
+    if not found:
+        return
+    deepest = int(np.argmin(table.gap[:found]))
+    depth = -float(table.gap[deepest])
+    if not depth <= PENETRATION * size:
+        raise ModelError(
+            f"contact {names[table.law[deepest]]!r}: its surfaces penetrate by {depth:.6g} m at the start, "
+            f"expected at most {PENETRATION * size:.1g} m: move the bodies apart"
+        )

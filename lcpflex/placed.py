@@ -1,0 +1,153 @@
+"""Handles of the bodies and the ground of a scene: their points and their surfaces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
+from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.contact import shapes
+from lcpflex.errors import ModelError, in_range
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.contact.shapes import Surface
+
+__all__ = ["Placed", "PlacedSurface", "listed"]
+
+Place = str | PlacedPoint | npt.ArrayLike
+
+
+class Register(Protocol):
+    """Where surfaces that are made on a body or the ground are kept: the scene."""
+
+    def keep(self, surface: PlacedSurface) -> None: ...
+    def label(self, stem: str) -> str: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlacedSurface:
+    """A surface of one body or of the ground of one scene, made by the methods of :class:`Placed`."""
+
+    scene: object = field(repr=False)  # identity of the scene
+    body: int  # index of the body, -1 for the ground
+    label: str  # unique in the scene, such as "pendulum.outline"
+    shape: Surface = field(repr=False)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names for a message."""
+    return ", ".join(repr(name) for name in names) if names else "(there are none)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """A body in a scene, or its ground. Places are in the body frame, undeformed (in world axes for the ground) [m].
+
+    Made by ``scene.add(...)`` and ``scene.ground``, not by hand. Where a place is asked for, the name of a point of the
+    body does as well. Every method raises ModelError for an unknown name, a place off a flexible body, and numbers
+    that cannot be.
+    """
+
+    name: str
+    body: int  # index in the scene, -1 for the ground
+    source: Body | None = field(repr=False)  # None for the ground
+    start: tuple[FloatArray, FloatArray] = field(repr=False)  # (3 + n,) configuration and velocity
+    scene: Register = field(repr=False)
+
+    def point(self, name: str) -> PlacedPoint:
+        """A named point of the body."""
+        known = {} if self.source is None else self.source.points
+        if name not in known:
+            raise ModelError(f"point: {self.name!r} has no point {name!r}, expected one of {listed(list(known))}")
+        return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name])
+
+    def at(self, x: float, y: float) -> PlacedPoint:
+        """The material point at (x, y)."""
+        return PlacedPoint(self.scene, self.body, f"{self.name}.at({x:g}, {y:g})", self._located((x, y)))
+
+    def surface(self, name: str = "outline") -> PlacedSurface:
+        """A surface that the body came with; "outline" is the whole of it."""
+        known = {} if self.source is None else self.source.surfaces
+        if name not in known:
+            hint = "; make one with circle, arc, half_plane, chain or node" if not known else ""
+            raise ModelError(
+                f"surface: {self.name!r} has no surface {name!r}, expected one of {listed(list(known))}{hint}"
+            )
+        outline = known[name]
+        if isinstance(outline, Chain):
+            shape = shapes.chain(outline.points, outline.closed)
+        else:
+            shape = (
+                shapes.hole(outline.center, outline.radius)
+                if outline.hole
+                else shapes.circle(outline.center, outline.radius)
+            )
+        return PlacedSurface(self.scene, self.body, f"{self.name}.{name}", shape)
+
+    def circle(self, center: Place, radius: float) -> PlacedSurface:
+        """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
+        return self._made("circle", shapes.circle(self._located(center), _radius(radius)))
+
+    def hole(self, center: Place, radius: float) -> PlacedSurface:
+        """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
+        return self._made("hole", shapes.hole(self._located(center), _radius(radius)))
+
+    def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
+        """Part of a circle, counter-clockwise from the angle ``start`` over ``extent`` in (0, 2 pi] [rad].
+
+        Solid inside, or outside with ``hole``, as at the end of a slot.
+        """
+        start = in_range("start", start, -math.inf, math.inf)
+        extent = in_range("extent", extent, 0.0, 2.0 * math.pi)
+        if extent == 0.0:
+            raise ModelError("extent: 0 was given, expected an angle in (0, 2 pi]")
+        return self._made("arc", shapes.arc(self._located(center), _radius(radius), start, extent, hole))
+
+    def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
+        """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
+        return self._made("node", shapes.node(self._located((x, y)), in_range("radius", radius, 0.0, math.inf)))
+
+    def half_plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
+        """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
+        direction = array_of("normal", normal, (2,))
+        if not direction.any():
+            raise ModelError(f"normal: {normal!r} was given, expected a direction (x, y), not both 0")
+        return self._made("half_plane", shapes.half_plane(self._located(point), direction))
+
+    def chain(self, places: Sequence[Place], closed: bool = False) -> PlacedSurface:
+        """Straight pieces from place to place, at least two, solid on the left and outward normal on the right.
+
+        Around a solid, places run counter-clockwise. ``closed`` runs on from the last place to the first.
+        """
+        points = tuple(self._located(place) for place in places)
+        if len(points) < (3 if closed else 2):
+            raise ModelError(f"places: {len(points)} were given, expected at least {3 if closed else 2}")
+        return self._made("chain", shapes.chain(points, closed))
+
+    def _made(self, kind: str, shape: Surface) -> PlacedSurface:
+        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape)
+        self.scene.keep(surface)
+        return surface
+
+    def _located(self, place: Place) -> MaterialPoint:
+        if isinstance(place, str):
+            return self.point(place).material
+        if isinstance(place, PlacedPoint):
+            if place.scene is not self.scene or place.body != self.body:
+                raise ModelError(f"{place.label} was given, expected a point of {self.name!r}")
+            return place.material
+        x, y = array_of("place", place, (2,))
+        if self.source is None:
+            return MaterialPoint(np.array([x, y]), np.zeros((0, 2)), np.zeros(0))
+        return self.source.locate(float(x), float(y))
+
+
+def _radius(value: float) -> float:
+    return in_range("radius", value, 0.0, math.inf, open_ends=True)

@@ -1,0 +1,301 @@
+"""A planar scene: bodies, ground, joints, loads and contacts, and the flat arrays it is compiled to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.body import Body, array_of
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError, in_range
+from lcpflex.joints import Joint
+from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
+from lcpflex.model import Model
+from lcpflex.placed import Placed, PlacedSurface, listed
+
+if TYPE_CHECKING:
+    from lcpflex.dynamics.time_functions import Callback
+    from lcpflex.steppers.system import System
+
+__all__ = ["Compiled", "ContactRule", "DeclaredContact", "Layout", "Scene"]
+
+MARGIN = 0.2  # gaps are measured up to this part of the size of the scene
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """What the indices of a compiled scene are called, and what is drawn of it."""
+
+    bodies: tuple[str, ...]
+    contacts: tuple[str, ...]
+    joints: tuple[str, ...]
+    outlines: tuple[tuple[int, IntArray, bool], ...]  # (body, material points, closed)
+    circles: tuple[tuple[int, float], ...]  # (material point, radius [m])
+    points: dict[tuple[str, str], int]  # (body, point) -> material point
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled:
+    """A scene as flat read-only arrays with its initial state; it does not change with the scene any more."""
+
+    model: Model
+    layout: Layout
+    q: FloatArray  # (ndof,) initial configuration
+    u: FloatArray  # (ndof,) initial velocity
+    size: float  # extent of the largest body [m]: what gaps are large or small against
+    n_external: int  # slots that callbacks fill
+    callbacks: tuple[Callback, ...] = field(default=(), repr=False)
+
+    def system(self) -> System:
+        """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
+        from lcpflex.dynamics.time_functions import State
+        from lcpflex.steppers.system import System
+
+        def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Any) -> None:
+            state = State(t, _read_only(q), _read_only(u), model.bodies.dof)
+            for callback in self.callbacks:
+                callback.fill(t, state, work.external)
+
+        return System(
+            model=self.model,
+            q=self.q.copy(),
+            u=self.u.copy(),
+            n_external=self.n_external,
+            hooks={"supply": supply} if self.callbacks else {},
+            dense=False,
+            margin=MARGIN * self.size,
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredContact:
+    """Two surfaces and the law between them."""
+
+    pair: tuple[PlacedSurface, PlacedSurface]
+    friction: float
+    restitution: float
+    tangential_restitution: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactRule:
+    """One law between all surfaces, but for excluded pairs."""
+
+    friction: float
+    restitution: float
+    tangential_restitution: float
+    exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
+
+
+class Scene:
+    """A planar scene under construction.
+
+    Parameters
+    ----------
+    gravity
+        (2,) [m/s^2], world axes.
+
+    Raises
+    ------
+    ModelError
+        Here and in every method, for arguments that cannot be.
+    """
+
+    def __init__(self, gravity: npt.ArrayLike = (0.0, -9.81)) -> None:
+        self.gravity = array_of("gravity", gravity, (2,))
+        self.ground = Placed("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
+        self._placed: dict[str, Placed] = {}
+        self._surfaces: list[PlacedSurface] = []
+        self._joints: dict[str, Joint] = {}
+        self._loads: list[Load] = []
+        self._contacts: dict[str, DeclaredContact] = {}
+        self._rules: list[ContactRule] = []
+
+    def add(
+        self,
+        body: Body,
+        name: str | None = None,
+        position: npt.ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        velocity: npt.ArrayLike = (0.0, 0.0),
+        angular_velocity: float = 0.0,
+        modal: npt.ArrayLike | None = None,
+        modal_velocity: npt.ArrayLike | None = None,
+    ) -> Placed:
+        """Put a body into the scene. The same body may be put in several times, and into several scenes.
+
+        Parameters
+        ----------
+        body
+            From ``Disc``, ``Box``, ``Polygon``, ``RigidBody``, or a flexible one, reduced:
+            ``Beam(...).reduce(modes=8)``.
+        name
+            Unique in the scene; body1, body2, ... if omitted.
+        position, angle
+            Place (2,) [m] and angle [rad] of the frame of the body.
+        velocity, angular_velocity
+            Velocity (2,) of the origin of that frame [m/s], world axes, and angular velocity [rad/s].
+        modal, modal_velocity
+            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted (see ``body.project``).
+        """
+        if not isinstance(body, Body):
+            hint = "; reduce it to modes first: body.reduce(...)" if hasattr(body, "reduce") else ""
+            raise ModelError(f"body: {body!r} was given, expected a Body{hint}")
+        zeros = np.zeros(body.modes)
+        start = np.concatenate(
+            [
+                array_of("position", position, (2,)),
+                [in_range("angle", angle, -math.inf, math.inf)],
+                zeros if modal is None else array_of("modal", modal, (body.modes,)),
+            ]
+        )
+        rate = np.concatenate(
+            [
+                array_of("velocity", velocity, (2,)),
+                [in_range("angular_velocity", angular_velocity, -math.inf, math.inf)],
+                zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (body.modes,)),
+            ]
+        )
+        taken = ["ground", *self._placed]
+        placed = Placed(_name("body", name, taken), len(self._placed), body, (start, rate), self)
+        self._placed[placed.name] = placed
+        return placed
+
+    def body(self, name: str) -> Placed:
+        """The body of that name."""
+        if name not in self._placed:
+            raise ModelError(f"name: no body {name!r}, expected one of {listed(list(self._placed))}")
+        return self._placed[name]
+
+    def join(self, joint: Joint) -> str:
+        """Add a joint or a drive of :mod:`lcpflex.joints`; returns its name (joint1, joint2, ... if it has none)."""
+        if not isinstance(joint, Joint):
+            raise ModelError(f"joint: {joint!r} was given, expected a joint such as Revolute(P, Q)")
+        self._own("joint", joint.P)
+        name = _name("joint", joint.name or None, list(self._joints))
+        self._joints[name] = joint
+        return name
+
+    def load(self, load: Load) -> None:
+        """Add a spring, force or torque of :mod:`lcpflex.loads`."""
+        if not isinstance(load, Spring | TorsionSpring | Force | Torque):
+            raise ModelError(f"load: {load!r} was given, expected a Spring, TorsionSpring, Force or Torque")
+        self._own("load", load.P)
+        self._loads.append(load)
+
+    def contact(
+        self,
+        a: PlacedSurface,
+        b: PlacedSurface,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+    ) -> str:
+        """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
+
+        friction: Coulomb's mu >= 0; restitution: Newton's e_N in [0, 1]; tangential_restitution: e_T in [0, 1].
+        """
+        for argument, surface in (("a", a), ("b", b)):
+            if not isinstance(surface, PlacedSurface):
+                raise ModelError(
+                    f"{argument}: {surface!r} was given, expected a surface such as body.surface() or "
+                    "scene.ground.half_plane((0, 0), (0, 1))"
+                )
+            self._own(argument, surface)
+        if a.label == b.label:
+            raise ModelError(f"contact: {a.label!r} was given twice, expected two surfaces")
+        if a.body == b.body:
+            where = "on the ground" if a.body < 0 else "on the same body"
+            raise ModelError(f"contact: {a.label!r} and {b.label!r} are both {where}, expected surfaces of two bodies")
+        declared = DeclaredContact((a, b), *_law(friction, restitution, tangential_restitution))
+        taken = [*self._contacts]
+        self._contacts[_name("contact", name, taken)] = declared
+        return next(reversed(self._contacts))
+
+    def contact_all(
+        self,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        exclude: Sequence[tuple[Placed | PlacedSurface, Placed | PlacedSurface]] = (),
+    ) -> None:
+        """Everything against everything: the outline of each body and all surfaces made on bodies and on the ground.
+
+        Left out are pairs of bodies with a joint between them, pairs declared with :meth:`contact`, and the pairs in
+        ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``. Contacts are named after their
+        surfaces, such as "box1.outline/ground.half_plane1". It holds for what is added later, too.
+        """
+        for pair in exclude:
+            if len(pair) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in pair):
+                raise ModelError(f"exclude: {pair!r} was given, expected pairs of bodies or surfaces")
+            for side in pair:
+                self._own("exclude", side)
+        law = _law(friction, restitution, tangential_restitution)
+        self._rules.append(ContactRule(*law, tuple((x, y) for x, y in exclude)))
+
+    def compile(self, project: bool = False) -> Compiled:
+        """Check the scene as a whole and compile it; the scene is not changed.
+
+        With ``project``, an initial state that violates joints is moved onto them, by the shortest way in the mass
+        metric; otherwise it is an error that states the violation. So is an initial penetration.
+        """
+        from lcpflex.compilation import compiled_parts
+
+        return Compiled(
+            *compiled_parts(
+                self.gravity,
+                tuple(self._placed.values()),
+                dict(self._joints),
+                tuple(self._loads),
+                dict(self._contacts),
+                tuple(self._rules),
+                tuple(self._surfaces),
+                project,
+            )
+        )
+
+    def keep(self, surface: PlacedSurface) -> None:
+        """Take note of a surface that was made on a body or the ground of this scene."""
+        self._surfaces.append(surface)
+
+    def label(self, stem: str) -> str:
+        """A label for the next surface of that kind: its number is appended."""
+        return f"{stem}{1 + sum(s.label.rstrip('0123456789') == stem for s in self._surfaces)}"
+
+    def _own(self, argument: str, part: Any) -> None:
+        if part.scene is not self:
+            raise ModelError(f"{argument}: {part!r} was given, expected a part of this scene, not of another one")
+
+
+def _law(friction: float, restitution: float, tangential_restitution: float) -> tuple[float, float, float]:
+    return (
+        in_range("friction", friction, 0.0, math.inf),
+        in_range("restitution", restitution, 0.0, 1.0),
+        in_range("tangential_restitution", tangential_restitution, 0.0, 1.0),
+    )
+
+
+def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:
+    """``name``, or the first free of kind1, kind2, ... counted from how many there are."""
+    if name is None:
+        number = 1 + len(taken) - (kind == "body")  # the ground is no body
+        while f"{kind}{number}" in taken:
+            number += 1
+        return f"{kind}{number}"
+    if not isinstance(name, str) or not name:
+        raise ModelError(f"name: {name!r} was given, expected a text")
+    if name in taken:
+        raise ModelError(f"name: {name!r} was given twice, expected a name other than {listed(taken)}")
+    return name
+
+
+def _read_only(values: FloatArray) -> FloatArray:
+    view = values.view()
+    view.setflags(write=False)
+    return view
