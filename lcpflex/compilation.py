@@ -317,9 +317,10 @@ def _refuse_violation(
             rows = model.joints.row[owner[worst] : owner[worst] + 2]
             of_unit = [violated[r] for r in range(*rows) if units[r] == units[worst]]
             what = "velocity" if rate else "position"
+            size = math.hypot(*of_unit)
             raise ModelError(
                 f"joint {name!r} ({type(joint).__name__} of {joint.P.label} and {joint.Q.label}): the initial {what} "
-                f"violates it by {math.hypot(*of_unit):.6g} {units[worst]}{rate}, expected at most {allowed[worst]:.1g}: {hint}"
+                f"violates it by {size:.6g} {units[worst]}{rate}, expected at most {allowed[worst]:.1g}: {hint}"
             )
 
 
