@@ -56,7 +56,7 @@ class Matrices:
     Raises
     ------
     ModelError
-        For anything else: wrong shapes, NaN, unsymmetric matrices, a mass that is not positive, supports, unknown nodes.
+        For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes.
     """
 
     mass: Any

@@ -165,20 +165,22 @@ def _green(vertices: FloatArray) -> tuple[float, FloatArray, float]:
 
 
 def _check_convex(ring: FloatArray) -> None:
-    """Every vertex of the counter-clockwise ring must lie on or left of every side."""
+    """The counter-clockwise ring must turn left at every vertex, and only once around."""
+    size = float(np.ptp(ring, axis=0).max())
     side = np.roll(ring, -1, axis=0) - ring
     length = np.hypot(side[:, 0], side[:, 1])
-    size = float(np.ptp(ring, axis=0).max())
+    at = [(float(x), float(y)) for x, y in ring]
     if not length.min() > 1e-12 * size:
-        raise ModelError(f"vertices: two coincide at {tuple(ring[int(length.argmin())])}, expected distinct ones")
-    apart = ring[None, :, :] - ring[:, None, :]
-    height = (side[:, None, 0] * apart[:, :, 1] - side[:, None, 1] * apart[:, :, 0]) / length[:, None]
-    if height.min() < -1e-9 * size:
-        bad = int(height.min(axis=0).argmin())
+        raise ModelError(f"vertices: two coincide at {at[int(length.argmin())]}, expected distinct ones")
+    before = np.roll(side, 1, axis=0)
+    turn = np.arctan2(before[:, 0] * side[:, 1] - before[:, 1] * side[:, 0], (before * side).sum(axis=1))
+    if turn.min() < -1e-9:
         raise ModelError(
-            f"vertices: the one at {tuple(float(v) for v in ring[bad])} makes the polygon re-entrant or crossing, "
-            f"expected a convex polygon (split it and weld the parts)"
+            f"vertices: the one at {at[int(turn.argmin())]} is re-entrant, expected a convex polygon "
+            f"(split it and weld the parts)"
         )
+    if turn.sum() > 3.0 * math.pi:
+        raise ModelError("vertices: the sides cross each other, expected a convex polygon")
 
 
 def _positive(name: str, value: Any) -> float:
