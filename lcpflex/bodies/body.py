@@ -85,6 +85,9 @@ class Lazily(Mapping[str, T], Generic[T]):
             self._made[name] = self._makers[name]()
         return self._made[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._makers  # the inherited test would make the value
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._makers)
 
