@@ -18,7 +18,7 @@ from lcpflex.errors import ModelError
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
-from lcpflex.placed import Placed, PlacedSurface
+from lcpflex.placed import Placed, PlacedSurface, can_touch
 from lcpflex.scene import ContactRule, DeclaredContact, Layout
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def compiled_parts(
         if p.source
         for name in p.source.points
     }
-    outlines, circles = _drawn(placed, assembly)
+    outlines, circles = _drawn(placed, surfaces, assembly)
     joint_arrays = _joints(joints, assembly)
     load_arrays = _loads(gravity, loads, assembly)
     declared = {**contacts, **_by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
@@ -133,7 +133,7 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
 
 
 def _drawn(
-    placed: Sequence[Placed], assembly: Assembly
+    placed: Sequence[Placed], surfaces: Sequence[PlacedSurface], assembly: Assembly
 ) -> tuple[tuple[tuple[int, IntArray, bool], ...], tuple[tuple[int, float], ...]]:
     """Outlines (body, points, closed) and circles (point, radius) of the bodies."""
     outlines, circles = [], []
@@ -144,6 +144,8 @@ def _drawn(
             outlines.append((p.body, ids, outline.closed))
         elif outline is not None and not outline.hole:
             circles.append((assembly.point(p.body, outline.center), float(outline.radius)))
+    discs = [(surface.body, surface.disc) for surface in surfaces]
+    circles += [(assembly.point(body, disc[0]), disc[1]) for body, disc in discs if disc and body >= 0]
     return tuple(outlines), tuple(circles)
 
 
@@ -225,7 +227,7 @@ def _by_rules(
             for b in candidates[i + 1 :]:
                 pair = frozenset((a.label, b.label))
                 apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
-                if apart and pair not in taken and not _excluded(rule, a, b):
+                if apart and pair not in taken and can_touch(a, b) and not _excluded(rule, a, b):
                     taken.add(pair)
                     law = (rule.friction, rule.restitution, rule.tangential_restitution)
                     found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *law)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
 
-__all__ = ["Placed", "PlacedSurface", "listed"]
+__all__ = ["Placed", "PlacedSurface", "can_touch", "listed"]
 
 Place = str | PlacedPoint | npt.ArrayLike
 
@@ -39,6 +39,14 @@ class PlacedSurface:
     body: int  # index of the body, -1 for the ground
     label: str  # unique in the scene, such as "pendulum.outline"
     shape: Surface = field(repr=False)
+    disc: tuple[MaterialPoint, float] | None = field(default=None, repr=False)  # centre and radius, to be drawn
+
+
+def can_touch(a: PlacedSurface, b: PlacedSurface) -> bool:
+    """Whether there is a contact between surfaces of these kinds: a node, disc or chain must be one of them."""
+    kinds = (a.shape.kind, b.shape.kind)
+    touching = (shapes.Kind.NODE, shapes.Kind.CIRCLE, shapes.Kind.CHAIN)
+    return any(kind in touching for kind in kinds) and kinds != (shapes.Kind.NODE, shapes.Kind.NODE)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -70,7 +78,8 @@ class Placed:
 
     def at(self, x: float, y: float) -> PlacedPoint:
         """The material point at (x, y)."""
-        return PlacedPoint(self.scene, self.body, f"{self.name}.at({x:g}, {y:g})", self._located((x, y)))
+        material = self._located((x, y))
+        return PlacedPoint(self.scene, self.body, f"{self.name}.at({float(x):g}, {float(y):g})", material)
 
     def surface(self, name: str = "outline") -> PlacedSurface:
         """A surface that the body came with; "outline" is the whole of it."""
@@ -93,7 +102,8 @@ class Placed:
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
-        return self._made("circle", shapes.circle(self._located(center), _radius(radius)))
+        middle, size = self._located(center), _radius(radius)
+        return self._made("circle", shapes.circle(middle, size), (middle, size))
 
     def hole(self, center: Place, radius: float) -> PlacedSurface:
         """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
@@ -112,7 +122,8 @@ class Placed:
 
     def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
         """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
-        return self._made("node", shapes.node(self._located((x, y)), in_range("radius", radius, 0.0, math.inf)))
+        middle, size = self._located((x, y)), in_range("radius", radius, 0.0, math.inf)
+        return self._made("node", shapes.node(middle, size), (middle, size) if size > 0.0 else None)
 
     def half_plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
         """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
@@ -131,8 +142,8 @@ class Placed:
             raise ModelError(f"places: {len(points)} were given, expected at least {3 if closed else 2}")
         return self._made("chain", shapes.chain(points, closed))
 
-    def _made(self, kind: str, shape: Surface) -> PlacedSurface:
-        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape)
+    def _made(self, kind: str, shape: Surface, disc: tuple[MaterialPoint, float] | None = None) -> PlacedSurface:
+        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, disc)
         self.scene.keep(surface)
         return surface
 

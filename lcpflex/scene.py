@@ -16,7 +16,7 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Model
-from lcpflex.placed import Placed, PlacedSurface, listed
+from lcpflex.placed import Placed, PlacedSurface, can_touch, listed
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.time_functions import Callback
@@ -213,10 +213,15 @@ class Scene:
         if a.body == b.body:
             where = "on the ground" if a.body < 0 else "on the same body"
             raise ModelError(f"contact: {a.label!r} and {b.label!r} are both {where}, expected surfaces of two bodies")
-        declared = DeclaredContact((a, b), *_law(friction, restitution, tangential_restitution))
-        taken = [*self._contacts]
-        self._contacts[_name("contact", name, taken)] = declared
-        return next(reversed(self._contacts))
+        if not can_touch(a, b):
+            raise ModelError(
+                f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
+                "which cannot touch each other, expected a node, disc or chain on one side"
+            )
+        law = _law(friction, restitution, tangential_restitution)
+        name = _name("contact", name, list(self._contacts))
+        self._contacts[name] = DeclaredContact((a, b), *law)
+        return name
 
     def contact_all(
         self,
@@ -228,11 +233,13 @@ class Scene:
         """Everything against everything: the outline of each body and all surfaces made on bodies and on the ground.
 
         Left out are pairs of bodies with a joint between them, pairs declared with :meth:`contact`, and the pairs in
-        ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``. Contacts are named after their
-        surfaces, such as "box1.outline/ground.half_plane1". It holds for what is added later, too.
+        ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``; and pairs of kinds between
+        which there is no contact, such as two holes. Contacts are named after their surfaces, such as
+        "box1.outline/ground.half_plane1". It holds for what is added later, too.
         """
         for pair in exclude:
-            if len(pair) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in pair):
+            sides = pair if isinstance(pair, tuple | list) else ()
+            if len(sides) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in sides):
                 raise ModelError(f"exclude: {pair!r} was given, expected pairs of bodies or surfaces")
             for side in pair:
                 self._own("exclude", side)

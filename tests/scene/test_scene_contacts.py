@@ -70,6 +70,18 @@ def test_jointed_bodies_are_left_out_but_meet_the_ground():
     assert {"box1.outline/box3.outline", "box1.outline/ground.half_plane1"} <= set(names)
 
 
+def test_everything_leaves_out_what_cannot_touch():
+    scene, (a, _) = boxes(2)
+    a.hole((0, 0), 0.1)
+    scene.ground.half_plane((0, 0), (0, 1))
+    scene.contact_all(exclude=[(a, scene.ground)])
+    assert scene.compile().layout.contacts == (
+        "box1.outline/box2.outline",
+        "box2.outline/box1.hole1",
+        "box2.outline/ground.half_plane1",
+    )
+
+
 def test_a_later_rule_adds_only_what_is_left():
     scene, (a, b, _c) = boxes()
     scene.contact_all(friction=0.1, exclude=[(a.surface(), b.surface())])
@@ -88,6 +100,8 @@ def test_a_later_rule_adds_only_what_is_left():
         (lambda s, a, b: s.contact(a.surface(), a.surface()), "'box1.outline' was given twice"),
         (lambda s, a, b: s.contact(a.surface(), a.surface("top")), "both on the same body"),
         (lambda s, a, b: s.contact(s.ground.node(0, 0), s.ground.circle((3, 0), 1)), "both on the ground"),
+        (lambda s, a, b: s.contact(a.hole((0, 0), 0.1), b.half_plane((0, 0), (0, 1))), r"\(a hole\).*cannot touch"),
+        (lambda s, a, b: s.contact(a.node(0, 0), b.node(0, 0)), "cannot touch"),
         (lambda s, a, b: s.contact(a, b.surface()), "a: .*expected a surface"),
         (lambda s, a, b: s.contact(a.surface(), b.surface(), friction=-0.1), "friction: -0.1"),
         (lambda s, a, b: s.contact(a.surface(), b.surface(), friction=math.nan), "friction: nan"),
@@ -95,6 +109,8 @@ def test_a_later_rule_adds_only_what_is_left():
         (lambda s, a, b: s.contact(a.surface(), b.surface(), tangential_restitution=-1), "tangential_restitution"),
         (lambda s, a, b: s.contact_all(restitution=2.0), "restitution: 2.0"),
         (lambda s, a, b: s.contact_all(exclude=[(a,)]), "exclude"),
+        (lambda s, a, b: s.contact_all(exclude=(a, b)), "exclude"),
+        (lambda s, a, b: a.at("x", 1), "place"),
         (lambda s, a, b: s.contact_all(exclude=[("box1", "box2")]), "exclude"),
         (lambda s, a, b: s.contact(a.surface(), lf.Scene().ground.node(0, 0)), "not of another one"),
     ],
