@@ -82,7 +82,11 @@ def _package_cache(function: Callable[..., Any]) -> Any:
             self._cache_file._source_stamp = _stamp(_source_of(py_func))
 
         def load_overload(self, sig: Any, target_context: Any) -> Any:
-            loaded = super().load_overload(sig, target_context)
+            try:
+                loaded = super().load_overload(sig, target_context)
+            except Exception:  # an index that names types of a module gone since, or is damaged: start it anew
+                self._cache_file.flush()
+                loaded = None
             if loaded is None:
                 _announce()
             return loaded
