@@ -101,7 +101,7 @@ def kernel(function: F) -> F:
     """
     import numba
 
-    dispatcher = numba.njit(function)
+    dispatcher = numba.njit(_nrt=False)(function)
     try:
         dispatcher._cache = _package_cache(function)
     except (
