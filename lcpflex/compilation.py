@@ -18,6 +18,7 @@ from lcpflex.errors import ModelError
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
+from lcpflex.packed import pack
 from lcpflex.placed import Placed, PlacedSurface, can_touch
 from lcpflex.scene import ContactRule, DeclaredContact, Layout
 
@@ -330,6 +331,7 @@ def _refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], size:
     """Raise ModelError for the deepest initial penetration beyond tolerance."""
     from lcpflex.contact.detection import contact_table, detect
 
+    model = pack(model)
     capacity = 64
     while True:
         table = contact_table(capacity, len(model.contacts.surface_body))

@@ -15,6 +15,7 @@ import numpy as np
 from lcpflex.bodies.floating_frame import point_angle, point_position
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.model import Model
+from lcpflex.packed import pack
 
 __all__ = ["ContactTable", "contact_table", "detect", "refresh"]
 
@@ -47,7 +48,7 @@ class ContactTable(NamedTuple):
 def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces."""
     ints = np.int64
-    return ContactTable(
+    table = ContactTable(
         key=np.zeros(capacity, ints),
         law=np.zeros(capacity, ints),
         slave=np.zeros(capacity, ints),
@@ -64,6 +65,7 @@ def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
         normal=np.zeros((capacity, 2)),
         bound=np.zeros((n_surfaces, 3)),
     )
+    return pack(table)
 
 
 @kernel

@@ -19,6 +19,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.model import Bodies, Loads
+from lcpflex.packed import pack
 
 __all__ = ["Arrow", "arrow", "elastic_forces", "factorise", "inertial_forces", "solve_block", "stored_energies"]
 
@@ -33,7 +34,7 @@ class Arrow(NamedTuple):
 
 def arrow(n_bodies: int, n_modes: int) -> Arrow:
     """Memory for the factors of all bodies."""
-    return Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes))
+    return pack(Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes)))
 
 
 @kernel

@@ -10,6 +10,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.model import Model
+from lcpflex.packed import pack
 
 __all__ = ["Violation", "project", "violation"]
 
@@ -29,6 +30,7 @@ class Violation:
 
 def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) -> Violation:
     """phi, phidot and J of all joints at t = 0; ``external`` (slots, 3) holds what callbacks supply then."""
+    model = pack(model)
     count = int(model.joints.row[-1])
     dof = model.bodies.dof
     width = int(np.max(np.diff(dof), initial=3))

@@ -1,4 +1,4 @@
-"""Memory that a stepper works in: allocated once, handed from step to step, grown by the driver when contacts outnumber it."""
+"""Memory that a stepper works in: allocated once, handed from step to step, grown when contacts outnumber it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.detection import ContactTable, contact_table
 from lcpflex.dynamics.inertia import Arrow, arrow
+from lcpflex.packed import pack
 from lcpflex.solvers.lemke import lemke_workspace
 
 __all__ = ["Workspace", "workspace"]
 
 
 class Workspace(NamedTuple):
-    """Work arrays for ``capacity`` contacts and R = joint rows + 2 capacity + 1 constraint rows (the last one is scratch)."""
+    """Work arrays for ``capacity`` contacts and R = joint rows + 2 capacity + 1 constraint rows, the last one scratch."""
 
     dof: IntArray  # (nb + 1,)
     external: FloatArray  # (slots, 3) values, rates, accelerations supplied by callbacks
@@ -65,7 +66,7 @@ def workspace(
     n_rows = n_joint + 2 * capacity + 1
     tableau, basis = lemke_workspace(3 * capacity)
     zeros = np.zeros
-    return Workspace(
+    arrays = Workspace(
         dof=np.array(dof),
         external=zeros((n_external, 3)),
         table=contact_table(capacity, n_surfaces),
@@ -104,3 +105,4 @@ def workspace(
         step_size=np.zeros(4, dtype=np.int64),
         certificate=zeros(2),
     )
+    return pack(arrays)

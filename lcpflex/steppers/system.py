@@ -9,6 +9,7 @@ from typing import Any
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.model import Model
+from lcpflex.packed import pack
 from lcpflex.steppers.tape import Tape, tape
 
 __all__ = ["System"]
@@ -31,6 +32,9 @@ class System:
     hooks: Mapping[str, Callable[..., Any]]
     dense: bool
     margin: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "model", pack(self.model))
 
     @property
     def n_laws(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.model import OPEN, Model
+from lcpflex.packed import pack
 
 __all__ = ["Tape", "note_contact", "note_gain", "store_contacts", "store_state", "tape"]
 
@@ -48,7 +49,7 @@ def tape(
 ) -> Tape:
     """Allocate an empty tape."""
     zeros = np.zeros
-    return Tape(
+    arrays = Tape(
         count=np.zeros(2, dtype=np.int64),
         times=zeros(capacity),
         q=zeros((capacity, ndof)),
@@ -69,6 +70,7 @@ def tape(
         now_force=zeros((n_laws, 2)),
         now_state=np.zeros(n_laws, dtype=np.int64),
     )
+    return pack(arrays)
 
 
 @kernel

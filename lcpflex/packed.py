@@ -1,0 +1,63 @@
+"""Named tuples of arrays handed to kernels as one pointer.
+
+Numba passes a named tuple of arrays by value: with the hundred arrays of a model, each call copies a thousand
+words and each function takes a second to compile. A packed tuple is a block of memory with the array descriptors,
+and kernels load just those that they use; ``model.bodies.mass[b]`` reads the same in a kernel and in Python.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar, cast
+
+import numpy as np
+
+__all__ = ["pack"]
+
+T = TypeVar("T")
+
+
+class Packed:
+    """A named tuple with its block of memory. Attributes are those of the tuple, nested tuples packed likewise."""
+
+    __slots__ = ("_address", "_memory", "_type", "_values")
+
+    def __init__(self, values: Any) -> None:
+        from lcpflex.packed_type import PackedType
+
+        fields, words = [], []
+        self._values: dict[str, Any] = {}
+        for name, value in zip(values._fields, values, strict=True):
+            kept = value if isinstance(value, np.ndarray) else pack(value)
+            self._values[name] = kept
+            fields.append((name, _type_of(kept)))
+            words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
+        self._memory = np.array(words, dtype=np.int64)
+        self._address = int(self._memory.ctypes.data)
+        self._type = PackedType(type(values).__name__, tuple(fields))
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self._values[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+
+def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:
+    """The words of numba's array structure: no owner, no parent, items, item size, data, shape, strides."""
+    return [0, 0, array.size, array.itemsize, array.ctypes.data, *array.shape, *array.strides]
+
+
+def _type_of(value: Any) -> Any:
+    if isinstance(value, Packed):
+        return value._type
+    import numba
+
+    return numba.typeof(value)
+
+
+def pack(values: T) -> T:
+    """``values``, a named tuple of arrays and such tuples, ready to be passed to kernels; to its users the same thing.
+
+    The arrays are shared, not copied.
+    """
+    return values if isinstance(values, Packed) else cast(T, Packed(values))

@@ -1,0 +1,77 @@
+"""What numba must know of :class:`lcpflex.packed.Packed`: its type, how it comes in, how its attributes are loaded."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.imputils import lower_getattr_generic
+from numba.core.typing.templates import AttributeTemplate, infer_getattr
+from numba.extending import NativeValue, models, register_model, typeof_impl, unbox
+
+from lcpflex.packed import Packed
+
+__all__ = ["PackedType"]
+
+WORD = 8  # bytes; every field is a number of whole words
+
+
+class PackedType(types.Type):  # type: ignore[misc]
+    """A pointer to array descriptors and to further packed tuples; ``fields`` are (name, type) in the order of memory."""
+
+    def __init__(self, label: str, fields: tuple[tuple[str, Any], ...]) -> None:
+        self.fields = fields
+        super().__init__(name=f"{label}({', '.join(f'{name}: {kind.name}' for name, kind in fields)})")
+
+    def place(self, name: str) -> tuple[int, Any]:
+        """Offset [bytes] and type of a field."""
+        offset = 0
+        for field, kind in self.fields:
+            if field == name:
+                return offset, kind
+            offset += WORD * (1 if isinstance(kind, PackedType) else 5 + 2 * kind.ndim)
+        raise AttributeError(name)
+
+
+@register_model(PackedType)
+class PackedModel(models.OpaqueModel):  # type: ignore[misc]
+    """An opaque pointer."""
+
+
+@typeof_impl.register(Packed)
+def typeof_packed(value: Packed, context: Any) -> PackedType:
+    """The type is made with the value."""
+    return value._type
+
+
+@unbox(PackedType)  # type: ignore[untyped-decorator]
+def unbox_packed(kind: PackedType, obj: Any, c: Any) -> NativeValue:
+    """The address of the block, from the Python object that keeps it alive."""
+    number = c.pyapi.object_getattr_string(obj, "_address")
+    pointer = c.pyapi.long_as_voidptr(number)
+    c.pyapi.decref(number)
+    return NativeValue(pointer)
+
+
+@infer_getattr
+class PackedAttributes(AttributeTemplate):  # type: ignore[misc]
+    """Type inference of ``packed.name``."""
+
+    key = PackedType
+
+    def generic_resolve(self, kind: PackedType, name: str) -> Any:
+        for field, found in kind.fields:
+            if field == name:
+                return found
+        return None
+
+
+@lower_getattr_generic(PackedType)  # type: ignore[untyped-decorator]
+def load_field(context: Any, builder: Any, kind: PackedType, value: Any, name: str) -> Any:
+    """Code for ``packed.name``: one array descriptor, or the pointer to a packed tuple."""
+    offset, found = kind.place(name)
+    block = builder.bitcast(value, ir.IntType(8).as_pointer())
+    address = cgutils.gep_inbounds(builder, block, offset)
+    loaded = context.get_value_type(found)
+    return builder.load(builder.bitcast(address, loaded.as_pointer()))
