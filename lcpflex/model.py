@@ -73,7 +73,8 @@ class Points(NamedTuple):
 class Signals(NamedTuple):
     """Scalar functions of time: cubic pieces, harmonics, or values supplied from outside at each call.
 
-    kind 0: pieces ``breaks[first:last]`` with coefficients (last - first - 1, 4) for powers 3, 2, 1, 0 of (t - break), constant outside;
+    kind 0: pieces ``breaks[first:last]`` with the coefficients of powers 3, 2, 1, 0 of (t - break), constant outside; the last
+    row holds the end value;
     kind 1: mean + amplitude sin(omega t + phase), the four in coefficients[first];
     kind 2: external: value, first and second derivative are read from ``external[slot]``, slot = first.
     """
@@ -112,7 +113,7 @@ class Contacts(NamedTuple):
 
     A surface holds *slaves* (material points with a radius >= 0) and *features* (what slaves touch).
     Feature kinds: 0 segment from material point a to b, solid on its left, outward normal on its right;
-    1 arc about material point a with the signed radius (> 0 solid inside, < 0 hole; +0 with sense 1: vertex of a chain).
+    1 arc about material point a with the signed radius (> 0 solid inside, < 0 hole; 0: vertex of a chain).
     """
 
     # surfaces

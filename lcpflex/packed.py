@@ -20,11 +20,14 @@ class Packed:
     """A named tuple with its block of memory. Attributes are those of the tuple, nested tuples packed likewise."""
 
     __slots__ = ("_address", "_memory", "_type", "_values")
+    _address: int
+    _type: Any
 
     def __init__(self, values: Any) -> None:
         from lcpflex.packed_type import PackedType
 
-        fields, words = [], []
+        fields: list[tuple[str, Any]] = []
+        words: list[int] = []
         self._values: dict[str, Any] = {}
         for name, value in zip(values._fields, values, strict=True):
             kept = value if isinstance(value, np.ndarray) else pack(value)

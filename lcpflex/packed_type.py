@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
@@ -17,8 +16,8 @@ __all__ = ["PackedType"]
 WORD = 8  # bytes; every field is a number of whole words
 
 
-class PackedType(types.Type):  # type: ignore[misc]
-    """A pointer to array descriptors and to further packed tuples; ``fields`` are (name, type) in the order of memory."""
+class PackedType(types.Type):
+    """A pointer to array descriptors and further packed tuples; ``fields``: (name, type) in the order of memory."""
 
     def __init__(self, label: str, fields: tuple[tuple[str, Any], ...]) -> None:
         self.fields = fields
@@ -39,10 +38,11 @@ class PackedModel(models.OpaqueModel):  # type: ignore[misc]
     """An opaque pointer."""
 
 
-@typeof_impl.register(Packed)
+@typeof_impl.register(Packed)  # type: ignore[untyped-decorator]
 def typeof_packed(value: Packed, context: Any) -> PackedType:
     """The type is made with the value."""
-    return value._type
+    kind: PackedType = value._type
+    return kind
 
 
 @unbox(PackedType)  # type: ignore[untyped-decorator]
@@ -71,7 +71,6 @@ class PackedAttributes(AttributeTemplate):  # type: ignore[misc]
 def load_field(context: Any, builder: Any, kind: PackedType, value: Any, name: str) -> Any:
     """Code for ``packed.name``: one array descriptor, or the pointer to a packed tuple."""
     offset, found = kind.place(name)
-    block = builder.bitcast(value, ir.IntType(8).as_pointer())
-    address = cgutils.gep_inbounds(builder, block, offset)
+    address = cgutils.pointer_add(builder, value, offset)
     loaded = context.get_value_type(found)
     return builder.load(builder.bitcast(address, loaded.as_pointer()))

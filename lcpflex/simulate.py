@@ -73,7 +73,7 @@ def simulate(
     stepper
         ``MoreauJean(step)`` or ``EventDriven()``, with its solver.
     record
-        Time between stored instants [s]; a thousandth of the duration by default. Steppers store no more often than they step.
+        Time between stored instants [s]; a thousandth of the duration by default, and never less than a step.
     progress
         Show a progress bar; by default on a terminal, once the run has lasted two seconds.
     project
@@ -128,7 +128,7 @@ def _system(scene: Scene | UserSystem, project: bool) -> tuple[System, Compiled 
     from lcpflex.user_system import UserSystem
 
     if isinstance(scene, UserSystem):
-        return scene.system(), None, scene.names
+        return scene.system(), None, tuple(scene.names)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
     compiled = scene.compile(project=project)
@@ -225,8 +225,8 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str
     scale = energies.scale
     if gain[0] > GROWTH * scale and gain[0] > 0.0:
         warnings.append(
-            f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = {gain[2]:.6g} s "
-            "(Newton's restitution with friction can do so; e_N = 0 does not)"
+            f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
+            f"{gain[2]:.6g} s (Newton's restitution with friction can do so; e_N = 0 does not)"
         )
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
     if growth > GROWTH * scale:

@@ -52,4 +52,4 @@ def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., 
         name = function.__name__
         if name not in scope:
             scope[name] = interpreted(function, **scope)
-    return scope[functions[-1].__name__]  # type: ignore[no-any-return]
+    return scope[functions[-1].__name__]

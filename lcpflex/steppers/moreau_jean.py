@@ -12,8 +12,9 @@ Sources: Moreau 1988; Jean 1999; Acary & Brogliato 2008.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -197,7 +198,7 @@ def project_contacts(model: Model, settings: Settings, q: FloatArray, work: Work
 def correct(
     model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
 ) -> bool:
-    """Second half of a step: impulses from the solution z, then u+ and q+ (in place) at time t + h. False where not finite."""
+    """Second half of a step: impulses from the solution z, then u+ and q+ in place. False where they are not finite."""
     h = settings.step
     distribute(work)
     total = work.step_size[0] + work.step_size[1] + work.step_size[2]
@@ -270,7 +271,7 @@ def advance(
     while True:
         t = start + clock[0] * settings.step
         if clock[0] % stride == 0 and clock[2] != clock[0]:
-            if tape.count[0] >= len(tape.times) or tape.count[1] + work.step_size[1] > len(tape.spots):
+            if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
                 return TAPE_FULL
             clock[1] = record(model, settings, t, q, u, work, tape)
             if clock[1] > len(tape.table.key):
@@ -315,8 +316,8 @@ class MoreauJeanRun:
         self._clock = np.array([0.0, 0.0, -1.0])
         self._made = 0
         hooks = {**system.hooks, **solver_hooks(stepper.solver)}
-        parts = [project_joints, project_contacts, predict, correct, store_contacts, record, advance]
-        self._advance = link(parts, hooks)
+        parts: list[Callable[..., Any]] = [project_joints, project_contacts, predict, correct, store_contacts, record]
+        self._advance = link([*parts, advance], hooks)
 
     @property
     def time(self) -> float:
@@ -385,8 +386,8 @@ class MoreauJeanRun:
                 self._work = self.system.workspace(2 * int(self._clock[1]))
             elif status == SOLVER_FAILED:
                 return (
-                    f"the contact problem of size {self._work.step_size[3]} was not solved: status {int(self._clock[1])}, "
-                    f"natural-map residual {self._work.certificate[0]:.3g} (tolerance {self._settings.tolerance:g})"
+                    f"the contact problem of size {self._work.step_size[3]} was not solved: status "
+                    f"{int(self._clock[1])}, natural-map residual {self._work.certificate[0]:.3g} (tolerance {self._settings.tolerance:g})"
                 )
             else:
                 return "the state is no longer finite: the step is too long for the forces of this scene"

@@ -27,12 +27,12 @@ class Records:
     def empty(self) -> None:
         """Read off the tape and make it ready for more."""
         tape = self.tape
-        instants, spots = (int(n) for n in tape.count)
+        instants, spots = (int(n) for n in tape.filled)
         page = {name: getattr(tape, name)[:instants].copy() for name in FIELDS}
         page["spots"] = tape.spots[:spots].copy()
         page["spots"][:, 0] += sum(len(p["times"]) for p in self._pages)
         self._pages.append(page)
-        tape.count[:] = 0
+        tape.filled[:] = 0
 
     def grow(self, needed: int) -> None:
         """A tape whose contact table holds ``needed`` entries; what it was counting goes on."""

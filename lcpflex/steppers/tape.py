@@ -1,8 +1,8 @@
 """What a run writes down: flat buffers that compiled loops fill and the driver empties.
 
-Sums (per run): 0 energy lost to friction, 1 lost in impacts and contact closing, 2 lost to damping, 3 work of loads and drives [J].
-Peaks (since the last stored instant): 0 natural-map residual, 1 penetration [m], 2 joint drift, 3 size of the contact problem,
-4 pivots.
+Sums (per run): energy lost to 0 friction, 1 impacts and contact closing, 2 damping; 3 work of loads and drives [J].
+Peaks (since the last stored instant): 0 natural-map residual, 1 penetration [m], 2 joint drift, 3 size of the contact
+problem, 4 pivots.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ __all__ = ["Tape", "note_contact", "note_gain", "store_contacts", "store_state",
 class Tape(NamedTuple):
     """Room for ``capacity`` instants and for a number of touching points over all of them."""
 
-    count: IntArray  # (2,) instants and spots written
+    filled: IntArray  # (2,) instants and spots written
     times: FloatArray  # (capacity,)
     q: FloatArray  # (capacity, ndof)
     u: FloatArray  # (capacity, ndof)
@@ -50,7 +50,7 @@ def tape(
     """Allocate an empty tape."""
     zeros = np.zeros
     arrays = Tape(
-        count=np.zeros(2, dtype=np.int64),
+        filled=np.zeros(2, dtype=np.int64),
         times=zeros(capacity),
         q=zeros((capacity, ndof)),
         u=zeros((capacity, ndof)),
@@ -81,9 +81,9 @@ def note_contact(
     tape.now_force[law, 0] += force_n
     tape.now_force[law, 1] += force_t
     tape.now_state[law] = max(tape.now_state[law], state)
-    row = tape.count[1]
+    row = tape.filled[1]
     if row < len(tape.spots):
-        tape.spots[row, 0] = tape.count[0]
+        tape.spots[row, 0] = tape.filled[0]
         tape.spots[row, 1] = law
         tape.spots[row, 2] = place[0]
         tape.spots[row, 3] = place[1]
@@ -92,7 +92,7 @@ def note_contact(
         tape.spots[row, 6] = force_n
         tape.spots[row, 7] = force_t
         tape.spots[row, 8] = state
-        tape.count[1] = row + 1
+        tape.filled[1] = row + 1
 
 
 @kernel
@@ -108,7 +108,7 @@ def note_gain(tape: Tape, t: float, work: float) -> None:
 @kernel
 def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
     """Smallest gap of each declared contact; returns the entries that the table of the tape must hold."""
-    row = tape.count[0]
+    row = tape.filled[0]
     for law in range(len(tape.total_impulse)):
         tape.gap[row, law] = np.nan
     n = detect(model, q, tape.margin[0], tape.table)
@@ -124,7 +124,7 @@ def store_state(
     tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float
 ) -> None:
     """Close the instant: copy the state, energies, sums and peaks, and reset what is counted per instant."""
-    row = tape.count[0]
+    row = tape.filled[0]
     tape.times[row] = t
     for i in range(len(q)):
         tape.q[row, i] = q[i]
@@ -144,4 +144,4 @@ def store_state(
             tape.now_force[law, i] = 0.0
         tape.state[row, law] = tape.now_state[law]
         tape.now_state[law] = OPEN
-    tape.count[0] = row + 1
+    tape.filled[0] = row + 1
