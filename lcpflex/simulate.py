@@ -226,7 +226,7 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str
     if gain[0] > GROWTH * scale and gain[0] > 0.0:
         warnings.append(
             f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
-            f"{gain[2]:.6g} s (Newton's restitution with friction can do so; e_N = 0 does not)"
+            f"{gain[2]:.6g} s (Newton's restitution with friction does so; too long a step may)"
         )
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
     if growth > GROWTH * scale:

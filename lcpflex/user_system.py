@@ -40,7 +40,7 @@ class UserSystem:
     gaps
         Function q -> (m,) [m], positive open.
     normals, tangents
-        W_N and W_T: (n, m) arrays or functions q -> (n, m); gdot = W^T u. ``tangents`` may be omitted where friction is 0.
+        W_N and W_T: (n, m) arrays or functions q -> (n, m); gdot = W^T u. No ``tangents`` are needed without friction.
     normal_bias, tangent_bias
         w: functions (q, u) -> (m,) with gddot = W^T udot + w; where omitted, (d/dt W)^T u by central differences.
     friction, restitution, tangential_restitution
@@ -54,13 +54,13 @@ class UserSystem:
     constraints, jacobian
         phi(t, q) -> (r,) and J(t, q) -> (r, n) of bilateral joints.
     constraint_rate, constraint_bias
-        Functions (t, q) -> (r,), the partial time derivative of phi (0 where omitted), and (t, q, u) -> (r,), phiddot - J udot
-        (by central differences where omitted).
+        Functions (t, q) -> (r,), the partial time derivative of phi (0 where omitted), and (t, q, u) -> (r,),
+        phiddot - J udot (by central differences where omitted).
 
     Raises
     ------
     ModelError
-        For an argument of a wrong shape or range, or a function that fails or returns a wrong shape at the initial state.
+        For an argument of a wrong shape or range, or a function that fails or returns a wrong shape at the start.
     """
 
     q: npt.ArrayLike

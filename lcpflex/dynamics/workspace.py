@@ -45,6 +45,8 @@ class Workspace(NamedTuple):
     mu: FloatArray  # (capacity,)
     tangent: IntArray  # (capacity,) the contact that each tangential row belongs to
     closed: IntArray  # (capacity,)
+    held_key: IntArray  # (2, capacity) keys of the contacts that stayed closed over the last step; scratch
+    held_gap: FloatArray  # (2, capacity) and the gap, <= 0, that each is held at [m]
     M: FloatArray  # (3 capacity, 3 capacity) LCP
     q: FloatArray  # (3 capacity,)
     z: FloatArray  # (3 capacity,)
@@ -53,7 +55,7 @@ class Workspace(NamedTuple):
     normal: FloatArray  # (capacity,) normal part of the solution
     tangential: FloatArray  # (capacity,) one for each tangential row
     p: FloatArray  # (R,) impulses or forces of all rows
-    step_size: IntArray  # (4,) joint rows, contacts, tangential rows, LCP size of the present step
+    step_size: IntArray  # (5,) joint rows, contacts, tangential rows, LCP size of this step; contacts held
     certificate: FloatArray  # (2,) natural-map residual and pivots of the present step
 
 
@@ -94,6 +96,8 @@ def workspace(
         mu=zeros(capacity),
         tangent=np.zeros(capacity, dtype=np.int64),
         closed=np.zeros(capacity, dtype=np.int64),
+        held_key=np.zeros((2, capacity), dtype=np.int64),
+        held_gap=zeros((2, capacity)),
         M=zeros((3 * capacity, 3 * capacity)),
         q=zeros(3 * capacity),
         z=zeros(3 * capacity),
@@ -102,7 +106,7 @@ def workspace(
         normal=zeros(capacity),
         tangential=zeros(capacity),
         p=zeros(n_rows),
-        step_size=np.zeros(4, dtype=np.int64),
+        step_size=np.zeros(5, dtype=np.int64),
         certificate=zeros(2),
     )
     return pack(arrays)

@@ -21,8 +21,8 @@ import numpy as np
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
-from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity, solve_joints
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.mechanics import (
     energies,
@@ -36,8 +36,9 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import SLIP, STICK, Model
-from lcpflex.solvers.lemke import Lemke, lemke
+from lcpflex.solvers.lemke import Lemke
 from lcpflex.steppers.driver import LcpSolver, link, solver_hooks
+from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
@@ -137,64 +138,6 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
 
 
 @kernel
-def project_joints(
-    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, tolerance: float
-) -> None:
-    """q += A^-1 J^T d until |phi(q, t)| <= tolerance, with the rows of the step (a simplified Newton method)."""
-    n_joint = len(work.residual)
-    if n_joint == 0:
-        return
-    supply(model, t, q, u, work)
-    for _ in range(8):
-        joint_residual(model, t, q, work.external, work.residual)
-        drift = 0.0
-        for j in range(n_joint):
-            drift = max(drift, abs(work.residual[j]))
-        if drift <= tolerance:
-            break
-        for j in range(n_joint):
-            work.bias[j] = -work.residual[j]
-        solve_joints(work.lower, n_joint, work.bias)
-        apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
-    tape.worst[2] = max(tape.worst[2], drift)
-
-
-@kernel
-def project_contacts(model: Model, settings: Settings, q: FloatArray, work: Workspace, tape: Tape) -> bool:
-    """Lift contacts that stay closed out of their penetration; true where the configuration changed.
-
-    min |dq|_A with g + W_N^T dq >= 0 over the penetrating pairs: the frictionless LCP on their part of the condensed
-    Delassus operator. ``work.free_u`` holds u+. Leaving contacts lift themselves.
-    """
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    m = 0
-    for k in range(n):
-        refresh(model, q, work.table, k)
-        depth = -work.table.gap[k]
-        tape.worst[1] = max(tape.worst[1], depth)
-        if settings.projection and work.p[n_joint + k] > 0.0 and depth > settings.gap_tolerance:
-            leaving = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, work.free_u)
-            if leaving * settings.step < depth:
-                work.closed[m] = k
-                m += 1
-    if m == 0:
-        return False
-    for i in range(m):
-        work.q[i] = work.table.gap[work.closed[i]]
-        for j in range(m):
-            work.M[i, j] = work.Gc[work.closed[i], work.closed[j]]
-    status, _ = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
-    if status != 0:
-        return False
-    for i in range(m):
-        r = n_joint + work.closed[i]
-        work.bias[r] = work.z[i]
-        apply_impulses(work.solved, work.row_body, r, r + 1, work.bias, work.dof, q)
-    return True
-
-
-@kernel
 def correct(
     model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
 ) -> bool:
@@ -213,7 +156,7 @@ def correct(
             return False
     tolerance = 1e-12 * (1.0 + largest)
     project_joints(model, t + h, q, u, work, tape, tolerance)
-    if project_contacts(model, settings, q, work, tape):
+    if project_contacts(model, h, settings.gap_tolerance, settings.projection, q, work, tape):
         project_joints(model, t + h, q, u, work, tape, tolerance)
     return True
 
@@ -383,14 +326,24 @@ class MoreauJeanRun:
             elif status == GROW_TAPE:
                 self.records.grow(int(self._clock[1]))
             elif status == GROW:
-                self._work = self.system.workspace(2 * int(self._clock[1]))
+                self._grow(2 * int(self._clock[1]))
             elif status == SOLVER_FAILED:
                 return (
                     f"the contact problem of size {self._work.step_size[3]} was not solved: status "
-                    f"{int(self._clock[1])}, natural-map residual {self._work.certificate[0]:.3g} (tolerance {self._settings.tolerance:g})"
+                    f"{int(self._clock[1])}, natural-map residual {self._work.certificate[0]:.3g} (tolerance "
+                    f"{self._settings.tolerance:g})"
                 )
             else:
                 return "the state is no longer finite: the step is too long for the forces of this scene"
+
+    def _grow(self, capacity: int) -> None:
+        """A larger workspace; the contacts that are held stay so."""
+        old = self._work
+        held = int(old.step_size[4])
+        self._work = self.system.workspace(capacity)
+        self._work.step_size[4] = held
+        self._work.held_key[:, :held] = old.held_key[:, :held]
+        self._work.held_gap[:, :held] = old.held_gap[:, :held]
 
 
 @dataclass(frozen=True, slots=True)
@@ -408,7 +361,7 @@ class MoreauJean:
     gap_tolerance
         Gaps up to this count as closed [m].
     projection
-        Lift contacts that stay closed out of their penetration after each step. Joints are always projected.
+        Take the drift out of contacts that stay closed, after each step. Joints are always projected.
     solver
         Any object with ``solve(problem)``; ``Lemke()`` keeps the whole loop compiled.
 
