@@ -1,8 +1,11 @@
 """Which surfaces are near each other: bounding circles first, then slaves against features one by one.
 
-A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.contact.shapes`). An entry of the table
-is one pair (slave, feature) with its gap, normal and foot; what depends on the configuration is renewed by
+A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.contact.shapes`). An entry of
+the table is one pair (slave, feature) with its gap, normal and foot; what depends on the configuration is renewed by
 :func:`refresh`, with the feature kept.
+
+Two tests come before anything is deformed: undeformed shapes, widened by the most that the present modal coordinates
+can move a point of either surface, sum_k |q_k| max |Phi_k|.
 """
 
 from __future__ import annotations
@@ -12,21 +15,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.floating_frame import point_angle, point_position
+from lcpflex.bodies.floating_frame import local_place, point_position
 from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, foot, may_touch, touches
 from lcpflex.model import Model
 from lcpflex.packed import pack
 
-__all__ = ["ContactTable", "contact_table", "detect", "refresh"]
+__all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "refresh"]
 
-SEGMENT = 0
-ARC = 1
-WIDEN = 1e-9  # relative, at the ends of segments: no slave falls between two
-COINCIDENT = 1e-12  # [m] two points so close have no direction from one to the other
+FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 
 
 class ContactTable(NamedTuple):
-    """Near contacts, one an entry, in the order of detection; all arrays have the capacity as first length."""
+    """Near contacts, one an entry, in the order of detection. Work arrays apart, the first length is the capacity."""
 
     key: IntArray  # slave and feature in one number, the same from call to call
     law: IntArray  # declared contact
@@ -42,11 +43,12 @@ class ContactTable(NamedTuple):
     body: IntArray  # (., 2) i of the slave, j of the feature; -1: ground
     gap: FloatArray  # [m]
     normal: FloatArray  # (., 2) from j to i
-    bound: FloatArray  # (surfaces, 3) work: centre and sway of the surfaces
+    bound: FloatArray  # (surfaces, 5) work: world centre, sway, and cosine and sine of the angle of its body
+    frame: FloatArray  # (4,) work: cosine, sine, x, y of the slaves' body in the frame of the features' body
 
 
 def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
-    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces."""
+    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with)."""
     ints = np.int64
     table = ContactTable(
         key=np.zeros(capacity, ints),
@@ -63,121 +65,72 @@ def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
         body=np.zeros((capacity, 2), ints),
         gap=np.zeros(capacity),
         normal=np.zeros((capacity, 2)),
-        bound=np.zeros((n_surfaces, 3)),
+        bound=np.zeros((n_surfaces, 5)),
+        frame=np.zeros(4),
     )
     return pack(table)
 
 
 @kernel
-def measure(model: Model, q: FloatArray, table: ContactTable, k: int, px: float, py: float) -> float:
-    """Gap, normal and s of entry k for its slave at (px, py); returns the signed distance without radii for segments."""
+def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
+    """Gap, normal and foot of entry k at q, with its feature kept; the foot may leave the segment.
+
+    At the very centre of an arc there is no direction: the normal stays what it was.
+    """
+    px, py = point_position(model.bodies, model.points, q, table.slave[k])
     ax, ay = point_position(model.bodies, model.points, q, table.a[k])
-    dx = px - ax
-    dy = py - ay
     if table.kind[k] == SEGMENT:
         bx, by = point_position(model.bodies, model.points, q, table.b[k])
-        ex = bx - ax
-        ey = by - ay
-        l2 = ex * ex + ey * ey
-        l = math.sqrt(l2)
-        table.s[k] = (ex * dx + ey * dy) / l2
-        table.normal[k, 0] = ey / l
-        table.normal[k, 1] = -ex / l
-        d = (ey * dx - ex * dy) / l
+        s, d, nx, ny = foot(ax, ay, bx, by, px, py)
+        table.s[k] = s
+        table.normal[k, 0] = nx
+        table.normal[k, 1] = ny
         table.gap[k] = d - table.slave_radius[k]
-        return d
-    D = math.hypot(dx, dy)
-    table.s[k] = 0.0
-    if D < COINCIDENT:
-        table.gap[k] = math.inf
-        return D
+        return
+    D = math.hypot(px - ax, py - ay)
     sense = table.sense[k]
-    table.normal[k, 0] = sense * dx / D
-    table.normal[k, 1] = sense * dy / D
+    if D >= COINCIDENT:
+        table.normal[k, 0] = sense * (px - ax) / D
+        table.normal[k, 1] = sense * (py - ay) / D
     table.gap[k] = sense * D - table.radius[k] - table.slave_radius[k]
-    return D
-
-
-@kernel
-def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
-    """Gap, normal and foot of entry k at q, with its feature kept; the foot may leave the segment."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
-    measure(model, q, table, k, px, py)
 
 
 @kernel
 def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
-    """World centre of the bounding circle of every surface, and how far deformation may carry its points."""
+    """Where every surface is as a rigid one, and how far deformation may carry its points."""
     c = model.contacts
+    dof = model.bodies.dof
+    out = table.bound
+    sway_of = c.surface_sway
+    last = -1
+    cos = 1.0
+    sin = 0.0
     for s in range(len(c.surface_body)):
         b = c.surface_body[s]
         x = c.surface_center[s, 0]
         y = c.surface_center[s, 1]
         sway = 0.0
-        if b >= 0:
-            d = model.bodies.dof[b]
-            cos = math.cos(q[d + 2])
-            sin = math.sin(q[d + 2])
+        if b < 0:
+            out[s, 3] = 1.0
+            out[s, 4] = 0.0
+        else:
+            d = dof[b]
+            if b != last:
+                cos = math.cos(q[d + 2])
+                sin = math.sin(q[d + 2])
+                last = b
             x, y = q[d] + cos * x - sin * y, q[d + 1] + sin * x + cos * y
-            for m in range(model.bodies.dof[b + 1] - d - 3):
-                sway += abs(q[d + 3 + m]) * c.surface_sway[s, m]
-        table.bound[s, 0] = x
-        table.bound[s, 1] = y
-        table.bound[s, 2] = sway
+            for m in range(dof[b + 1] - d - 3):
+                sway += abs(q[d + 3 + m]) * sway_of[s, m]
+            out[s, 3] = cos
+            out[s, 4] = sin
+        out[s, 0] = x
+        out[s, 1] = y
+        out[s, 2] = sway
 
 
 @kernel
-def may_touch(model: Model, f: int, x: float, y: float, reach: float) -> bool:
-    """Whether a slave at (x, y), in the frame of feature f, is within ``reach`` of its undeformed shape (or inside a disc)."""
-    c = model.contacts
-    a = c.feature_point[f, 0]
-    dx = x - model.points.place[a, 0]
-    dy = y - model.points.place[a, 1]
-    if c.feature_kind[f] == ARC:
-        return c.feature_sense[f] * math.hypot(dx, dy) - c.feature_radius[f] <= reach
-    if not math.isfinite(c.feature_span[f, 1]):
-        return True
-    b = c.feature_point[f, 1]
-    ex = model.points.place[b, 0] - model.points.place[a, 0]
-    ey = model.points.place[b, 1] - model.points.place[a, 1]
-    s = min(max((ex * dx + ey * dy) / (ex * ex + ey * ey), 0.0), 1.0)
-    dx -= s * ex
-    dy -= s * ey
-    if ey * dx - ex * dy < 0.0:  # below the surface, which may be solid all the way down
-        reach += c.feature_reach[f]
-    return dx * dx + dy * dy <= reach * reach
-
-
-@kernel
-def in_range(model: Model, q: FloatArray, table: ContactTable, k: int, f: int, px: float, py: float, d: float) -> bool:
-    """Whether the slave at (px, py) lies over feature f: over the segment, in the angle of the arc, in the wedge of the vertex."""
-    c = model.contacts
-    if c.feature_kind[f] == SEGMENT:
-        inside = c.feature_span[f, 0] - WIDEN <= table.s[k] <= c.feature_span[f, 1] + WIDEN
-        return inside and d > -c.feature_reach[f]
-    if d < COINCIDENT:
-        return False
-    x, y = point_position(model.bodies, model.points, q, table.a[k])
-    if c.feature_radius[f] == 0.0:
-        before = c.feature_neighbour[f, 0]
-        after = c.feature_neighbour[f, 1]
-        if before >= 0:
-            ax, ay = point_position(model.bodies, model.points, q, c.feature_point[before, 0])
-            if (px - x) * (x - ax) + (py - y) * (y - ay) <= 0.0:
-                return False
-        if after >= 0:
-            bx, by = point_position(model.bodies, model.points, q, c.feature_point[after, 1])
-            if (px - x) * (bx - x) + (py - y) * (by - y) >= 0.0:
-                return False
-        return True
-    if c.feature_span[f, 1] >= 2.0 * math.pi - WIDEN:
-        return True
-    angle = math.atan2(py - y, px - x) - point_angle(model.bodies, model.points, q, table.a[k]) - c.feature_span[f, 0]
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi)) <= c.feature_span[f, 1]
-
-
-@kernel
-def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, f: int, i: int, j: int) -> None:
+def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, f: int) -> None:
     """Entry k: what does not depend on the configuration."""
     c = model.contacts
     table.key[k] = slave * len(c.feature_kind) + f
@@ -187,122 +140,189 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
     table.kind[k] = c.feature_kind[f]
     table.a[k] = c.feature_point[f, 0]
     table.b[k] = c.feature_point[f, 1]
+    table.s[k] = 0.0
     table.radius[k] = c.feature_radius[f]
     table.sense[k] = c.feature_sense[f]
     table.span[k, 0] = c.feature_span[f, 0]
     table.span[k, 1] = c.feature_span[f, 1]
-    table.body[k, 0] = i
-    table.body[k, 1] = j
+    table.body[k, 0] = model.points.body[c.slave_point[slave]]
+    table.body[k, 1] = model.points.body[c.feature_point[f, 0]]
 
 
 @kernel
-def copy_entry(table: ContactTable, k: int, to: int) -> None:
-    """Entry ``to`` becomes entry k."""
-    table.key[to] = table.key[k]
-    table.law[to] = table.law[k]
-    table.slave[to] = table.slave[k]
-    table.slave_radius[to] = table.slave_radius[k]
-    table.kind[to] = table.kind[k]
-    table.a[to] = table.a[k]
-    table.b[to] = table.b[k]
-    table.s[to] = table.s[k]
-    table.radius[to] = table.radius[k]
-    table.sense[to] = table.sense[k]
-    table.gap[to] = table.gap[k]
-    for i in range(2):
-        table.span[to, i] = table.span[k, i]
-        table.body[to, i] = table.body[k, i]
-        table.normal[to, i] = table.normal[k, i]
+def superfluous(model: Model, table: ContactTable, k: int, i: int) -> bool:
+    """Whether the contact of one slave with segment k is none because it has one with segment i.
+
+    Neighbours in a smooth or convex chain: over a bulge the shallower counts, over a hollow (made by bending) the
+    deeper. Others: a slave below both is in the solid, where only the nearest way out counts.
+    """
+    c = model.contacts
+    if i == k or table.kind[k] != SEGMENT or table.kind[i] != SEGMENT:
+        return False
+    f = table.key[k] % len(c.feature_kind)
+    g = table.key[i] % len(c.feature_kind)
+    excess = table.gap[i] - table.gap[k]
+    if c.feature_neighbour[f, 0] == g or c.feature_neighbour[f, 1] == g:
+        turn = table.normal[k, 0] * table.normal[i, 1] - table.normal[k, 1] * table.normal[i, 0]
+        if c.feature_neighbour[f, 0] == g:
+            turn = -turn
+        return (excess == 0.0 and k > i) or (excess > 0.0 if turn >= 0.0 else excess < 0.0)
+    if table.a[k] == table.b[i] or table.b[k] == table.a[i]:
+        return False  # a hollow corner holds the slave from both sides
+    radius = table.slave_radius[k]
+    return table.gap[k] < -radius and table.gap[i] < -radius and (excess > 0.0 or (excess == 0.0 and k > i))
 
 
 @kernel
-def thin_out(model: Model, table: ContactTable, first: int, n: int) -> int:
-    """Of two segments that meet in a convex corner which a slave is below, keep the less penetrated; returns the new count."""
+def keep_nearest(model: Model, q: FloatArray, table: ContactTable, first: int, n: int) -> int:
+    """Drop the superfluous among the contacts first..n, which belong to one slave; returns the new count."""
     count = len(model.contacts.feature_kind)
-    k = first
-    while k < n:
-        deeper = False
+    m = n
+    for k in range(first, n):
         for i in range(first, n):
-            if (
-                i != k
-                and table.kind[k] == SEGMENT
-                and table.kind[i] == SEGMENT
-                and table.gap[k] < 0.0
-                and table.gap[i] < 0.0
-            ):
-                f = table.key[k] % count
-                g = table.key[i] % count
-                adjacent = model.contacts.feature_neighbour[f, 0] == g or model.contacts.feature_neighbour[f, 1] == g
-                if adjacent and (table.gap[k] < table.gap[i] or (table.gap[k] == table.gap[i] and k > i)):
-                    deeper = True
-        if deeper:
-            for i in range(k, n - 1):
-                copy_entry(table, i + 1, i)
-            n -= 1
-        else:
-            k += 1
-    return n
+            if table.law[i] >= 0 and superfluous(model, table, k, i):
+                table.law[k] = -1  # marks it as dropped
+                m = first
+                break
+    if m == n:
+        return n
+    law = -1
+    for k in range(first, n):
+        law = max(law, table.law[k])
+    for k in range(first, n):
+        if table.law[k] >= 0:
+            if m != k:
+                load_entry(model, table, m, law, table.key[k] // count, table.key[k] % count)
+                refresh(model, q, table, m)
+            m += 1
+    return m
 
 
 @kernel
-def detect_slave(model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, slave: int, n: int) -> int:
-    """Near contacts of one slave in pass w, from entry n on; returns the new count."""
+def detect_slave(
+    model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
+) -> int:
+    """Contacts of one slave, undeformed at (x, y) in the frame of the features, from entry n on; returns the count."""
     c = model.contacts
     surface = c.pass_feature[w]
-    body = c.surface_body[c.pass_slave[w]]
-    other = c.surface_body[surface]
-    px, py = point_position(model.bodies, model.points, q, c.slave_point[slave])
+    radius = c.slave_radius[slave]
+    reach = margin + radius + table.bound[c.pass_slave[w], 2] + table.bound[surface, 2]
+    cos = table.frame[0]
+    sin = table.frame[1]
     mx = c.slave_normal[slave, 0]
     my = c.slave_normal[slave, 1]
     directed = mx != 0.0 or my != 0.0
-    if directed and body >= 0:
-        angle = q[model.bodies.dof[body] + 2]
-        mx, my = math.cos(angle) * mx - math.sin(angle) * my, math.sin(angle) * mx + math.cos(angle) * my
-    x = px
-    y = py
-    if other >= 0:
-        d = model.bodies.dof[other]
-        cos = math.cos(q[d + 2])
-        sin = math.sin(q[d + 2])
-        x, y = cos * (px - q[d]) + sin * (py - q[d + 1]), -sin * (px - q[d]) + cos * (py - q[d + 1])
-    reach = margin + c.slave_radius[slave] + table.bound[surface, 2]
-    capacity = len(table.key)
+    mx, my = cos * mx - sin * my, sin * mx + cos * my
+    placed = False
+    px = 0.0
+    py = 0.0
     first = n
     for f in range(c.feature_start[surface], c.feature_start[surface + 1]):
         if directed and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:
-            continue  # nodes of a chain meet the segments of another, not its corners
-        if not may_touch(model, f, x, y, reach):
+            break  # nodes of a chain meet the segments of another, not its vertices, which come last
+        if not may_touch(model, f, x, y, reach, table.bound[surface, 2]):
             continue
-        k = min(n, capacity - 1)
-        load_entry(model, table, k, c.pass_law[w], slave, f, body, other)
-        d = measure(model, q, table, k, px, py)
-        if not (table.gap[k] <= margin and in_range(model, q, table, k, f, px, py, d)):
+        if not placed:
+            placed = True
+            sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
+            px = cos * sx - sin * sy + table.frame[2]
+            py = sin * sx + cos * sy + table.frame[3]
+        near, nx, ny = touches(model, q, f, px, py, radius, margin)
+        if not near or (directed and mx * nx + my * ny > FACING):
             continue
-        if directed and mx * table.normal[k, 0] + my * table.normal[k, 1] > -1e-9:
-            continue  # faces that look the same way do not touch
+        if n < len(table.key):
+            load_entry(model, table, n, c.pass_law[w], slave, f)
+            table.normal[n, 0] = 0.0
+            table.normal[n, 1] = 1.0
+            refresh(model, q, table, n)
         n += 1
-    if first + 1 < n <= capacity:
-        return thin_out(model, table, first, n)
+    if first + 1 < n <= len(table.key):
+        return keep_nearest(model, q, table, first, n)
     return n
+
+
+@kernel
+def detect_pass(model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, n: int) -> int:
+    """Contacts of pass w, from entry n on; returns the new count."""
+    c = model.contacts
+    a = c.pass_slave[w]
+    b = c.pass_feature[w]
+    i = c.surface_body[a]
+    j = c.surface_body[b]
+    ox = 0.0
+    oy = 0.0
+    if i >= 0:
+        ox = q[model.bodies.dof[i]]
+        oy = q[model.bodies.dof[i] + 1]
+    if j >= 0:
+        ox -= q[model.bodies.dof[j]]
+        oy -= q[model.bodies.dof[j] + 1]
+    ci = table.bound[a, 3]
+    si = table.bound[a, 4]
+    cj = table.bound[b, 3]
+    sj = table.bound[b, 4]
+    cos = cj * ci + sj * si
+    sin = cj * si - sj * ci
+    ox, oy = cj * ox + sj * oy, cj * oy - sj * ox
+    table.frame[0] = cos
+    table.frame[1] = sin
+    table.frame[2] = ox
+    table.frame[3] = oy
+    reach = c.surface_extent[b] + margin + table.bound[a, 2] + table.bound[b, 2]
+    bx = c.surface_center[b, 0]
+    by = c.surface_center[b, 1]
+    for slave in range(c.slave_start[a], c.slave_start[a + 1]):
+        p = c.slave_point[slave]
+        sx = model.points.place[p, 0]
+        sy = model.points.place[p, 1]
+        x = cos * sx - sin * sy + ox
+        y = sin * sx + cos * sy + oy
+        far = reach + c.slave_radius[slave]
+        if (x - bx) * (x - bx) + (y - by) * (y - by) <= far * far:
+            n = detect_slave(model, q, margin, table, w, slave, x, y, n)
+    return n
+
+
+@kernel
+def above_half_plane(model: Model, table: ContactTable, a: int, b: int) -> float:
+    """How far the centre of surface a is above the half-plane b [m], which stands on the ground or a rigid body."""
+    f = model.contacts.feature_start[b]
+    place = model.points.place
+    o = model.contacts.feature_point[f, 0]
+    p = model.contacts.feature_point[f, 1]
+    nx = place[p, 1] - place[o, 1]  # the two are a metre apart
+    ny = place[o, 0] - place[p, 0]
+    cos = table.bound[b, 3]
+    sin = table.bound[b, 4]
+    dx = table.bound[a, 0] - table.bound[b, 0]
+    dy = table.bound[a, 1] - table.bound[b, 1]
+    return (cos * nx - sin * ny) * dx + (sin * nx + cos * ny) * dy
 
 
 @kernel
 def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
     """All contacts with gap <= margin [m] at q, in the order of passes, slaves and features.
 
-    Returns how many there are; where that exceeds the capacity of the table its entries mean nothing, and a larger one is
-    needed. Broad phase: bounding circles, widened by sum_k |q_k| max |Phi_k|.
+    Returns how many there are, or at least as many as there are if that exceeds the capacity of the table, whose
+    entries then mean nothing: a larger one is needed.
     """
-    c = model.contacts
     bound(model, q, table)
+    slaves = model.contacts.pass_slave
+    features = model.contacts.pass_feature
+    extent = model.contacts.surface_extent
+    at = table.bound
     n = 0
-    for w in range(len(c.pass_law)):
-        a = c.pass_slave[w]
-        b = c.pass_feature[w]
-        reach = c.surface_extent[a] + table.bound[a, 2] + c.surface_extent[b] + table.bound[b, 2] + margin
-        dx = table.bound[a, 0] - table.bound[b, 0]
-        dy = table.bound[a, 1] - table.bound[b, 1]
-        if dx * dx + dy * dy <= reach * reach:
-            for slave in range(c.slave_start[a], c.slave_start[a + 1]):
-                n = detect_slave(model, q, margin, table, w, slave, n)
+    for w in range(len(slaves)):
+        a = slaves[w]
+        b = features[w]
+        reach = extent[a] + at[a, 2] + at[b, 2] + margin
+        if extent[b] < math.inf:
+            reach += extent[b]
+            dx = at[a, 0] - at[b, 0]
+            dy = at[a, 1] - at[b, 1]
+            if dx * dx + dy * dy > reach * reach:
+                continue
+        elif at[b, 2] == 0.0 and above_half_plane(model, table, a, b) > reach:
+            continue
+        n = detect_pass(model, q, margin, table, w, n)
     return n

@@ -2,10 +2,10 @@
 
 P is the slave with radius r on body i; the feature belongs to body j. With J = [[0, -1], [1, 0]] and t = -J n:
 
-    segment a-b   Q = r_a + s e, e = r_b - r_a:   gdot_N = n.(v_P - v_Q),  gdot_T = t.(v_P - v_Q) + r alphadot_P
-    arc about o   n = sense (r_P - r_o)/|.|:      gdot_N = n.(v_P - v_o),  gdot_T = t.(v_P - v_o) + r alphadot_P + R alphadot_o
+    segment a-b, Q = r_a + s e, e = r_b - r_a:  gdot_N = n.(v_P - v_Q), gdot_T = t.(v_P - v_Q) + r adot_P
+    arc about o, n = sense (r_P - r_o)/|.|:     gdot_N = n.(v_P - v_o), gdot_T = t.(v_P - v_o) + r adot_P + R adot_o
 
-where alphadot is the rate of rotation of the material at a point and R the signed radius (< 0 for holes). w collects the
+where adot is the rate of rotation of the material at a point and R the signed radius (< 0 for holes). w collects the
 Coriolis and centrifugal accelerations, the rotation of n and t, and the sliding of Q along its surface.
 Sources: Pfeiffer & Glocker 1996; Ebrahimi & Eberhard 2005.
 """
@@ -23,6 +23,7 @@ from lcpflex.bodies.floating_frame import (
 )
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.features import COINCIDENT, SEGMENT
 from lcpflex.model import Model
 
 
@@ -50,7 +51,7 @@ def contact_rows(
     if table.body[k, 1] >= 0:
         a = table.a[k]
         b = table.b[k]
-        if table.kind[k] == 0:
+        if table.kind[k] == SEGMENT:
             s = table.s[k]
             add_point_row(bodies, points, q, a, -(1.0 - s) * nx, -(1.0 - s) * ny, normal_rows[1])
             add_point_row(bodies, points, q, b, -s * nx, -s * ny, normal_rows[1])
@@ -85,7 +86,7 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     dy = py - ay
     wx = vpx - vax
     wy = vpy - vay
-    if table.kind[k] == 0:
+    if table.kind[k] == SEGMENT:
         cx, cy = point_position(bodies, points, q, b)
         vbx, vby = point_velocity(bodies, points, q, u, b)
         bbx, bby = point_bias(bodies, points, q, u, b)
@@ -105,7 +106,7 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
         w_n = nx * rx + ny * ry + turn * (-ny * wx + nx * wy) - slide * (nx * fx + ny * fy)
         w_t = tx * rx + ty * ry + turn * (-ty * wx + tx * wy) - slide * (tx * fx + ty * fy)
         return w_n, w_t
-    distance = math.hypot(dx, dy)
+    distance = max(math.hypot(dx, dy), COINCIDENT)
     turn = table.sense[k] * (-ny * wx + nx * wy) / distance
     rx = bpx - bax
     ry = bpy - bay

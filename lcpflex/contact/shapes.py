@@ -1,8 +1,8 @@
 """Surfaces of bodies and of the ground, and their compilation to flat arrays.
 
-A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs that
-others may touch. Which side does what follows from the two kinds: discs and single nodes are slaves of everything, the nodes of
-a chain are slaves of half-planes, arcs, holes and (in both directions) of the segments of another chain.
+A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs
+that others may touch. Which side does what follows from the two kinds: discs and single nodes are slaves of everything,
+the nodes of a chain are slaves of half-planes, arcs, holes and (in both directions) of the segments of another chain.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ __all__ = ["Kind", "Surface", "arc", "chain", "circle", "compile_contacts", "hal
 
 SEGMENT, ARC = 0, 1
 STRAIGHT = 1e-12  # a corner whose turn has a smaller sine is straight
+SMOOTH = 0.1  # on a flexible body, a hollow corner of smaller turn [rad] may be bent to a bulge and back
+HOLE_REACH = 0.5  # of the radius: how far beyond the wall of a hole a slave still belongs to it
 
 
 class Kind(Enum):
@@ -41,8 +43,9 @@ class Kind(Enum):
 class Surface:
     """One surface of a body, in its frame. Made by the functions of this module.
 
-    points: material points (nodes of a chain; centre of a circle, hole or arc; two points a metre apart of a half-plane). radius
-    [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends where it begins.
+    points: material points (nodes of a chain; centre of a circle, hole or arc; two points a metre apart of a
+    half-plane). radius [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends
+    where it begins. What is below an open chain is solid as far down as the chain is large.
     """
 
     kind: Kind
@@ -69,7 +72,7 @@ def hole(center: MaterialPoint, radius: float) -> Surface:
 
 
 def arc(center: MaterialPoint, radius: float, start: float, extent: float, hole: bool = False) -> Surface:
-    """Part of a circle from the angle ``start`` over ``extent`` [rad], body frame; solid inside, outside with ``hole``."""
+    """Part of a circle from the angle ``start`` over ``extent`` [rad], body frame; solid inside; ``hole``: outside."""
     return Surface(Kind.HOLE if hole else Kind.ARC, (center,), radius, start, extent)
 
 
@@ -211,26 +214,29 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature
     if surface.kind is Kind.CHAIN:
         return _chain_features(surface, indices, first)
     sense = -1.0 if surface.kind is Kind.HOLE else 1.0
+    reach = HOLE_REACH * surface.radius if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
-    return [_Feature(ARC, (indices[0], indices[0]), radius=sense * surface.radius, sense=sense, span=span)]
+    return [_Feature(ARC, (indices[0], indices[0]), surface.radius * sense, sense, reach, span)]
 
 
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
-    """The segments of a chain, then a vertex (an arc of radius 0) at each convex corner and open end.
+    """The segments of a chain, then a vertex (an arc of radius 0) at each convex or smooth corner and open end.
 
-    Neighbours of a segment are the segments beyond a convex corner; those of a vertex the segments that meet in it.
+    Neighbours of a segment are the segments beyond such a corner; those of a vertex the segments that meet in it.
     """
     starts, steps = _segments(surface)
     n, count = len(indices), len(steps)
     reach = _reach(starts, steps)
     features = [_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), reach=float(reach[i])) for i in range(count)]
+    sharp = SMOOTH if any(point.phi.any() for point in surface.points) else STRAIGHT
     for v in range(n):
         before = v - 1 if v > 0 else (count - 1 if surface.closed else -1)
         after = v if v < count else -1
         if before >= 0 and after >= 0:
             e, f = steps[before], steps[after]
-            if e[0] * f[1] - e[1] * f[0] < -STRAIGHT * np.hypot(*e) * np.hypot(*f):
-                continue  # concave: the two segments hold the slave between them
+            turn = math.atan2(e[0] * f[1] - e[1] * f[0], e[0] * f[0] + e[1] * f[1])
+            if turn < -sharp and turn > STRAIGHT - math.pi:
+                continue  # hollow: the two segments hold the slave between them
             features[before].neighbour = (features[before].neighbour[0], first + after)
             features[after].neighbour = (first + before, features[after].neighbour[1])
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
@@ -240,7 +246,7 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
 
 
 def _reach(starts: FloatArray, steps: FloatArray) -> FloatArray:
-    """Half the way from the middle of each segment through the solid to the other side of the chain; inf if there is none."""
+    """Half the way from the middle of each segment through the solid to the other side of the chain, or inf."""
     middle = starts + 0.5 * steps
     inward = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.hypot(*steps.T)[:, None]
     apart = starts[None, :, :] - middle[:, None, :]
@@ -257,7 +263,7 @@ def _bounds(surface: Surface) -> tuple[float, float, float]:
     if surface.kind is Kind.HALF_PLANE:
         return (*surface.points[0].place, math.inf)
     if surface.kind is Kind.HOLE:
-        return (*surface.points[0].place, math.inf if surface.extent < 2.0 * math.pi else surface.radius)
+        return (*surface.points[0].place, (1.0 + HOLE_REACH) * surface.radius)
     places = np.array([point.place for point in surface.points])
     center = 0.5 * (places.min(axis=0) + places.max(axis=0))
     return float(center[0]), float(center[1]), float(np.hypot(*(places - center).T).max()) + surface.radius
