@@ -16,7 +16,7 @@ __all__ = ["Workspace", "workspace"]
 
 
 class Workspace(NamedTuple):
-    """Work arrays for ``capacity`` contacts and R = joint rows + 2 capacity + 1 constraint rows, the last one scratch."""
+    """Arrays for ``capacity`` contacts and R = joint rows + 2 capacity + 1 constraint rows, the last one scratch."""
 
     dof: IntArray  # (nb + 1,)
     external: FloatArray  # (slots, 3) values, rates, accelerations supplied by callbacks

@@ -1,4 +1,4 @@
-"""Drift of joints and of closed contacts, taken out of the configuration after a step of Moreau-Jean: projection, not springs.
+"""Drift of joints and of closed contacts, taken out of the configuration after a step: projection, not springs.
 
 The metric is the matrix of the step, so that stiff modes follow statically.
 """
@@ -56,8 +56,8 @@ def held_at(work: Workspace, k: int) -> float:
 def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, tape: Tape) -> int:
     """Choose the contacts that have drifted below the gap they closed at; their number, 0 unless ``active``.
 
-    ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there would do work; to let
-    it sink further, step by step over a curved surface, would have no bound.
+    ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
+    would do work; to let it sink further, step by step over a curved surface, would have no bound.
     """
     n_joint = work.step_size[0]
     m = 0
@@ -91,7 +91,7 @@ def project_contacts(
 ) -> bool:
     """Take the drift out of contacts that stay closed; true where the configuration changed.
 
-    min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus operator.
+    min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus matrix.
     """
     n_joint = work.step_size[0]
     for k in range(work.step_size[1]):

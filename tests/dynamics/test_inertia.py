@@ -29,7 +29,9 @@ def random_bodies(modes: tuple[int, ...]) -> Bodies:
         fields["S"].append(np.einsum("p,pik->ki", weights, phi))
         fields["a"].append(np.einsum("p,pik,pi->k", weights, phi, places))
         fields["c"].append(np.einsum("p,pik,pi->k", weights, phi, turned))
-        d = np.einsum("p,pk,pl->kl", weights, phi[:, 1], phi[:, 0]) - np.einsum("p,pk,pl->kl", weights, phi[:, 0], phi[:, 1])
+        d = np.einsum("p,pk,pl->kl", weights, phi[:, 1], phi[:, 0]) - np.einsum(
+            "p,pk,pl->kl", weights, phi[:, 0], phi[:, 1]
+        )
         fields["coupling"].append(-d.ravel())
         starts.append(starts[-1] + n * n)
         fields["stiffness"].append(RNG.uniform(1.0, 9.0, n))
