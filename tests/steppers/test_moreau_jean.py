@@ -124,7 +124,7 @@ def test_quadratic_program_solves_a_frictionless_scene() -> None:
 
 
 def test_a_million_steps_keep_joints_and_contacts_in_place() -> None:
-    """A ball with a rider hinged to it rolls and slides in a bowl until it rests: drift stays bounded, and is reported."""
+    """A ball with a rider hinged to it rolls and slides in a bowl until it rests: drift stays bounded, and is said."""
     scene = lf.Scene()
     ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.9, 0.0), name="ball")
     rider = scene.add(lf.RigidBody(0.1, 0.001), position=(0.9, 0.0), name="rider")
