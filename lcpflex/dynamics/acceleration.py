@@ -1,0 +1,342 @@
+"""The contact problem at acceleration level, on index sets.
+
+    M udot = h + J^T lambda_J + (W_N + W_G mu_G) lambda_N + W_H lambda_H,    J udot + b = 0
+
+The contacts of the table are all closed with gdot_N = 0 (set N). Those that may stick (set H) have a tangential
+unknown; sliding ones (set G) have none: mu_G = -mu sign(gdot_T) is a part of their normal column. Two questions are asked:
+
+* which contacts stay closed, stick, slip which way: the LCP of size n_N + 2 n_H (:func:`pose_sets`);
+* what are the forces while that does not change: one linear solve (:func:`fixed_forces`), which drops
+  dependent rows (redundant contacts) without changing the motion.
+
+Sources: Pfeiffer & Glocker 1996; Glocker & Studer 2005.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.detection import refresh
+from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
+from lcpflex.dynamics.delassus import (
+    apply_impulses,
+    condense,
+    delassus,
+    factorise_joints,
+    joint_impulses,
+    row_velocity,
+)
+from lcpflex.dynamics.mechanics import (
+    contact_biases,
+    factorise,
+    fill_contact_rows,
+    forces,
+    solve_rows,
+    solve_vector,
+    supply,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.packed import pack
+from lcpflex.packed import pack
+from lcpflex.solvers.problem import assemble_friction_lcp
+
+__all__ = [
+    "SMOOTH",
+    "SLIDE_BACK",
+    "SLIDE_FORTH",
+    "STICKING",
+    "ContactSets",
+    "assemble",
+    "contact_sets",
+    "fixed_forces",
+    "lay_rows",
+    "pose_sets",
+    "project",
+    "project_position",
+    "sliding_sign",
+]
+
+SMOOTH = 0  # no friction
+STICKING = 1  # tangential unknown: gddot_T = 0, or in the LCP the law of friction
+SLIDE_FORTH = 2  # gdot_T > 0 (or about to be): lambda_T = -mu lambda_N
+SLIDE_BACK = 3  # gdot_T < 0: lambda_T = +mu lambda_N
+
+POSITION, VELOCITY, FORCE = 0, 1, 2  # what is solved for, ContactSets.level
+
+DEPENDENT = 1e-11  # a pivot below this part of the largest, of a matrix with unit diagonal, is a dependent row
+
+
+class ContactSets(NamedTuple):
+    """Index sets of the contacts in the table and the memory of their linear solve."""
+
+    mode: IntArray  # (capacity,) SMOOTH, STICKING, SLIDE_FORTH or SLIDE_BACK
+    tangent_of: IntArray  # (capacity,) tangential row of each contact, -1: frictionless
+    stick: IntArray  # (capacity,) contacts of the set H in order
+    fallback: IntArray  # (capacity,) modes to return to where a simpler choice breaks its own law
+    reduced: FloatArray  # (2 capacity, 2 capacity) columns with sliding friction in the normal ones
+    right: FloatArray  # (2 capacity,)
+    solution: FloatArray  # (2 capacity,)
+    scale: FloatArray  # (2 capacity,)
+    order: IntArray  # (2 capacity,)
+    level: IntArray  # (2,) POSITION, VELOCITY or FORCE; number of contacts in H
+
+
+def contact_sets(capacity: int) -> ContactSets:
+    """Memory for ``capacity`` contacts."""
+    arrays = ContactSets(
+        mode=np.zeros(capacity, dtype=np.int64),
+        tangent_of=np.full(capacity, -1, dtype=np.int64),
+        stick=np.zeros(capacity, dtype=np.int64),
+        fallback=np.zeros(capacity, dtype=np.int64),
+        reduced=np.zeros((2 * capacity, 2 * capacity)),
+        right=np.zeros(2 * capacity),
+        solution=np.zeros(2 * capacity),
+        scale=np.zeros(2 * capacity),
+        order=np.zeros(2 * capacity, dtype=np.int64),
+        level=np.zeros(2, dtype=np.int64),
+    )
+    return pack(arrays)
+    return pack(arrays)
+
+
+@kernel
+def sliding_sign(mode: int) -> float:
+    """Sign of gdot_T of a sliding contact; 0 of another one."""
+    if mode == SLIDE_FORTH:
+        return 1.0
+    return -1.0 if mode == SLIDE_BACK else 0.0
+
+
+@kernel
+def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
+    """Rows of joints and of the first n contacts at q, their A^-1 rows and their Delassus operator."""
+    n_joint = len(work.residual)
+    supply(model, t, q, u, work)
+    factorise(model, q, 0.0, 0.0, work)
+    if n_joint > 0:
+        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+    for k in range(n):
+        refresh(model, q, work.table, k)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
+    solve_rows(model, work, 0, n_joint + n + n_tangent)
+    work.step_size[0] = n_joint
+    work.step_size[1] = n
+    work.step_size[2] = n_tangent
+    for k in range(n):
+        sets.tangent_of[k] = -1
+    for j in range(n_tangent):
+        sets.tangent_of[work.tangent[j]] = j
+
+
+@kernel
+def condense_rows(work: Workspace) -> None:
+    """Condensed Gc and bc of the rows laid, for the right-hand side ``work.free``."""
+    n_joint = work.step_size[0]
+    total = n_joint + work.step_size[1] + work.step_size[2]
+    delassus(work.rows, work.solved, work.row_body, total, work.G)
+    factorise_joints(work.G, n_joint, work.lower)
+    condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
+
+
+@kernel
+def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
+    """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
+    lay_rows(model, t, q, u, n, work, sets)
+    forces(model, t, q, u, work)
+    contact_biases(model, q, u, n, work.step_size[2], work.step_size[0], work)
+    for i in range(len(q)):
+        work.free_u[i] = work.total[i]
+    solve_vector(model, work, work.free_u)
+    for r in range(work.step_size[0] + n + work.step_size[2]):
+        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
+    condense_rows(work)
+
+
+@kernel
+def reduce_sets(work: Workspace, sets: ContactSets) -> int:
+    """Columns [N with sliding friction, H] of the condensed operator; returns the number of contacts in H.
+
+    Sliding friction counts at the level of forces only, sticking not at that of positions.
+    """
+    n = work.step_size[1]
+    n_stick = 0
+    level = sets.level[0]
+    if level != POSITION:
+        for k in range(n):
+            if sets.mode[k] == STICKING:
+                sets.stick[n_stick] = k
+                n_stick += 1
+    for r in range(n + n_stick):
+        i = r if r < n else n + sets.tangent_of[sets.stick[r - n]]
+        sets.right[r] = work.bc[i]
+        for k in range(n):
+            value = work.Gc[i, k]
+            sign = sliding_sign(sets.mode[k])
+            if level == FORCE and sign != 0.0:
+                value -= sign * work.mu[k] * work.Gc[i, n + sets.tangent_of[k]]
+            sets.reduced[r, k] = value
+        for j in range(n_stick):
+            sets.reduced[r, n + j] = work.Gc[i, n + sets.tangent_of[sets.stick[j]]]
+    sets.level[1] = n_stick
+    return n_stick
+
+
+@kernel
+def pose_sets(work: Workspace, sets: ContactSets) -> int:
+    """The LCP 0 <= [gddot_N, xi_R, lambda_L] _|_ [lambda_N, lambda_R, xi_L] >= 0; returns the number of contacts in H."""
+    n = work.step_size[1]
+    sets.level[0] = FORCE
+    n_stick = reduce_sets(work, sets)
+    assemble_friction_lcp(sets.reduced, sets.right, work.mu, sets.stick, n, n_stick, work.M, work.q)
+    work.step_size[3] = n + 2 * n_stick
+    return n_stick
+
+
+@kernel
+def solve_consistent(sets: ContactSets, m: int) -> None:
+    """solution = -reduced^-1 right by elimination with complete pivoting; unknowns of dependent rows are 0."""
+    a = sets.reduced
+    b = sets.right
+    x = sets.solution
+    for i in range(m):
+        sets.order[i] = i
+        x[i] = 0.0
+        sets.scale[i] = 1.0 / np.sqrt(abs(a[i, i])) if a[i, i] != 0.0 else 1.0
+    for i in range(m):
+        b[i] *= -sets.scale[i]
+        for j in range(m):
+            a[i, j] *= sets.scale[i] * sets.scale[j]
+    rank = m
+    for k in range(m):
+        r, s = k, k
+        for i in range(k, m):
+            for j in range(k, m):
+                if abs(a[i, j]) > abs(a[r, s]):
+                    r, s = i, j
+        if not abs(a[r, s]) > DEPENDENT:
+            rank = k
+            break
+        if r != k:
+            b[k], b[r] = b[r], b[k]
+            for j in range(k, m):
+                a[k, j], a[r, j] = a[r, j], a[k, j]
+        if s != k:
+            sets.order[k], sets.order[s] = sets.order[s], sets.order[k]
+            for i in range(m):
+                a[i, k], a[i, s] = a[i, s], a[i, k]
+        for i in range(k + 1, m):
+            factor = a[i, k] / a[k, k]
+            if factor != 0.0:
+                b[i] -= factor * b[k]
+                for j in range(k + 1, m):
+                    a[i, j] -= factor * a[k, j]
+    for k in range(rank - 1, -1, -1):
+        total = b[k]
+        for j in range(k + 1, rank):
+            total -= a[k, j] * x[sets.order[j]]
+        x[sets.order[k]] = total / a[k, k]
+    for i in range(m):
+        x[i] *= sets.scale[i]
+
+
+@kernel
+def spread(work: Workspace, sets: ContactSets) -> None:
+    """Forces or impulses p of all rows from the solution of the reduced system."""
+    level = sets.level[0]
+    n_stick = sets.level[1]
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    total = n_joint + n + work.step_size[2]
+    for r in range(n_joint + n, total):
+        work.p[r] = 0.0
+    for k in range(n):
+        work.p[n_joint + k] = sets.solution[k]
+        sign = sliding_sign(sets.mode[k])
+        if level == FORCE and sign != 0.0:
+            work.p[n_joint + n + sets.tangent_of[k]] = -sign * work.mu[k] * sets.solution[k]
+    for j in range(n_stick):
+        work.p[n_joint + n + sets.tangent_of[sets.stick[j]]] = sets.solution[n + j]
+    joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+
+
+@kernel
+def fixed_forces(work: Workspace, sets: ContactSets) -> None:
+    """Constraint forces ``work.p`` with the sets as they are, and the acceleration in ``work.free_u``."""
+    sets.level[0] = FORCE
+    n_stick = reduce_sets(work, sets)
+    solve_consistent(sets, work.step_size[1] + n_stick)
+    spread(work, sets)
+    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+
+
+@kernel
+def project_position(
+    model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets
+) -> tuple[float, float]:
+    """Put q on the joints and the gaps of the first n contacts to zero: nearest in the mass metric. Lays rows.
+
+    Returns the largest violation of a joint and of a gap that was found [m or rad, m].
+    """
+    n_joint = len(work.residual)
+    joint_drift = 0.0
+    gap_drift = 0.0
+    largest = 1.0
+    for i in range(len(q)):
+        largest = max(largest, abs(q[i]))
+    for attempt in range(6):
+        lay_rows(model, t, q, u, n, work, sets)
+        if n_joint > 0:
+            joint_residual(model, t, q, work.external, work.residual)
+        for r in range(n_joint + n + work.step_size[2]):
+            work.free[r] = 0.0
+        worst_joint = 0.0
+        worst_gap = 0.0
+        for r in range(n_joint):
+            work.free[r] = work.residual[r]
+            worst_joint = max(worst_joint, abs(work.residual[r]))
+        for k in range(n):
+            work.free[n_joint + k] = work.table.gap[k]
+            worst_gap = max(worst_gap, abs(work.table.gap[k]))
+        if attempt == 0:
+            joint_drift = worst_joint
+            gap_drift = worst_gap
+        worst = max(worst_joint, worst_gap)
+        if worst <= 1e-14 * largest:
+            break
+        condense_rows(work)
+        sets.level[0] = POSITION
+        reduce_sets(work, sets)
+        solve_consistent(sets, n)
+        spread(work, sets)
+        apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, q)
+        if worst <= 1e-10 * largest:  # the rows are good enough for what is left, and for the velocities
+            break
+    return joint_drift, gap_drift
+
+
+@kernel
+def project(
+    model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets
+) -> tuple[float, float]:
+    """``project_position``, then u onto the velocity constraints of joints, closed gaps and sticking contacts."""
+    n_joint = len(work.residual)
+    if n_joint + n == 0:
+        return 0.0, 0.0
+    drift = project_position(model, t, q, u, n, work, sets)
+    total = n_joint + n + work.step_size[2]
+    for r in range(total):
+        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
+        if r < n_joint:
+            work.free[r] += work.rate[r]
+    condense_rows(work)
+    sets.level[0] = VELOCITY
+    n_stick = reduce_sets(work, sets)
+    solve_consistent(sets, n + n_stick)
+    spread(work, sets)
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
+    return drift

@@ -1,0 +1,133 @@
+"""Memory of an event-driven run: the state with its quadratures, the stages of a step, what is watched for events.
+
+The vector y holds q, u, then accumulated: energy lost to friction, to damping, work of loads and drives [J], and the normal and
+tangential impulse of each declared contact [N s].
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.detection import ContactTable, contact_table
+from lcpflex.dynamics.acceleration import ContactSets, contact_sets
+from lcpflex.packed import pack
+from lcpflex.packed import pack
+from lcpflex.steppers.runge_kutta import STAGES
+from lcpflex.steppers.system import System
+
+__all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event"]
+
+EVENT_KINDS = ("impact", "touch-down", "lift-off", "stick", "slip")
+IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS = 0, 1, 2, 3, 4
+EVENT_CAPACITY = 256
+
+# watched functions of a maintained contact, all positive while its sets hold
+PRESSURE, CONE, SLIDING, SPAN = 0, 1, 2, 3
+CLOSING = 4  # the gap of an open pair
+
+
+class EventSettings(NamedTuple):
+    """Numbers of the scheme, as the compiled loop takes them."""
+
+    duration: float
+    interval: float
+    rtol: float
+    atol: float
+    max_step: float
+    gap_tolerance: float
+    velocity_threshold: float
+    tolerance: float
+
+
+class EventMemory(NamedTuple):
+    """Work arrays for ``capacity`` contacts, ny = 2 ndof + 3 + 2 laws."""
+
+    y: FloatArray  # (ny,) state at the start of the step
+    end: FloatArray  # (ny,) at its end
+    slopes: FloatArray  # (7, ny)
+    at: FloatArray  # (ny,) state on the dense output
+    before: FloatArray  # (ny,) state at the sample before
+    slope: FloatArray  # (ny,)
+    u: FloatArray  # (ndof,) velocity before an impact
+    sets: ContactSets
+    seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
+    value: FloatArray  # (4, capacity) watched functions at the last evaluation
+    old_value: FloatArray  # (4, capacity) at the sample before
+    force: FloatArray  # (1,) scale of the contact forces [N]
+    law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether it was hit
+    law_work: FloatArray  # (laws,) work of its impulses [J]
+    events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
+    number: IntArray  # (10,) see the names below
+    clock: FloatArray  # (8,) see the names below
+
+
+# number
+CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH = range(10)
+# clock
+TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, NEXT = range(8)
+
+
+def event_memory(system: System, capacity: int) -> EventMemory:
+    """Allocate for ``system``, at its initial state."""
+    ndof = len(system.q)
+    laws = system.n_laws
+    ny = 2 * ndof + 3 + 2 * laws
+    zeros = np.zeros
+    arrays = EventMemory(
+        y=zeros(ny),
+        end=zeros(ny),
+        slopes=zeros((STAGES, ny)),
+        at=zeros(ny),
+        before=zeros(ny),
+        slope=zeros(ny),
+        u=zeros(ndof),
+        sets=contact_sets(capacity),
+        seen=contact_table(capacity, len(system.model.contacts.surface_body)),
+        value=zeros((4, capacity)),
+        old_value=zeros((4, capacity)),
+        force=zeros(1),
+        law_state=np.zeros((3, laws), dtype=np.int64),
+        law_work=zeros(laws),
+        events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
+        number=np.zeros(10, dtype=np.int64),
+        clock=zeros(8),
+    )
+    memory = pack(arrays)
+    memory.y[:ndof] = system.q
+    memory.y[ndof : 2 * ndof] = system.u
+    return pack(memory)
+
+
+@kernel
+def copy_entry(source: ContactTable, i: int, target: ContactTable, j: int) -> None:
+    """Entry i of one table becomes entry j of another (or the same)."""
+    target.key[j] = source.key[i]
+    target.law[j] = source.law[i]
+    target.slave[j] = source.slave[i]
+    target.slave_radius[j] = source.slave_radius[i]
+    target.kind[j] = source.kind[i]
+    target.a[j] = source.a[i]
+    target.b[j] = source.b[i]
+    target.s[j] = source.s[i]
+    target.radius[j] = source.radius[i]
+    target.sense[j] = source.sense[i]
+    target.gap[j] = source.gap[i]
+    for c in range(2):
+        target.span[j, c] = source.span[i, c]
+        target.body[j, c] = source.body[i, c]
+        target.normal[j, c] = source.normal[i, c]
+
+
+@kernel
+def note_event(memory: EventMemory, t: float, kind: int, law: int, change: float) -> None:
+    """Write down an event."""
+    row = memory.number[EVENTS]
+    if row < len(memory.events):
+        memory.events[row, 0] = t
+        memory.events[row, 1] = kind
+        memory.events[row, 2] = law
+        memory.events[row, 3] = change
+        memory.number[EVENTS] = row + 1

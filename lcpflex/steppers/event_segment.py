@@ -1,0 +1,343 @@
+"""One segment of an event-driven run: Runge-Kutta steps with fixed index sets, and the search for what ends them.
+
+Events are looked for at four samples of each step and located on its dense output.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.bodies.floating_frame import point_angle, point_position
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
+from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.steppers.event_memory import (
+    CAUSE,
+    CLOSING,
+    CONE,
+    CONTACTS,
+    DETAIL,
+    ERROR,
+    KIND,
+    PRESSURE,
+    SHARE,
+    SLIDING,
+    SPAN,
+    STEP,
+    TAKEN,
+    TIME,
+    WHICH,
+    EventMemory,
+    EventSettings,
+)
+from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
+
+__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "event_function", "locate", "search", "slope", "step", "watch"]
+
+NOTHING = -1
+SAMPLES = 4
+FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
+SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
+SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
+SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
+GOLDEN = 0.6180339887498949
+
+
+@kernel
+def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventMemory, out: FloatArray) -> None:
+    """out = dy/dt with the sets as they are; constraint forces are left in ``work.p``."""
+    ndof = len(memory.u)
+    q = y[:ndof]
+    u = y[ndof : 2 * ndof]
+    n = memory.number[CONTACTS]
+    assemble(model, t, q, u, n, work, memory.sets)
+    fixed_forces(work, memory.sets)
+    base = 2 * ndof
+    for i in range(base, len(out)):
+        out[i] = 0.0
+    for i in range(ndof):
+        out[i] = u[i]
+        out[ndof + i] = work.free_u[i]
+        out[base + 1] -= work.dissipative[i] * u[i]
+        out[base + 2] += work.driving[i] * u[i]
+    n_joint = work.step_size[0]
+    for r in range(n_joint):
+        if work.rate[r] != 0.0:
+            out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    for k in range(n):
+        law = base + 3 + 2 * work.table.law[k]
+        out[law] += work.p[n_joint + k]
+        tangent = memory.sets.tangent_of[k]
+        if tangent >= 0:
+            r = n_joint + n + tangent
+            out[law + 1] += work.p[r]
+            out[base] -= work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+
+
+@kernel
+def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
+    if table.kind[k] == SEGMENT:
+        return min(table.s[k] - table.span[k, 0], table.span[k, 1] - table.s[k])
+    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    x, y = point_position(model.bodies, model.points, q, table.a[k])
+    px -= x
+    py -= y
+    if table.radius[k] == 0.0:  # the wedge of a vertex
+        margin = math.inf
+        f = table.key[k] % len(model.contacts.feature_kind)
+        for side in range(2):
+            neighbour = model.contacts.feature_neighbour[f, side]
+            if neighbour >= 0:
+                far = model.contacts.feature_point[neighbour, side]
+                ax, ay = point_position(model.bodies, model.points, q, far)
+                margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
+        return margin
+    extent = table.span[k, 1]
+    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
+        return math.inf
+    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k]) - table.span[k, 0] - 0.5 * extent
+    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+
+
+@kernel
+def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> None:
+    """Watched functions of all maintained contacts, after ``slope`` at the same state."""
+    ndof = len(memory.u)
+    u = y[ndof : 2 * ndof]
+    n_joint = work.step_size[0]
+    n = memory.number[CONTACTS]
+    memory.force[0] = 0.0
+    for k in range(n):
+        p_n = work.p[n_joint + k]
+        memory.value[PRESSURE, k] = p_n
+        memory.value[CONE, k] = math.inf
+        memory.value[SLIDING, k] = math.inf
+        memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
+        size = abs(p_n)
+        if work.Gc[k, k] > 0.0:
+            size = max(size, abs(work.bc[k]) / work.Gc[k, k])
+        memory.force[0] = max(memory.force[0], size)
+        tangent = memory.sets.tangent_of[k]
+        if tangent >= 0:
+            r = n_joint + n + tangent
+            if memory.sets.mode[k] == STICKING:
+                memory.value[CONE, k] = work.mu[k] * p_n - abs(work.p[r])
+            else:
+                sign = sliding_sign(memory.sets.mode[k])
+                memory.value[SLIDING, k] = sign * row_velocity(work.rows, work.row_body, r, work.dof, u)
+
+
+@kernel
+def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> float:
+    """How far below zero a watched function may be."""
+    if kind == SPAN:
+        return SPAN_TOLERANCE
+    if kind == SLIDING:
+        return SLIP_PART * settings.velocity_threshold
+    return FORCE_TOLERANCE * memory.force[0]
+
+
+@kernel
+def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
+    """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough."""
+    t = memory.clock[TIME]
+    rest = settings.duration - t
+    ndof = len(memory.u)
+    slope(model, t, memory.y, work, memory, memory.slopes[0])
+    watch(model, work, memory, memory.y)
+    h = memory.clock[STEP]
+    if not h > 0.0:
+        h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
+        h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
+    rejected = False
+    while True:
+        h = min(h, settings.max_step)
+        if h > 0.99 * rest:
+            h = rest
+        for stage in range(1, STAGES):
+            stage_state(memory.y, memory.slopes, h, stage, memory.end)
+            slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage])
+        error = error_norm(memory.y, memory.end, memory.slopes, h, 2 * ndof, settings.rtol, settings.atol)
+        if error <= 1.0:
+            factor = step_factor(error, memory.clock[ERROR])
+            memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * (min(factor, 1.0) if rejected else factor)
+            memory.clock[ERROR] = error
+            memory.clock[TAKEN] = h
+            return True
+        rejected = True
+        h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
+        if h < 1e-14 * max(t, 1e-3 * settings.duration):
+            return False
+
+
+@kernel
+def event_function(model: Model, work: Workspace, memory: EventMemory, share: float) -> float:
+    """Watched function number[KIND] of contact number[WHICH] at a share of the step; CLOSING: of that entry of what was seen."""
+    interpolate(memory.y, memory.slopes, memory.clock[TAKEN], share, memory.at)
+    kind = memory.number[KIND]
+    k = memory.number[WHICH]
+    if kind == CLOSING:
+        refresh(model, memory.at[: len(memory.u)], memory.seen, k)
+        return memory.seen.gap[k]
+    t = memory.clock[TIME] + share * memory.clock[TAKEN]
+    slope(model, t, memory.at, work, memory, memory.slope)
+    watch(model, work, memory, memory.at)
+    return memory.value[kind, k]
+
+
+@kernel
+def locate(
+    model: Model,
+    work: Workspace,
+    memory: EventMemory,
+    low: float,
+    high: float,
+    f_low: float,
+    f_high: float,
+    tolerance: float,
+) -> float:
+    """Share at which the function falls through zero between low and high, where f_high < 0; just behind it.
+
+    A function that starts at zero (a contact that has just opened, slip that has just begun) is followed from its largest
+    value; if that is not positive, down to -tolerance, so that time goes on.
+    """
+    shift = 0.0
+    if f_low <= 0.0:
+        a, b = low, high
+        x, z = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
+        f_x = event_function(model, work, memory, x)
+        f_z = event_function(model, work, memory, z)
+        for _ in range(50):
+            if f_x > f_low and f_x > f_z and f_x > 0.0:
+                break  # any positive value will do
+            if f_x >= f_z:
+                b, z, f_z = z, x, f_x
+                x = b - GOLDEN * (b - a)
+                f_x = event_function(model, work, memory, x)
+            else:
+                a, x, f_x = x, z, f_z
+                z = a + GOLDEN * (b - a)
+                f_z = event_function(model, work, memory, z)
+        if f_x > f_low:
+            low, f_low = x, f_x
+        if f_low <= 0.0:
+            shift = min(tolerance, -0.5 * f_high)
+            f_low += shift
+            f_high += shift
+            if f_low <= 0.0 or f_high >= 0.0:
+                return high
+    narrow = 4e-16 * (memory.clock[TIME] + memory.clock[TAKEN]) / memory.clock[TAKEN]
+    side = 0
+    for turn in range(400):  # Illinois, with a bisection now and then
+        if high - low <= narrow:
+            break
+        x = high - f_high * (high - low) / (f_high - f_low)
+        if turn % 3 == 2 or not low < x < high:
+            x = 0.5 * (low + high)
+        f_x = event_function(model, work, memory, x) + shift
+        if f_x < 0.0:
+            high, f_high = x, f_x
+            if side == -1:
+                f_low *= 0.5
+            side = -1
+        else:
+            low, f_low = x, f_x
+            if side == 1:
+                f_high *= 0.5
+            side = 1
+    return high
+
+
+@kernel
+def maintained(work: Workspace, n: int, key: int) -> bool:
+    """Whether the pair is among the first n of the table."""
+    for k in range(n):
+        if work.table.key[k] == key:
+            return True
+    return False
+
+
+@kernel
+def first_closing(
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, low: float, high: float
+) -> float:
+    """Earliest share in (low, high] at which a pair that was open closes; above high if none. State: before, at.
+
+    A negative number: the table of what is seen must hold as many entries.
+    """
+    ndof = len(memory.u)
+    n = memory.number[CONTACTS]
+    found = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
+    if found > len(memory.seen.key):
+        return -float(found)
+    first = 2.0
+    memory.number[KIND] = CLOSING
+    for i in range(found):
+        if maintained(work, n, memory.seen.key[i]):
+            continue
+        memory.number[WHICH] = i
+        f_high = memory.seen.gap[i]
+        refresh(model, memory.before[:ndof], memory.seen, i)
+        f_low = memory.seen.gap[i]
+        closing = f_high < f_low
+        if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
+            back = 0.1 * (high - low)
+            f_back = event_function(model, work, memory, high - back)
+            closing = f_back - f_high > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
+        if closing:
+            first = min(first, locate(model, work, memory, low, high, f_low, f_high, settings.gap_tolerance))
+    return first
+
+
+@kernel
+def search(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
+    """First event of the step, to clock[SHARE] and number[CAUSE]. False if tables must grow, to clock[DETAIL]."""
+    n = memory.number[CONTACTS]
+    memory.number[CAUSE] = NOTHING
+    memory.clock[SHARE] = 1.0
+    copy_state(memory.y, memory.before)
+    for sample in range(1, SAMPLES + 1):
+        low = (sample - 1) / SAMPLES
+        high = sample / SAMPLES
+        interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high, memory.at)
+        closing = first_closing(model, settings, work, memory, low, high)
+        if closing < 0.0:
+            memory.clock[DETAIL] = -closing
+            return False
+        cause = NOTHING
+        if closing <= high:
+            cause = CLOSING
+            high = closing
+        for kind in range(4):
+            for k in range(n):
+                memory.old_value[kind, k] = memory.value[kind, k]
+        if n > 0:
+            memory.number[KIND] = PRESSURE
+            memory.number[WHICH] = 0
+            event_function(model, work, memory, high)
+        again = n > 0
+        while again:
+            again = False
+            for kind in range(4):
+                for k in range(n):
+                    tolerance = tolerance_of(settings, memory, kind)
+                    f_high = memory.value[kind, k]
+                    if f_high < -tolerance and not again:
+                        f_low = memory.old_value[kind, k]
+                        memory.number[KIND] = kind
+                        memory.number[WHICH] = k
+                        share = locate(model, work, memory, low, high, f_low, f_high, tolerance)
+                        again = share < high
+                        cause = kind
+                        high = share
+                        event_function(model, work, memory, high)
+        if cause != NOTHING:
+            memory.number[CAUSE] = cause
+            memory.clock[SHARE] = high
+            return True
+        interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high, memory.before)
+    return True
