@@ -14,7 +14,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.solvers.lemke import Lemke
 from lcpflex.solvers.problem import Lcp, Solution, Status
 
-__all__ = ["LcpSolver", "link", "solver_hooks"]
+__all__ = ["LcpSolver", "link", "solver_hooks", "unsolved"]
 
 
 class LcpSolver(Protocol):
@@ -35,7 +35,7 @@ def solver_hooks(solver: LcpSolver) -> dict[str, Callable[..., Any]]:
         work.z[:m] = solution.z
         work.certificate[0] = solution.residual
         work.certificate[1] = solution.iterations
-        return 0 if solution.status is Status.SOLVED else 1
+        return int(solution.status)
 
     return {"solve_lcp": solve_lcp}
 
@@ -53,3 +53,12 @@ def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., 
         if name not in scope:
             scope[name] = interpreted(function, **scope)
     return scope[functions[-1].__name__]
+
+
+def unsolved(work: Workspace, status: int, tolerance: float) -> str:
+    """Why the contact problem in ``work`` does not count as solved."""
+    found = Status(status) if status else Status.INACCURATE
+    return (
+        f"the contact problem of size {work.step_size[3]} was not solved: {found.name.lower().replace('_', ' ')}, "
+        f"natural-map residual {work.certificate[0]:.3g} (tolerance {tolerance:g})"
+    )

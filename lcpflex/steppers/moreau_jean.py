@@ -37,7 +37,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.solvers.lemke import Lemke
-from lcpflex.steppers.driver import LcpSolver, link, solver_hooks
+from lcpflex.steppers.driver import LcpSolver, link, solver_hooks, unsolved
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
@@ -328,11 +328,7 @@ class MoreauJeanRun:
             elif status == GROW:
                 self._grow(2 * int(self._clock[1]))
             elif status == SOLVER_FAILED:
-                return (
-                    f"the contact problem of size {self._work.step_size[3]} was not solved: status "
-                    f"{int(self._clock[1])}, natural-map residual {self._work.certificate[0]:.3g} (tolerance "
-                    f"{self._settings.tolerance:g})"
-                )
+                return unsolved(self._work, int(self._clock[1]), self._settings.tolerance)
             else:
                 return "the state is no longer finite: the step is too long for the forces of this scene"
 
