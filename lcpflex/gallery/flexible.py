@@ -13,7 +13,11 @@ from lcpflex.scene import Scene
 __all__ = ["hemisphere_pendulum", "pendulum", "sliding_beam"]
 
 WEIGHT = (0.0, -9.81)
-ALUMINIUM = {"density": 2700.0, "youngs_modulus": 6.9e10}
+
+
+def aluminium_strip(length: float, width: float, thickness: float, elements: int = 40) -> Beam:
+    """A beam of aluminium that bends over its ``thickness``."""
+    return Beam(length, width, thickness, density=2700.0, youngs_modulus=6.9e10, elements=elements)
 
 
 def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40) -> Scene:
@@ -22,7 +26,7 @@ def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40) -> Scene
     0.7 m long, bending over its 5 mm side. The stop has a radius of 10 mm and is met when the strip hangs, 10 mm above
     the tip.
     """
-    strip = Beam(length=0.7, width=0.028, thickness=0.005, elements=elements, **ALUMINIUM)
+    strip = aluminium_strip(length=0.7, width=0.028, thickness=0.005, elements=elements)
     scene = Scene(gravity=WEIGHT)
     bar = scene.add(strip.reduce(modes=modes), name="pendulum")
     scene.join(Revolute(bar.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
@@ -43,7 +47,7 @@ def hemisphere_pendulum(
     drop = math.asin(0.7 * (speed / reach) ** 2 / (3.0 * 9.81))  # rigid: omega^2 = 3 g sin(drop) / L
     face = (reach * math.cos(drop) - half * math.sin(drop), -reach * math.sin(drop) - half * math.cos(drop))
     center = (face[0] - radius * math.sin(drop), face[1] - radius * math.cos(drop))
-    strip = Beam(length=0.7, width=0.028, thickness=2.0 * half, **ALUMINIUM)
+    strip = aluminium_strip(length=0.7, width=0.028, thickness=2.0 * half)
     scene = Scene(gravity=WEIGHT)
     bar = scene.add(strip.reduce(modes=modes), name="pendulum")
     scene.join(Revolute(bar.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
@@ -54,7 +58,7 @@ def hemisphere_pendulum(
 
 def sliding_beam(modes: int = 8, friction: float = 0.3, roughness: float = 0.004, damping: float = 0.01) -> Scene:
     """An aluminium strip falls, slanting and moving, onto wavy ground and slides over its crests."""
-    strip = Beam(length=1.0, width=0.05, thickness=0.01, elements=40, **ALUMINIUM)
+    strip = aluminium_strip(length=1.0, width=0.05, thickness=0.01)
     scene = Scene(gravity=WEIGHT)
     beam = scene.add(
         strip.reduce(modes=modes, damping=damping),

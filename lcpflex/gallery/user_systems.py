@@ -151,6 +151,7 @@ def impacting_bar(nodes: int = 100) -> UserSystem:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
+    from lcpflex.steppers.event_driven import EventDriven
     from lcpflex.steppers.moreau_jean import MoreauJean
 
     return (
@@ -167,8 +168,8 @@ def cases() -> tuple[Case, ...]:
             "slider_crank",
             "slider-crank with clearance in its guides: impacts, accumulation, sliding (user-defined system)",
             slider_crank,
-            0.02,
-            MoreauJean(step=1e-6),
+            0.012,
+            EventDriven(),
             {
                 "first_impact": 0.002692503,
                 "crank_before": 109.557682,
