@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError
 
@@ -128,20 +130,19 @@ def _run(request: argparse.Namespace) -> int:
 
 
 def _warmup(request: argparse.Namespace) -> int:
-    """Start each stepper on a scene with joints, modes and frictional contact: a compiled loop brings all it calls."""
+    """Run short scenes that between them use every kernel."""
     from time import perf_counter
 
     from tqdm import tqdm
 
-    from lcpflex import EventDriven, MoreauJean
+    from lcpflex.gallery import warmup_cases
     from lcpflex.simulate import simulate
 
-    case, start = _case(DEMO), perf_counter()
-    runs: tuple[tuple[str, Any], ...] = (("Moreau-Jean", MoreauJean(step=STEP)), ("event-driven", EventDriven()))
-    with tqdm(runs, desc="compiling", unit="stepper") as bar:
-        for name, stepper in bar:
-            bar.set_postfix_str(name)
-            simulate(case.build(), 10 * STEP, stepper, progress=False, project=True)
+    start = perf_counter()
+    with tqdm(warmup_cases(), desc="compiling", unit="scene") as bar:
+        for case in bar:
+            bar.set_postfix_str(f"{case.name}, {type(case.stepper).__name__}")
+            simulate(case.build(), case.duration, case.stepper, progress=False, project=True)
     print(f"every kernel is in the cache; {perf_counter() - start:.1f} s")
     return 0
 
@@ -197,17 +198,18 @@ def _stepper(name: str | None, step: float | None, own: Any) -> Any:
     if name is None:
         name = "moreau-jean" if own is None else None
     kind: Any = {"moreau-jean": MoreauJean, "event-driven": EventDriven, None: type(own)}[name]
-    option = "step" if kind is MoreauJean else "largest_step"
     if type(own) is kind:
+        option = "step" if kind is MoreauJean else "max_step"
         return own if step is None else replace(own, **{option: step})
     if kind is MoreauJean:
         return MoreauJean(step=step or STEP)
-    return EventDriven() if step is None else EventDriven(**{option: step})
+    return EventDriven() if step is None else EventDriven(max_step=step)
 
 
 def _telling_time(result: Result) -> float:
-    """The stored instant of the largest contact force."""
-    return float(result.times[result.force[:, :, 0].sum(axis=1).argmax()])
+    """The stored instant, of those with a contact force, at which the bodies are bent most."""
+    touching = result.force[:, :, 0].sum(axis=1) > 0.0
+    return float(result.times[np.where(touching, result.energies.elastic, -1.0).argmax()])
 
 
 def _checked_folder(folder: Path) -> Path:

@@ -11,6 +11,8 @@ from lcpflex.errors import ModelError
 
 __all__ = ["Energies"]
 
+ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Energies:
@@ -70,10 +72,14 @@ class Energies:
 
     @property
     def scale(self) -> float:
-        """Largest stored energy [J], with the potential, which has no zero of its own, counted from its lowest value."""
+        """Largest stored energy [J], with the potential, which has no zero of its own, counted from its lowest value.
+
+        Where nothing moves, ROUNDING times the potential energy stands in: its rounding errors are no motion.
+        """
         if not self.kinetic.size:
             return 0.0
-        return float(np.max(self.stored) - np.min(self.potential))
+        floor = ROUNDING * float(np.max(np.abs(self.potential)))
+        return max(float(np.max(self.stored) - np.min(self.potential)), floor)
 
     @property
     def largest_remainder(self) -> float:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 from lcpflex.result import world_places
+from lcpflex.summary import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,11 +17,11 @@ if TYPE_CHECKING:
     from lcpflex.result import Result
     from lcpflex.scene import Compiled
 
-__all__ = ["View", "draw_bodies", "draw_forces", "draw_surfaces", "view_of"]
+__all__ = ["View", "draw_bodies", "draw_forces", "draw_joints", "draw_surfaces", "view_of"]
 
 View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
 
-_BODY, _GROUND, _FORCE = "#0072B2", "#6E6E6E", "#D55E00"
+_BODY, _GROUND, _FORCE, _JOINT = "#0072B2", "#6E6E6E", "#D55E00", "#202020"
 _SOLID = "#D9D9D9"
 _SEGMENT, _ARC = 0, 1  # kinds of features
 _MARGIN = 0.12  # of the picture, around what moves
@@ -104,37 +106,101 @@ def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> No
                 _hatch(ax, a, b, view)
 
 
-def draw_forces(ax: Axes, result: Result, record: int, view: View, scale: float) -> None:
-    """An arrow for each contact force of the record; a force of ``scale`` [N] has the full length."""
+def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
+    """Hinges as circles, other joints as squares, rods as lines, linear springs as dotted lines."""
+    model = compiled.model
+    for kind, points in zip(model.joints.kind, model.joints.point, strict=True):
+        xy = world_places(model, q, points)
+        if kind == DISTANCE:
+            ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.2, zorder=3)
+        mark = "o" if kind in (REVOLUTE, DRIVEN_ANGLE, DISTANCE) else "s"
+        ends = xy if kind == DISTANCE else xy[:1]
+        ax.plot(ends[:, 0], ends[:, 1], mark, markersize=6, color=_JOINT, markerfacecolor="white", zorder=4)
+    for kind, points in zip(model.loads.spring_kind, model.loads.spring_point, strict=True):
+        if kind == 0:
+            xy = world_places(model, q, points)
+            ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.6, linestyle=":", zorder=3)
+
+
+def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
+    """An arrow for each contact force of the record; a force of ``scale`` [N] has the full length.
+
+    Between a body and the ground it is the force on the body, between two bodies that on the body which the normal
+    points to.
+    """
     if scale <= 0.0:
         return
     spots = result.spots
     length = _ARROW * max(view[1] - view[0], view[3] - view[2])
-    ax.text(
-        1.0,
-        1.01,
-        f"forces: {length:.2g} m is {scale:.3g} N",
-        transform=ax.transAxes,
-        ha="right",
-        va="bottom",
-        fontsize="small",
-        color=_FORCE,
-    )
+    _force_key(ax, view, length / scale, scale)
     for k in np.flatnonzero(spots.record == record):
-        normal = spots.normal[k]
-        tangent = np.array([normal[1], -normal[0]])
+        normal = spots.normal[k] * _towards_body(result, compiled, int(k))
+        tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
         force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
         size = float(np.hypot(*force))
         if size > 1e-3 * scale:
-            arrow = force / size * length * min(size / scale, _LONGEST)
-            ax.annotate(
-                "",
-                xy=tuple(spots.place[k] + arrow),
-                xytext=tuple(spots.place[k]),
-                arrowprops={"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0},
-                zorder=5,
-            )
+            tip = spots.place[k] + force / size * length * min(size / scale, _LONGEST)
+            _arrow(ax, spots.place[k], tip)
             ax.plot(*spots.place[k], marker="o", markersize=3, color=_FORCE, zorder=5)
+
+
+def _arrow(ax: Axes, start: FloatArray, tip: FloatArray) -> None:
+    style = {"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=style, zorder=5)
+
+
+def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
+    """An arrow of a round force in the upper right corner; ``stretch`` [m/N] is the length of a newton."""
+    power = 10.0 ** np.floor(np.log10(scale))
+    force = float(max(c * power for c in (1.0, 2.0, 5.0) if c * power <= scale * (1.0 + 1e-9)))
+    y = view[3] - 0.04 * (view[3] - view[2])
+    tip = np.array([view[1] - 0.03 * (view[1] - view[0]), y])
+    start = tip - (force * stretch, 0.0)
+    _arrow(ax, start, tip)
+    label = f"{with_unit(force, 'N')}  "
+    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE)
+
+
+def _towards_body(result: Result, compiled: Compiled, spot: int) -> float:
+    """1 where the normal of a spot points to a body, -1 where it points into the ground.
+
+    Chains test their nodes against each other both ways, so that the ground is now the one side, now the other; there
+    the solid side of the ground decides.
+    """
+    contacts = compiled.model.contacts
+    passes = np.flatnonzero(contacts.pass_law == result.spots.contact[spot])
+    into_ground = contacts.surface_body[contacts.pass_slave[passes]] < 0
+    if not into_ground.any():
+        return 1.0
+    if into_ground.all():
+        return -1.0
+    ground = int(contacts.pass_slave[passes[np.argmax(into_ground)]])
+    outward = _outward(compiled, ground, result.spots.place[spot])
+    return 1.0 if float(result.spots.normal[spot] @ outward) >= 0.0 else -1.0
+
+
+def _outward(compiled: Compiled, surface: int, place: FloatArray) -> FloatArray:
+    """Outward normal of the feature of a ground surface that is nearest to a place."""
+    contacts, points = compiled.model.contacts, compiled.model.points
+    nearest, normal = np.inf, np.zeros(2)
+    for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
+        a, b = points.place[contacts.feature_point[f]]
+        radius = abs(contacts.feature_radius[f])
+        if contacts.feature_kind[f] == _ARC:
+            away = place - a
+            size = float(np.hypot(*away))
+            corner = radius == 0.0 or size == 0.0  # its segments are as near and have a normal
+            distance = np.inf if corner else abs(size - radius)
+            direction = contacts.feature_sense[f] * away / max(size, 1e-300)
+        else:
+            edge = b - a
+            low, high = contacts.feature_span[f]
+            s = float(np.clip((place - a) @ edge / (edge @ edge), low, high))
+            distance = float(np.hypot(*(place - a - s * edge)))
+            direction = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
+        if distance < nearest:
+            nearest, normal = distance, direction
+    return normal
 
 
 def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
-from lcpflex.picture import View, draw_bodies, draw_forces, draw_surfaces, view_of
+from lcpflex.picture import View, draw_bodies, draw_forces, draw_joints, draw_surfaces, view_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,8 +61,9 @@ def plot(result: Result) -> Figure:
 def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     """Picture of the scene at the stored instant nearest to ``t`` [s].
 
-    Bodies with their deformed outlines, ground surfaces, and at each touching point an arrow for the force on the
-    body whose surface the normal points to; the key gives its scale. ``axes`` draws into axes of your own.
+    Bodies with their deformed outlines, joints, ground surfaces, and at each touching point an arrow for the force on
+    the body (between two bodies: on the one the normal points to); the key in the corner gives the scale. ``axes``
+    draws into axes of your own.
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """
     from matplotlib.figure import Figure
@@ -188,7 +189,8 @@ def _draw_record(ax: Axes, result: Result, compiled: Compiled, record: int, view
     q = result.q[record]
     draw_surfaces(ax, compiled, q, view)
     draw_bodies(ax, compiled, q)
-    draw_forces(ax, result, record, view, scale)
+    draw_joints(ax, compiled, q)
+    draw_forces(ax, result, compiled, record, view, scale)
     ax.set_aspect("equal")
     ax.set_xlim(view[0], view[1])
     ax.set_ylim(view[2], view[3])

@@ -36,6 +36,9 @@ __all__ = [
 ]
 
 
+CLOSED = 1e-9  # gaps up to this count as touching where no force is known, as at the start [m]
+
+
 @dataclass(frozen=True, slots=True)
 class Event:
     """Something that happened between stored instants: an impact, a touch-down, a lift-off, a change of stick."""
@@ -73,7 +76,7 @@ class ContactHistory:
     @property
     def first_touch(self) -> float | None:
         """Time of first touch [s], to the resolution of what was stored; None if it never touched."""
-        touched = (self.state != OPEN) | np.any(self.impulse != 0.0, axis=1)
+        touched = (self.state != OPEN) | np.any(self.impulse != 0.0, axis=1) | (self.gap <= CLOSED)
         stored = float(self.times[np.argmax(touched)]) if touched.any() else float("inf")
         first = min(stored, self.first_event)
         return first if np.isfinite(first) else None

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.result import ContactHistory, Result
 
-__all__ = ["doubts", "summary"]
+__all__ = ["doubts", "summary", "with_unit"]
 
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
@@ -45,20 +45,23 @@ def doubts(result: Result) -> tuple[str, ...]:
     if size is not None:
         for name, value in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
             if not _largest(value) <= SUNK * size:
-                found.append(f"the {name} of {_si(_largest(value), 'm')} is large for a scene of {_si(size, 'm')}")
+                found.append(
+                    f"the {name} of {with_unit(_largest(value), 'm')} is large for a scene of {with_unit(size, 'm')}"
+                )
     return tuple(found)
 
 
 def _run(result: Result) -> str:
     reached = float(result.times[-1]) if result.times.size else 0.0
-    cost = f", {_si(result.wall_time / result.steps, 's')} a step" if result.steps else ""
+    cost = f", {with_unit(result.wall_time / result.steps, 's')} a step" if result.steps else ""
     lines = [
         f"{result.stepper}",
-        f"simulated {_si(reached, 's')} in {result.steps:,} steps and {_si(result.wall_time, 's')} of computing{cost}; "
-        f"compiling or loading the kernels took {_si(result.compile_time, 's')}",
+        f"simulated {with_unit(reached, 's')} in {result.steps:,} steps "
+        f"and {with_unit(result.wall_time, 's')} of computing{cost}; "
+        f"compiling or loading the kernels took {with_unit(result.compile_time, 's')}",
     ]
     if not result.complete:
-        lines.append(f"INCOMPLETE: {_si(reached, 's')} of {_si(result.duration, 's')} - {result.message}")
+        lines.append(f"INCOMPLETE: {with_unit(reached, 's')} of {with_unit(result.duration, 's')} - {result.message}")
     largest = int(result.size.max(initial=0))
     lines.append(
         f"{result.q.shape[1]} coordinates; {_counted(len(result.contact_names), 'declared contact')}; "
@@ -78,6 +81,8 @@ def _contacts(result: Result) -> str:
     lines = ["Contacts", *(_contact(h) for h in touched[:LISTED])]
     if len(touched) > LISTED:
         lines.append(f"  and {len(touched) - LISTED} more with smaller impulses")
+    if result.energies.impact[-1] > 0.0 and not any(event.kind == "impact" for event in result.events):
+        lines.append("  peak forces count an impact, which takes no time, as its impulse over one step")
     if len(touched) < len(histories):
         lines.append(f"  {len(histories) - len(touched)} of {len(histories)} never touched")
     return "\n".join(lines)
@@ -92,9 +97,11 @@ def _contact(history: ContactHistory) -> str:
             f"closed {_share(closed)} of the time ({_share(stick / closed)} sticking, {_share(slip / closed)} slipping)"
         )
     normal, tangential = history.impulse[-1]
+    assert history.first_touch is not None
+    seen = "first touch" if history.first_touch == history.first_event else "first seen touching"
     return (
-        f"  {history.name}: first touch at {history.first_touch:.6g} s; peak force {_si(history.peak_force, 'N')}; "
-        f"impulse {_si(normal, 'N s')} normal, {_si(tangential, 'N s')} tangential; {how}"
+        f"  {history.name}: {seen} at {history.first_touch:.6g} s; peak force {with_unit(history.peak_force, 'N')}; "
+        f"impulse {with_unit(normal, 'N s')} normal, {with_unit(tangential, 'N s')} tangential; {how}"
     )
 
 
@@ -116,8 +123,8 @@ def _energy(result: Result) -> str:
     rows.append(("unexplained", "", f"{energies.remainder[-1]:.3g}"))
     lines = [f"  {label:<26}{start:>14}{end:>14}" for label, start, end in rows]
     lines.append(
-        f"  unexplained at most {_si(energies.largest_remainder, 'J')}, "
-        f"{energies.relative_remainder:.2g} of the largest stored energy ({_si(energies.scale, 'J')})"
+        f"  unexplained at most {with_unit(energies.largest_remainder, 'J')}, "
+        f"{energies.relative_remainder:.2g} of the largest stored energy ({with_unit(energies.scale, 'J')})"
     )
     return "\n".join(["Energy [J]", *lines])
 
@@ -125,8 +132,8 @@ def _energy(result: Result) -> str:
 def _accuracy(result: Result) -> str:
     return (
         "Accuracy\n"
-        f"  largest penetration {_si(_largest(result.penetration), 'm')}; "
-        f"largest joint drift {_si(_largest(result.joint_drift), 'm')}; "
+        f"  largest penetration {with_unit(_largest(result.penetration), 'm')}; "
+        f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
         f"largest residual of a contact problem {_largest(result.residual):.1e}"
     )
 
@@ -171,7 +178,7 @@ def _counted(count: int, noun: str) -> str:
     return f"{count:,} {noun}{'' if count == 1 else 's'}"
 
 
-def _si(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str) -> str:
     """A number with four digits and a prefix: 0.00123 s becomes 1.23 ms."""
     size = abs(value)
     if size == 0.0 or not np.isfinite(size):

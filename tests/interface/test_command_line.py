@@ -58,7 +58,7 @@ def test_run_a_scene_of_ones_own(scene_file: Path, capsys: pytest.CaptureFixture
     assert main(["run", scene, "--stepper", "moreau-jean", *options]) == 0
     printed = capsys.readouterr().out
     assert "100 steps" in printed
-    assert "floor: first touch at 0.04" in printed
+    assert "floor: first seen touching at 0.04" in printed
     assert str(saved) in printed
     assert chart.read_bytes()[1:4] == b"PNG"
     result = Result.load(saved)
