@@ -128,7 +128,7 @@ class Contacts(NamedTuple):
     feature_sense: FloatArray  # (features,) +1 convex, -1 hole
     feature_reach: FloatArray  # (features,) how deep below the surface a slave still belongs to it [m]
     feature_span: FloatArray  # (features, 2) segments: range of s; arcs: start angle and extent, body frame
-    feature_neighbour: IntArray  # (features, 2) previous and next segment or vertex of the chain, -1: none
+    feature_neighbour: IntArray  # (features, 2) segments before and behind on the chain, -1: none
     surface_body: IntArray  # (ns,)
     surface_center: FloatArray  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes

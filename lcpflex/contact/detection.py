@@ -17,13 +17,13 @@ import numpy as np
 
 from lcpflex.bodies.floating_frame import local_place, point_position
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, foot, may_touch, touches
+from lcpflex.contact.features import ARC, COINCIDENT, FACING, SEGMENT, foot, may_touch, shadows, touches
 from lcpflex.model import Model
 from lcpflex.packed import pack
 
 __all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "refresh"]
 
-FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
+STRAIGHT = 1e-9  # a hollow corner of smaller turn is straight
 
 
 class ContactTable(NamedTuple):
@@ -151,26 +151,23 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
 
 @kernel
 def superfluous(model: Model, table: ContactTable, k: int, i: int) -> bool:
-    """Whether the contact of one slave with segment k is none because it has one with segment i.
+    """Whether the contact of one slave with segment k is none because it has one with the neighbour i.
 
-    Neighbours in a smooth or convex chain: over a bulge the shallower counts, over a hollow (made by bending) the
-    deeper. Others: a slave below both is in the solid, where only the nearest way out counts.
+    Over straight and convex corners that is the shallower one; a hollow corner holds the slave from both sides.
     """
     c = model.contacts
     if i == k or table.kind[k] != SEGMENT or table.kind[i] != SEGMENT:
         return False
     f = table.key[k] % len(c.feature_kind)
     g = table.key[i] % len(c.feature_kind)
-    excess = table.gap[i] - table.gap[k]
-    if c.feature_neighbour[f, 0] == g or c.feature_neighbour[f, 1] == g:
-        turn = table.normal[k, 0] * table.normal[i, 1] - table.normal[k, 1] * table.normal[i, 0]
-        if c.feature_neighbour[f, 0] == g:
-            turn = -turn
-        return (excess == 0.0 and k > i) or (excess > 0.0 if turn >= 0.0 else excess < 0.0)
-    if table.a[k] == table.b[i] or table.b[k] == table.a[i]:
-        return False  # a hollow corner holds the slave from both sides
-    radius = table.slave_radius[k]
-    return table.gap[k] < -radius and table.gap[i] < -radius and (excess > 0.0 or (excess == 0.0 and k > i))
+    turn = table.normal[k, 0] * table.normal[i, 1] - table.normal[k, 1] * table.normal[i, 0]
+    if c.feature_neighbour[f, 0] == g:
+        turn = -turn
+    elif c.feature_neighbour[f, 1] != g:
+        return False
+    if turn < -STRAIGHT:
+        return False
+    return table.gap[i] > table.gap[k] or (table.gap[i] == table.gap[k] and k > i)
 
 
 @kernel
@@ -206,7 +203,9 @@ def detect_slave(
     c = model.contacts
     surface = c.pass_feature[w]
     radius = c.slave_radius[slave]
-    reach = margin + radius + table.bound[c.pass_slave[w], 2] + table.bound[surface, 2]
+    sway = table.bound[surface, 2]
+    swing = table.bound[c.pass_slave[w], 2] + sway
+    reach = margin + radius + swing
     cos = table.frame[0]
     sin = table.frame[1]
     mx = c.slave_normal[slave, 0]
@@ -220,15 +219,24 @@ def detect_slave(
     for f in range(c.feature_start[surface], c.feature_start[surface + 1]):
         if directed and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:
             break  # nodes of a chain meet the segments of another, not its vertices, which come last
-        if not may_touch(model, f, x, y, reach, table.bound[surface, 2]):
+        if not may_touch(model, f, x, y, reach, sway, True):
             continue
         if not placed:
             placed = True
             sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
             px = cos * sx - sin * sy + table.frame[2]
             py = sin * sx + cos * sy + table.frame[3]
-        near, nx, ny = touches(model, q, f, px, py, radius, margin)
+        near, depth, nx, ny = touches(model, q, f, px, py, radius, margin)
         if not near or (directed and mx * nx + my * ny > FACING):
+            continue
+        hidden = False
+        if depth > 0.0:
+            for g in range(c.feature_start[surface], c.feature_start[surface + 1]):
+                if c.feature_kind[g] == ARC:
+                    break
+                if g != f and may_touch(model, g, x, y, depth + swing, sway, False):
+                    hidden = hidden or shadows(model, q, g, f, px, py, depth, nx, ny, mx, my)
+        if hidden:
             continue
         if n < len(table.key):
             load_entry(model, table, n, c.pass_law[w], slave, f)

@@ -222,7 +222,7 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
     """The segments of a chain, then a vertex (an arc of radius 0) at each convex or smooth corner and open end.
 
-    Neighbours of a segment are the segments beyond such a corner; those of a vertex the segments that meet in it.
+    Neighbours are the segments before and behind.
     """
     starts, steps = _segments(surface)
     n, count = len(indices), len(steps)
@@ -235,10 +235,10 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
         if before >= 0 and after >= 0:
             e, f = steps[before], steps[after]
             turn = math.atan2(e[0] * f[1] - e[1] * f[0], e[0] * f[0] + e[1] * f[1])
-            if turn < -sharp and turn > STRAIGHT - math.pi:
-                continue  # hollow: the two segments hold the slave between them
             features[before].neighbour = (features[before].neighbour[0], first + after)
             features[after].neighbour = (first + before, features[after].neighbour[1])
+            if turn < -sharp and turn > STRAIGHT - math.pi:
+                continue  # hollow: the two segments hold the slave between them
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
         span = (0.0, 2.0 * math.pi)
         features.append(_Feature(ARC, (indices[v], indices[v]), span=span, neighbour=(meeting[0], meeting[1])))
