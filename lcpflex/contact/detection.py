@@ -17,13 +17,16 @@ import numpy as np
 
 from lcpflex.bodies.floating_frame import local_place, point_position
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.features import ARC, COINCIDENT, FACING, SEGMENT, foot, may_touch, shadows, touches
+from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, over
 from lcpflex.model import Model
 from lcpflex.packed import pack
 
 __all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "refresh"]
 
-STRAIGHT = 1e-9  # a hollow corner of smaller turn is straight
+FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
+SMOOTH = 1e-6  # two segments with a smaller turn are straight
+SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
+BESIDE = -1  # instead of the law of a candidate
 
 
 class ContactTable(NamedTuple):
@@ -150,49 +153,143 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
 
 
 @kernel
-def superfluous(model: Model, table: ContactTable, k: int, i: int) -> bool:
-    """Whether the contact of one slave with segment k is none because it has one with the neighbour i.
+def dominated(model: Model, table: ContactTable, k: int, i: int) -> bool:
+    """Whether what one slave has with the feature of entry k is no contact because of what it has with that of i.
 
-    Over straight and convex corners that is the shallower one; a hollow corner holds the slave from both sides.
+    The nearest feature tells whether the slave is in the solid, and which is the way out. So a slave below a segment
+    has no contact with it if another is nearer, and none with two that meet in a bulge. Those that meet in a hollow
+    hold it between them.
     """
-    c = model.contacts
-    if i == k or table.kind[k] != SEGMENT or table.kind[i] != SEGMENT:
+    neighbour = model.contacts.feature_neighbour
+    count = len(model.contacts.feature_kind)
+    f = table.key[k] % count
+    g = table.key[i] % count
+    d = table.gap[k] + table.slave_radius[k]
+    e = table.gap[i] + table.slave_radius[i]
+    if i == k or abs(e) > abs(d) or (abs(e) == abs(d) and i > k):
         return False
-    f = table.key[k] % len(c.feature_kind)
-    g = table.key[i] % len(c.feature_kind)
-    turn = table.normal[k, 0] * table.normal[i, 1] - table.normal[k, 1] * table.normal[i, 0]
-    if c.feature_neighbour[f, 0] == g:
-        turn = -turn
-    elif c.feature_neighbour[f, 1] != g:
-        return False
-    if turn < -STRAIGHT:
-        return False
-    return table.gap[i] > table.gap[k] or (table.gap[i] == table.gap[k] and k > i)
+    before = neighbour[f, 0] == g
+    if before or neighbour[f, 1] == g or neighbour[g, 0] == f or neighbour[g, 1] == f:
+        if table.kind[k] != table.kind[i]:
+            return True  # a vertex and its segment share a seam only
+        turn = table.normal[i, 0] * table.normal[k, 1] - table.normal[i, 1] * table.normal[k, 0]
+        if not before:
+            turn = -turn
+        if turn >= 0.0:
+            return True
+        if turn < -SMOOTH:
+            return False
+        s = table.s[k] if before else table.s[i]  # of the later of the two, whose beginning is the end of the other
+        r = table.s[i] if before else table.s[k]
+        return s <= SEAM and r >= 1.0 - SEAM  # one foot, on a node of a straight piece
+    return d < 0.0
 
 
 @kernel
-def keep_nearest(model: Model, q: FloatArray, table: ContactTable, first: int, n: int) -> int:
-    """Drop the superfluous among the contacts first..n, which belong to one slave; returns the new count."""
+def keep_nearest(model: Model, q: FloatArray, margin: float, table: ContactTable, law: int, first: int, n: int) -> int:
+    """Of the candidates first..n of one slave, keep the contacts with gap <= margin; returns the new count."""
     count = len(model.contacts.feature_kind)
-    m = n
     for k in range(first, n):
-        for i in range(first, n):
-            if table.law[i] >= 0 and superfluous(model, table, k, i):
-                table.law[k] = -1  # marks it as dropped
-                m = first
-                break
-    if m == n:
-        return n
-    law = -1
+        kept = table.law[k] != BESIDE and table.gap[k] <= margin
+        if kept and n > first + 1:
+            for i in range(first, n):
+                if dominated(model, table, k, i):
+                    kept = False
+                    break
+        table.body[k, 0] = 1 if kept else 0  # not set yet
+    m = first
     for k in range(first, n):
-        law = max(law, table.law[k])
-    for k in range(first, n):
-        if table.law[k] >= 0:
-            if m != k:
-                load_entry(model, table, m, law, table.key[k] // count, table.key[k] % count)
-                refresh(model, q, table, m)
+        if table.body[k, 0] == 1:
+            f = table.key[k] % count
+            s = table.s[k]
+            load_entry(model, table, m, law, table.key[k] // count, f)
+            table.normal[m, 0] = 0.0
+            table.normal[m, 1] = 1.0
+            refresh(model, q, table, m)
+            if table.kind[m] == SEGMENT:
+                if s < -WIDEN:
+                    table.span[m, 0] = -math.inf
+                if s > 1.0 + WIDEN:
+                    table.span[m, 1] = math.inf
             m += 1
     return m
+
+
+@kernel
+def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: float, ny: float) -> bool:
+    """Whether a slave may touch what has the normal (nx, ny), in the frame of the features."""
+    c = model.contacts
+    cos = table.frame[0]
+    sin = table.frame[1]
+    x = cos * nx + sin * ny  # in the frame of the slaves
+    y = cos * ny - sin * nx
+    mx = c.slave_normal[slave, 0]
+    my = c.slave_normal[slave, 1]
+    p = c.slave_point[slave]
+    if mx == 0.0 and my == 0.0:
+        extent = c.slave_span[slave, 1]
+        return extent >= 2.0 * math.pi or in_arc(model, q, p, math.atan2(-y, -x), c.slave_span[slave, 0], extent)
+    turn = 0.0
+    first = model.points.start[p]
+    count = model.points.start[p + 1] - first
+    if count > 0:
+        modal = model.bodies.dof[model.points.body[p]] + 3
+        for k in range(count):
+            turn += model.points.psi[first + k] * q[modal + k]
+        mx, my = math.cos(turn) * mx - math.sin(turn) * my, math.sin(turn) * mx + math.cos(turn) * my
+    return mx * x + my * y <= FACING
+
+
+@kernel
+def collect(
+    model: Model, q: FloatArray, highest: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
+) -> int:
+    """Candidates of one slave, at most ``highest`` above a feature, from entry n on; returns the count.
+
+    (x, y): place of the slave, undeformed, in the frame of the features. A candidate that looks the slave's way is
+    marked as BESIDE: it is none, but tells that the slave is outside.
+    """
+    c = model.contacts
+    surface = c.pass_feature[w]
+    sway = table.bound[surface, 2]
+    reach = max(highest, 0.0) + table.bound[c.pass_slave[w], 2] + sway
+    cos = table.frame[0]
+    sin = table.frame[1]
+    directed = c.slave_normal[slave, 0] != 0.0 or c.slave_normal[slave, 1] != 0.0
+    placed = False
+    px = 0.0
+    py = 0.0
+    for block in range(c.surface_block[surface], c.surface_block[surface + 1]):
+        dx = x - c.block_circle[block, 0]
+        dy = y - c.block_circle[block, 1]
+        near = reach + c.block_circle[block, 2]
+        if dx * dx + dy * dy > near * near:
+            continue
+        f = c.block_start[block]
+        if c.slave_radius[slave] == 0.0 and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:
+            break  # a point has no contact with a vertex; those come last
+        for f in range(c.block_start[block], c.block_start[block + 1]):
+            if not may_touch(model, f, x, y, reach, sway):
+                continue
+            if not placed:
+                placed = True
+                sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
+                px = cos * sx - sin * sy + table.frame[2]
+                py = sin * sx + cos * sy + table.frame[3]
+            there, s, d, nx, ny = over(model, q, f, px, py, highest)
+            if not there:
+                continue
+            facing = faces(model, q, table, slave, nx, ny)
+            if not facing and not (directed and d > WIDEN * c.surface_extent[surface]):
+                continue
+            if n < len(table.key):
+                load_entry(model, table, n, c.pass_law[w] if facing else BESIDE, slave, f)
+                table.s[n] = s
+                table.gap[n] = d - c.slave_radius[slave]
+                table.normal[n, 0] = nx
+                table.normal[n, 1] = ny
+            n += 1
+    return n
 
 
 @kernel
@@ -200,52 +297,17 @@ def detect_slave(
     model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
 ) -> int:
     """Contacts of one slave, undeformed at (x, y) in the frame of the features, from entry n on; returns the count."""
-    c = model.contacts
-    surface = c.pass_feature[w]
-    radius = c.slave_radius[slave]
-    sway = table.bound[surface, 2]
-    swing = table.bound[c.pass_slave[w], 2] + sway
-    reach = margin + radius + swing
-    cos = table.frame[0]
-    sin = table.frame[1]
-    mx = c.slave_normal[slave, 0]
-    my = c.slave_normal[slave, 1]
-    directed = mx != 0.0 or my != 0.0
-    mx, my = cos * mx - sin * my, sin * mx + cos * my
-    placed = False
-    px = 0.0
-    py = 0.0
+    radius = model.contacts.slave_radius[slave]
     first = n
-    for f in range(c.feature_start[surface], c.feature_start[surface + 1]):
-        if directed and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:
-            break  # nodes of a chain meet the segments of another, not its vertices, which come last
-        if not may_touch(model, f, x, y, reach, sway, True):
-            continue
-        if not placed:
-            placed = True
-            sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
-            px = cos * sx - sin * sy + table.frame[2]
-            py = sin * sx + cos * sy + table.frame[3]
-        near, depth, nx, ny = touches(model, q, f, px, py, radius, margin)
-        if not near or (directed and mx * nx + my * ny > FACING):
-            continue
-        hidden = False
-        if depth > 0.0:
-            for g in range(c.feature_start[surface], c.feature_start[surface + 1]):
-                if c.feature_kind[g] == ARC:
-                    break
-                if g != f and may_touch(model, g, x, y, depth + swing, sway, False):
-                    hidden = hidden or shadows(model, q, g, f, px, py, depth, nx, ny, mx, my)
-        if hidden:
-            continue
-        if n < len(table.key):
-            load_entry(model, table, n, c.pass_law[w], slave, f)
-            table.normal[n, 0] = 0.0
-            table.normal[n, 1] = 1.0
-            refresh(model, q, table, n)
-        n += 1
-    if first + 1 < n <= len(table.key):
-        return keep_nearest(model, q, table, first, n)
+    n = collect(model, q, margin + radius, table, w, slave, x, y, first)
+    depth = 0.0
+    for k in range(first, min(n, len(table.key))):
+        if table.kind[k] == SEGMENT:
+            depth = max(depth, -(table.gap[k] + radius))
+    if depth > margin + radius:  # whatever is nearer than that decides
+        n = collect(model, q, depth, table, w, slave, x, y, first)
+    if first < n <= len(table.key):
+        return keep_nearest(model, q, margin, table, model.contacts.pass_law[w], first, n)
     return n
 
 
