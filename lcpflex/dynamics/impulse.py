@@ -29,8 +29,8 @@ __all__ = ["distribute", "pose", "solve_lcp"]
 def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, velocity_threshold: float) -> None:
     """Assemble M, q of the LCP from rows, solved rows and the free velocity in ``work``.
 
-    ``lead``: time [s] from the configuration of the rows to the end of the step; joint rows are
-    carried there by their bias, J(q+) u+ ~ J u+ + lead (Jdot u), so that a hinge loses no energy to the
+    ``lead``: time [s] from the configuration of the rows to the end of the step; all rows are carried
+    there by their bias, W(q+)^T u+ ~ W^T u+ + lead w, so that a hinge or a rolling contact loses no energy to the
     linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0).
     """
     n_joint = work.step_size[0]
@@ -39,8 +39,10 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     total = n_joint + n + n_tangent
     for r in range(total):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+        if lead > 0.0:
+            work.free[r] += lead * work.bias[r]
     for r in range(n_joint):
-        work.free[r] += work.rate[r] + lead * work.bias[r]
+        work.free[r] += work.rate[r]
     for k in range(n):
         law = work.table.law[k]
         e_n = model.contacts.restitution[law]

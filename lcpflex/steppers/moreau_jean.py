@@ -25,6 +25,7 @@ from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.mechanics import (
+    contact_biases,
     energies,
     factorise,
     fill_contact_rows,
@@ -91,6 +92,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     if n_joint > 0:
         joint_rows(model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.rate, work.bias)
     n_tangent = fill_contact_rows(model, work.middle, n, n_joint, work)
+    contact_biases(model, work.middle, u, n, n_tangent, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)
     work.step_size[0] = n_joint
     work.step_size[1] = n
