@@ -121,14 +121,18 @@ class Contacts(NamedTuple):
     slave_point: IntArray  # (slaves,)
     slave_radius: FloatArray  # (slaves,)
     slave_normal: FloatArray  # (slaves, 2) mean outward normal, body frame; zero: any direction may touch
+    slave_span: FloatArray  # (slaves, 2) start angle and extent of the part of its circle that may touch, body frame
     feature_start: IntArray  # (ns + 1,)
     feature_kind: IntArray  # (features,)
     feature_point: IntArray  # (features, 2) material points a, b (b = a for arcs)
     feature_radius: FloatArray  # (features,) signed
     feature_sense: FloatArray  # (features,) +1 convex, -1 hole
-    feature_reach: FloatArray  # (features,) how deep below the surface a slave still belongs to it [m]
-    feature_span: FloatArray  # (features, 2) segments: range of s; arcs: start angle and extent, body frame
+    feature_reach: FloatArray  # (features, 3) how deep below s = 0, 1/2, 1 a slave belongs to it, linear between [m]
+    feature_span: FloatArray  # (features, 2) range of s, endless at hollow corners; arcs: start angle and extent
     feature_neighbour: IntArray  # (features, 2) segments before and behind on the chain, -1: none
+    surface_block: IntArray  # (ns + 1,) offsets of the blocks of features of each surface
+    block_start: IntArray  # (blocks + 1,) offsets of the features of each block
+    block_circle: FloatArray  # (blocks, 3) centre and radius of a circle about them and what is below, body frame
     surface_body: IntArray  # (ns,)
     surface_center: FloatArray  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
@@ -245,14 +249,18 @@ def bodiless_model(
         slave_point=indices,
         slave_radius=numbers,
         slave_normal=pairs,
+        slave_span=pairs,
         feature_start=offsets,
         feature_kind=indices,
         feature_point=index_pairs,
         feature_radius=numbers,
         feature_sense=numbers,
-        feature_reach=numbers,
+        feature_reach=frozen([], columns=3),
         feature_span=pairs,
         feature_neighbour=index_pairs,
+        surface_block=offsets,
+        block_start=offsets,
+        block_circle=frozen([], columns=3),
         surface_body=indices,
         surface_center=pairs,
         surface_extent=numbers,

@@ -43,10 +43,8 @@ class PlacedSurface:
 
 
 def can_touch(a: PlacedSurface, b: PlacedSurface) -> bool:
-    """Whether there is a contact between surfaces of these kinds: a node, disc or chain must be one of them."""
-    kinds = (a.shape.kind, b.shape.kind)
-    touching = (shapes.Kind.NODE, shapes.Kind.CIRCLE, shapes.Kind.CHAIN)
-    return any(kind in touching for kind in kinds) and kinds != (shapes.Kind.NODE, shapes.Kind.NODE)
+    """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
+    return shapes.can_touch(a.shape, b.shape)
 
 
 def listed(names: Sequence[str]) -> str:
@@ -98,7 +96,7 @@ class Placed:
                 if outline.hole
                 else shapes.circle(outline.center, outline.radius)
             )
-        return PlacedSurface(self.scene, self.body, f"{self.name}.{name}", shape)
+        return PlacedSurface(self.scene, self.body, f"{self.name}.{name}", self._on_body(shape))
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
@@ -143,9 +141,17 @@ class Placed:
         return self._made("chain", shapes.chain(points, closed))
 
     def _made(self, kind: str, shape: Surface, disc: tuple[MaterialPoint, float] | None = None) -> PlacedSurface:
+        shape = self._on_body(shape)
         surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, disc)
         self.scene.keep(surface)
         return surface
+
+    def _on_body(self, shape: Surface) -> Surface:
+        """With what tells how deep the solid is below an open chain or behind the wall of a hole: the outline."""
+        one_sided = shape.kind is shapes.Kind.HOLE or (shape.kind is shapes.Kind.CHAIN and not shape.closed)
+        if one_sided and self.source is not None and "outline" in self.source.surfaces:
+            return shapes.on_body(shape, self.source.surfaces["outline"])
+        return shape
 
     def _located(self, place: Place) -> MaterialPoint:
         if isinstance(place, str):

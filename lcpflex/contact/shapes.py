@@ -1,31 +1,47 @@
 """Surfaces of bodies and of the ground, and their compilation to flat arrays.
 
 A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs
-that others may touch. Which side does what follows from the two kinds: discs and single nodes are slaves of everything,
-the nodes of a chain are slaves of half-planes, arcs, holes and (in both directions) of the segments of another chain.
+that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are slaves of
+everything, the nodes of a chain of half-planes, holes and (in both directions) of the segments of another chain.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import MaterialPoint
-from lcpflex.compiled import FloatArray
+from lcpflex.bodies.body import Chain, MaterialPoint, Outline
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.reach import below_chain, below_hole, is_solid
 from lcpflex.errors import ModelError
 from lcpflex.model import Contacts, PointTable, frozen
 
-__all__ = ["Kind", "Surface", "arc", "chain", "circle", "compile_contacts", "half_plane", "hole", "node"]
+__all__ = [
+    "Kind",
+    "Surface",
+    "arc",
+    "can_touch",
+    "chain",
+    "circle",
+    "compile_contacts",
+    "half_plane",
+    "hole",
+    "node",
+    "on_body",
+]
 
 SEGMENT, ARC = 0, 1
-STRAIGHT = 1e-12  # a corner whose turn has a smaller sine is straight
-SMOOTH = 0.1  # on a flexible body, a hollow corner of smaller turn [rad] may be bent to a bulge and back
-HOLE_REACH = 0.5  # of the radius: how far beyond the wall of a hole a slave still belongs to it
+STRAIGHT = 1e-12  # [rad] a corner of smaller turn is straight
+SMOOTH = 0.2  # [rad] on a flexible body, a hollow corner of smaller turn may be bent to a bulge
+HOLLOW = 0.01  # [rad] a foot does not leave a segment over a hollow corner of larger turn: the next one is in the way
+ROUND = 128  # corners of the polygon that stands for a round outline where the thickness of the solid is measured
+BLOCK = 8  # features that share a bounding circle
 
 
 class Kind(Enum):
@@ -45,7 +61,8 @@ class Surface:
 
     points: material points (nodes of a chain; centre of a circle, hole or arc; two points a metre apart of a
     half-plane). radius [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends
-    where it begins. What is below an open chain is solid as far down as the chain is large.
+    where it begins. outline (k, 2): closed outline of the body, which tells how deep the solid is below an open chain
+    or behind the wall of a hole; without it, as deep as the chain or hole is large.
     """
 
     kind: Kind
@@ -54,6 +71,7 @@ class Surface:
     start: float = 0.0
     extent: float = 2.0 * math.pi
     closed: bool = False
+    outline: FloatArray | None = None
 
 
 def node(point: MaterialPoint, radius: float = 0.0) -> Surface:
@@ -103,13 +121,38 @@ def chain(points: Sequence[MaterialPoint], closed: bool = False) -> Surface:
     return Surface(Kind.CHAIN, tuple(points), closed=closed)
 
 
+def on_body(surface: Surface, outline: Outline) -> Surface:
+    """``surface`` with the closed outline of its body, from which it takes how deep the solid is."""
+    if isinstance(outline, Chain):
+        if not outline.closed:
+            return surface
+        places = np.array([point.place for point in outline.points])
+    else:
+        if outline.hole:
+            return surface
+        angle = np.arange(ROUND) * (2.0 * math.pi / ROUND)
+        places = outline.center.place + outline.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return replace(surface, outline=places)
+
+
+RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the slave; others are none
+NO_SLAVE = 4
+
+
+def can_touch(a: Surface, b: Surface) -> bool:
+    """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
+    ranks = [RANK.get(surface.kind, NO_SLAVE) for surface in (a, b)]
+    return min(ranks) < NO_SLAVE and max(ranks) > RANK[Kind.NODE]
+
+
 @dataclass(slots=True)
 class _Feature:
     kind: int
     points: tuple[int, int]
+    circle: tuple[float, float, float]  # that holds all slaves which belong to it
     radius: float = 0.0
     sense: float = 1.0
-    reach: float = math.inf
+    reach: tuple[float, float, float] = (math.inf, math.inf, math.inf)
     span: tuple[float, float] = (0.0, 1.0)
     neighbour: tuple[int, int] = (-1, -1)
 
@@ -138,6 +181,8 @@ def compile_contacts(
         slave_start.append(len(slaves))
         feature_start.append(len(features))
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
+    spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
+    surface_block, block_start, circles = _blocks(features, feature_start)
     passes = [(*pair, law) for law, (a, b, *_) in enumerate(declared) for pair in _passes(surfaces, a, b)]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
@@ -146,14 +191,18 @@ def compile_contacts(
         slave_point=frozen([point for point, _, _ in slaves], ints),
         slave_radius=frozen([radius for _, radius, _ in slaves]),
         slave_normal=frozen([normal for _, _, normal in slaves], columns=2),
+        slave_span=frozen(spans, columns=2),
         feature_start=frozen(feature_start, ints),
         feature_kind=frozen([f.kind for f in features], ints),
         feature_point=frozen([f.points for f in features], ints, columns=2),
         feature_radius=frozen([f.radius for f in features]),
         feature_sense=frozen([f.sense for f in features]),
-        feature_reach=frozen([f.reach for f in features]),
+        feature_reach=frozen([f.reach for f in features], columns=3),
         feature_span=frozen([f.span for f in features], columns=2),
         feature_neighbour=frozen([f.neighbour for f in features], ints, columns=2),
+        surface_block=surface_block,
+        block_start=block_start,
+        block_circle=circles,
         surface_body=frozen([body for body, _ in surfaces], ints),
         surface_center=frozen(centers[:, :2], columns=2),
         surface_extent=frozen(centers[:, 2]),
@@ -171,15 +220,14 @@ def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int) -> list[tup
     """(slave surface, feature surface) pairs of one declared contact."""
     if surfaces[a][0] == surfaces[b][0]:
         raise ModelError(f"contact: surfaces {a} and {b} belong to the same body, expected two bodies")
-    kinds = surfaces[a][1].kind, surfaces[b][1].kind
-    if kinds == (Kind.CHAIN, Kind.CHAIN):
-        return [(a, b), (b, a)]
-    rank = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.CHAIN: 2}  # the lower is the slave
-    if min(rank.get(kind, 3) for kind in kinds) == 3 or kinds == (Kind.NODE, Kind.NODE):
+    first, second = surfaces[a][1], surfaces[b][1]
+    if not can_touch(first, second):
         raise ModelError(
-            f"contact: a {kinds[0].value} and a {kinds[1].value} were given, which cannot touch each other"
+            f"contact: a {first.kind.value} and a {second.kind.value} were given, which cannot touch each other"
         )
-    return [(a, b) if rank.get(kinds[0], 3) <= rank.get(kinds[1], 3) else (b, a)]
+    if first.kind is Kind.CHAIN and second.kind is Kind.CHAIN:
+        return [(a, b), (b, a)]
+    return [(a, b) if RANK.get(first.kind, NO_SLAVE) <= RANK.get(second.kind, NO_SLAVE) else (b, a)]
 
 
 def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
@@ -190,16 +238,23 @@ def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
 
 
 def _slaves(surface: Surface, indices: list[int]) -> list[tuple[int, float, FloatArray]]:
-    """(point, radius, mean outward normal) of what may touch other surfaces."""
-    if surface.kind in (Kind.NODE, Kind.CIRCLE):
+    """(point, radius, mean outward normal) of what may touch other surfaces.
+
+    The end of an open chain is a right-angled corner of the solid.
+    """
+    if surface.kind in (Kind.NODE, Kind.CIRCLE, Kind.ARC):
         return [(indices[0], surface.radius, np.zeros(2))]
     if surface.kind is not Kind.CHAIN:
         return []
     _, steps = _segments(surface)
-    normals = np.stack([steps[:, 1], -steps[:, 0]], axis=1) / np.hypot(*steps.T)[:, None]
+    along = steps / np.hypot(*steps.T)[:, None]
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
     means = np.zeros((len(indices), 2))
     means[: len(normals)] += normals
     means[(np.arange(len(normals)) + 1) % len(indices)] += normals
+    if not surface.closed:
+        means[0] -= along[0]
+        means[-1] += along[-1]
     lengths = np.hypot(*means.T)
     means = np.where(lengths[:, None] > STRAIGHT, means / np.maximum(lengths, STRAIGHT)[:, None], 0.0)
     return [(index, 0.0, mean) for index, mean in zip(indices, means, strict=True)]
@@ -209,64 +264,91 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature
     """What others may touch; ``first``: index that the first feature gets."""
     if surface.kind is Kind.NODE:
         return []
-    if surface.kind is Kind.HALF_PLANE:
-        return [_Feature(SEGMENT, (indices[0], indices[1]), span=(-math.inf, math.inf))]
     if surface.kind is Kind.CHAIN:
         return _chain_features(surface, indices, first)
+    circle = _bounds(surface)
+    if surface.kind is Kind.HALF_PLANE:
+        return [_Feature(SEGMENT, (indices[0], indices[1]), circle, span=(-math.inf, math.inf))]
     sense = -1.0 if surface.kind is Kind.HOLE else 1.0
-    reach = HOLE_REACH * surface.radius if surface.kind is Kind.HOLE else math.inf
+    reach = _hole_reach(surface) if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
-    return [_Feature(ARC, (indices[0], indices[0]), surface.radius * sense, sense, reach, span)]
+    pair = (indices[0], indices[0])
+    return [_Feature(ARC, pair, circle, surface.radius * sense, sense, (reach, reach, reach), span)]
 
 
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
-    """The segments of a chain, then a vertex (an arc of radius 0) at each convex or smooth corner and open end.
+    """The segments of a chain, then a vertex (an arc of radius 0) at each corner that may bulge, and each open end.
 
-    Neighbours are the segments before and behind.
+    Neighbours of a segment are the segments before and after it; those of a vertex the segments that meet in it.
     """
     starts, steps = _segments(surface)
     n, count = len(indices), len(steps)
-    reach = _reach(starts, steps)
-    features = [_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), reach=float(reach[i])) for i in range(count)]
+    reach = _chain_reach(surface)
+    features = []
+    for i in range(count):
+        middle = starts[i] + 0.5 * steps[i]
+        circle = (float(middle[0]), float(middle[1]), 0.5 * math.hypot(*steps[i]) + float(reach[i].max()))
+        depths = (float(reach[i, 0]), float(reach[i, 1]), float(reach[i, 2]))
+        features.append(_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), circle, reach=depths))
     sharp = SMOOTH if any(point.phi.any() for point in surface.points) else STRAIGHT
     for v in range(n):
         before = v - 1 if v > 0 else (count - 1 if surface.closed else -1)
         after = v if v < count else -1
         if before >= 0 and after >= 0:
             e, f = steps[before], steps[after]
-            turn = math.atan2(e[0] * f[1] - e[1] * f[0], e[0] * f[0] + e[1] * f[1])
             features[before].neighbour = (features[before].neighbour[0], first + after)
             features[after].neighbour = (first + before, features[after].neighbour[1])
-            if turn < -sharp and turn > STRAIGHT - math.pi:
+            turn = math.atan2(e[0] * f[1] - e[1] * f[0], e[0] * f[0] + e[1] * f[1])
+            if STRAIGHT - math.pi < turn < -max(sharp, HOLLOW):
+                features[before].span = (features[before].span[0], math.inf)
+                features[after].span = (-math.inf, features[after].span[1])
+            if STRAIGHT - math.pi < turn < -sharp:
                 continue  # hollow: the two segments hold the slave between them
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
-        span = (0.0, 2.0 * math.pi)
-        features.append(_Feature(ARC, (indices[v], indices[v]), span=span, neighbour=(meeting[0], meeting[1])))
+        x, y = surface.points[v].place
+        corner = _Feature(ARC, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
+        corner.neighbour = (meeting[0], meeting[1])
+        features.append(corner)
     return features
 
 
-def _reach(starts: FloatArray, steps: FloatArray) -> FloatArray:
-    """Half the way from the middle of each segment through the solid to the other side of the chain, or inf."""
-    middle = starts + 0.5 * steps
-    inward = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.hypot(*steps.T)[:, None]
-    apart = starts[None, :, :] - middle[:, None, :]
-    cross = inward[:, None, 0] * steps[None, :, 1] - inward[:, None, 1] * steps[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        way = (apart[..., 0] * steps[None, :, 1] - apart[..., 1] * steps[None, :, 0]) / cross
-        place = (apart[..., 0] * inward[:, None, 1] - apart[..., 1] * inward[:, None, 0]) / cross
-    hit = (way > 0.0) & (place >= -1e-9) & (place <= 1.0 + 1e-9) & ~np.eye(len(steps), dtype=bool)
-    return np.asarray(0.5 * np.where(hit, way, math.inf).min(axis=1))
+def _blocks(features: Sequence[_Feature], feature_start: Sequence[int]) -> tuple[IntArray, IntArray, FloatArray]:
+    """Successive features of a surface, few and of one kind, and the circle (x, y, radius) about each such block."""
+    surface_block, block_start, circles = [0], [0], []
+    for first, last in pairwise(feature_start):
+        vertices = [k for k in range(first, last) if features[k].kind == ARC and features[k].radius == 0.0]
+        middle = vertices[0] if vertices else last
+        for start, end in ((first, middle), (middle, last)):
+            for k in range(start, end, BLOCK):
+                block = np.array([f.circle for f in features[k : min(k + BLOCK, end)]])
+                center = 0.5 * (block[:, :2].min(axis=0) + block[:, :2].max(axis=0))
+                circles.append((*center, float((np.hypot(*(block[:, :2] - center).T) + block[:, 2]).max())))
+                block_start.append(k + len(block))
+        surface_block.append(len(block_start) - 1)
+    return frozen(surface_block, np.int64), frozen(block_start, np.int64), frozen(circles, columns=3)
+
+
+def _chain_reach(surface: Surface) -> FloatArray:
+    places = np.array([point.place for point in surface.points])
+    return below_chain(places, surface.closed, surface.outline)
+
+
+def _hole_reach(surface: Surface) -> float:
+    return below_hole(surface.points[0].place, surface.radius, surface.outline)
 
 
 def _bounds(surface: Surface) -> tuple[float, float, float]:
-    """Bounding circle (x, y, radius), undeformed."""
+    """Circle (x, y, radius), undeformed, that holds the surface and all slaves that belong to it."""
     if surface.kind is Kind.HALF_PLANE:
         return (*surface.points[0].place, math.inf)
     if surface.kind is Kind.HOLE:
-        return (*surface.points[0].place, (1.0 + HOLE_REACH) * surface.radius)
+        return (*surface.points[0].place, surface.radius + _hole_reach(surface))
     places = np.array([point.place for point in surface.points])
     center = 0.5 * (places.min(axis=0) + places.max(axis=0))
-    return float(center[0]), float(center[1]), float(np.hypot(*(places - center).T).max()) + surface.radius
+    extent = float(np.hypot(*(places - center).T).max()) + surface.radius
+    if surface.kind is Kind.CHAIN and not is_solid(places, surface.closed):
+        extent += float(_chain_reach(surface).max())
+    return float(center[0]), float(center[1]), extent
 
 
 def _sway(surfaces: Sequence[Surface]) -> FloatArray:
