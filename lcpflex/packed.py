@@ -19,7 +19,6 @@ T = TypeVar("T")
 class Packed:
     """A named tuple with its block of memory. Attributes are those of the tuple, nested tuples packed likewise."""
 
-    __slots__ = ("_address", "_memory", "_type", "_values")
     _address: int
     _type: Any
 
@@ -28,21 +27,14 @@ class Packed:
 
         fields: list[tuple[str, Any]] = []
         words: list[int] = []
-        self._values: dict[str, Any] = {}
         for name, value in zip(values._fields, values, strict=True):
             kept = value if isinstance(value, np.ndarray) else pack(value)
-            self._values[name] = kept
+            setattr(self, name, kept)
             fields.append((name, _type_of(kept)))
             words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
         self._memory = np.array(words, dtype=np.int64)
         self._address = int(self._memory.ctypes.data)
         self._type = PackedType(type(values).__name__, tuple(fields))
-
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self._values[name]
-        except KeyError:
-            raise AttributeError(name) from None
 
 
 def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:

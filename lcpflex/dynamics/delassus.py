@@ -19,10 +19,10 @@ __all__ = [
     "apply_impulses",
     "condense",
     "delassus",
-    "factorise_joints",
+    "cholesky",
     "joint_impulses",
     "row_velocity",
-    "solve_joints",
+    "cholesky_solve",
 ]
 
 REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent joint row
@@ -75,8 +75,8 @@ def apply_impulses(
 
 
 @kernel
-def factorise_joints(G: FloatArray, n: int, lower: FloatArray) -> None:
-    """Cholesky factor of the joint block G[:n, :n]; a zero on its diagonal marks a dependent row."""
+def cholesky(G: FloatArray, n: int, lower: FloatArray) -> None:
+    """Lower Cholesky factor of the positive semidefinite G[:n, :n]; a zero on its diagonal marks a dependent row."""
     for i in range(n):
         for j in range(i + 1):
             total = G[i, j]
@@ -89,8 +89,8 @@ def factorise_joints(G: FloatArray, n: int, lower: FloatArray) -> None:
 
 
 @kernel
-def solve_joints(lower: FloatArray, n: int, x: FloatArray) -> None:
-    """x <- G_JJ^-1 x in place; 0 for dependent rows."""
+def cholesky_solve(lower: FloatArray, n: int, x: FloatArray) -> None:
+    """x <- G^-1 x in place from the factor of :func:`cholesky`; 0 for dependent rows."""
     for i in range(n):
         total = x[i]
         for k in range(i):
@@ -119,7 +119,7 @@ def condense(
     for c in range(m):
         for j in range(n_joint):
             share[c, j] = G[j, n_joint + c]
-        solve_joints(lower, n_joint, share[c])
+        cholesky_solve(lower, n_joint, share[c])
     for c in range(m):
         total = free[n_joint + c]
         for j in range(n_joint):
@@ -137,7 +137,7 @@ def joint_impulses(free: FloatArray, n_joint: int, n: int, lower: FloatArray, sh
     """p[:n_joint] = -G_JJ^-1 (free_J + G_JW p_W) for the contact impulses p[n_joint:n]."""
     for j in range(n_joint):
         p[j] = free[j]
-    solve_joints(lower, n_joint, p)
+    cholesky_solve(lower, n_joint, p)
     for j in range(n_joint):
         total = p[j]
         for c in range(n - n_joint):

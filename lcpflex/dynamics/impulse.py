@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.delassus import (
+    cholesky,
     condense,
     delassus,
-    factorise_joints,
     joint_impulses,
     row_velocity,
 )
@@ -56,7 +56,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u_before)
     delassus(work.rows, work.solved, work.row_body, total, work.G)
-    factorise_joints(work.G, n_joint, work.lower)
+    cholesky(work.G, n_joint, work.lower)
     condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
     work.step_size[3] = n + 2 * n_tangent

@@ -9,10 +9,10 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.detection import ContactTable
+from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 
@@ -59,18 +59,15 @@ def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
 
     def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
         matrix = system.mass(q) + alpha_c * system.damping + alpha_k * system.stiffness
-        work.dense[1] = np.linalg.cholesky(matrix)
+        cholesky(matrix, len(q), work.dense)
 
     def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
-        lower = work.dense[1]
-        x[:] = solve_triangular(lower, solve_triangular(lower, x, lower=True), lower=True, trans="T")
+        cholesky_solve(work.dense, len(x), x)
 
     def solve_rows(model: Model, work: Workspace, first: int, last: int) -> None:
-        if last > first:
-            right = work.rows[first:last, 0].T
-            lower = work.dense[1]
-            half = solve_triangular(lower, right, lower=True)
-            work.solved[first:last, 0] = solve_triangular(lower, half, lower=True, trans="T").T
+        work.solved[first:last, 0] = work.rows[first:last, 0]
+        for r in range(first, last):
+            cholesky_solve(work.dense, system.n, work.solved[r, 0])
 
     def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
         kinetic = 0.5 * float(u @ system.mass(q) @ u)

@@ -22,7 +22,7 @@ class Workspace(NamedTuple):
     external: FloatArray  # (slots, 3) values, rates, accelerations supplied by callbacks
     table: ContactTable
     arrow: Arrow
-    dense: FloatArray  # (2, n, n) iteration matrix and its Cholesky factor, user-defined systems only
+    dense: FloatArray  # (n, n) Cholesky factor of the matrix of the step, user-defined systems only
     middle: FloatArray  # (ndof,) configuration at which the step is linearised
     ahead: FloatArray  # (ndof,) configuration at which contacts are detected
     free_u: FloatArray  # (ndof,) velocity without constraint impulses
@@ -73,7 +73,7 @@ def workspace(
         external=zeros((n_external, 3)),
         table=contact_table(capacity, n_surfaces),
         arrow=arrow(len(dof) - 1, n_modes),
-        dense=zeros((2, ndof, ndof) if dense else (2, 0, 0)),
+        dense=zeros((ndof, ndof) if dense else (0, 0)),
         middle=zeros(ndof),
         ahead=zeros(ndof),
         free_u=zeros(ndof),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import refresh
 from lcpflex.dynamics.constraint_rows import joint_residual
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity, solve_joints
+from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
@@ -36,7 +36,7 @@ def project_joints(
             break
         for j in range(n_joint):
             work.bias[j] = -work.residual[j]
-        solve_joints(work.lower, n_joint, work.bias)
+        cholesky_solve(work.lower, n_joint, work.bias)
         apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
     tape.worst[2] = max(tape.worst[2], drift)
 
