@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from lcpflex import Bar, MoreauJean, Result, gallery, simulate
+from lcpflex import Bar, EventDriven, MoreauJean, Result, gallery, simulate
 from lcpflex.gallery.bars import LENGTH, courant_step
 
 WAVE_SPEED = 30.0
@@ -52,14 +52,16 @@ def test_bar_rebounds_from_wall_as_a_whole(rebound: Result) -> None:
 
 
 @pytest.mark.parametrize("modes", [1, 2, 3])
-def test_few_modes_lose_energy_by_the_law_of_modal_bars(modes: int) -> None:
-    case = gallery.scenes()[f"modal_bar_{modes}"]
-    result = simulate(case.build(), 1.3, MoreauJean(step=1e-4 * CONTACT_TIME), record=0.0)
+@pytest.mark.parametrize(
+    "stepper", [MoreauJean(step=1e-4 * CONTACT_TIME), EventDriven()], ids=["moreau-jean", "event-driven"]
+)
+def test_few_modes_lose_energy_by_the_law_of_modal_bars(stepper: MoreauJean | EventDriven, modes: int) -> None:
+    result = simulate(gallery.elastic_bar(elements=200, modes=modes), 1.3, stepper, record=1e-4 * CONTACT_TIME)
     stored = result.energies.stored
     closed = touching(result)
-    at_closing = np.flatnonzero(result.times == closed[0])[0]
-    assert 1.0 - stored[at_closing] / stored[0] == pytest.approx(1.0 / (2 * modes + 1), abs=1e-3)
-    assert stored[-1] == pytest.approx(stored[at_closing], rel=1e-3)  # at closing and nowhere else
+    closing = int(np.searchsorted(result.times, closed[0] + 5e-4))  # it may take a few impacts at once
+    assert 1.0 - stored[closing] / stored[0] == pytest.approx(1.0 / (2 * modes + 1), abs=1e-3)
+    assert stored[-1] == pytest.approx(stored[closing], rel=1e-3)  # at closing and nowhere else
     assert result.energies.impact[-1] == pytest.approx(stored[0] - stored[-1], rel=1e-3)
     assert result.u[-1, 0] / 10.0 == pytest.approx(2 * modes / (2 * modes + 1), abs=1e-3)
     expected = {1: 0.8660, 2: 0.9160, 3: 0.9390}[modes]
@@ -104,7 +106,7 @@ def prestressed_motion(x: npt.NDArray[np.float64], t: npt.NDArray[np.float64]) -
 def prestressed_run(elements: int) -> tuple[Result, float]:
     """Four periods, and the root of the mean square of the displacement error over places and times."""
     step = courant_step(1.0 / elements, 1.0)
-    stepper = MoreauJean(step=step, projection=False)
+    stepper = MoreauJean(step=step)
     result = simulate(gallery.prestressed_bar(elements=elements), 12.0, stepper, record=0.02)
     body = Bar(length=1.0, area=1.0, density=1.0, youngs_modulus=1.0, elements=elements).reduce(modes=None)
     x = np.linspace(0.0, 1.0, elements + 1)
