@@ -73,8 +73,8 @@ class Points(NamedTuple):
 class Signals(NamedTuple):
     """Scalar functions of time: cubic pieces, harmonics, or values supplied from outside at each call.
 
-    kind 0: pieces ``breaks[first:last]`` with the coefficients of powers 3, 2, 1, 0 of (t - break), constant outside; the last
-    row holds the end value;
+    kind 0: pieces ``breaks[first:last]`` with the coefficients of powers 3, 2, 1, 0 of (t - break), constant outside;
+    the last row holds the end value;
     kind 1: mean + amplitude sin(omega t + phase), the four in coefficients[first];
     kind 2: external: value, first and second derivative are read from ``external[slot]``, slot = first.
     """
@@ -132,7 +132,8 @@ class Contacts(NamedTuple):
     feature_neighbour: IntArray  # (features, 2) segments before and behind on the chain, -1: none
     surface_block: IntArray  # (ns + 1,) offsets of the blocks of features of each surface
     block_start: IntArray  # (blocks + 1,) offsets of the features of each block
-    block_circle: FloatArray  # (blocks, 3) centre and radius of a circle about them and what is below, body frame
+    block_circle: FloatArray  # (blocks, 4) centre, radius of a circle about them, and of one about what is below, too
+    block_height: FloatArray  # (blocks, 3) n and greatest n.x, where all look about the way n; else 0
     surface_body: IntArray  # (ns,)
     surface_center: FloatArray  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
@@ -260,7 +261,8 @@ def bodiless_model(
         feature_neighbour=index_pairs,
         surface_block=offsets,
         block_start=offsets,
-        block_circle=frozen([], columns=3),
+        block_circle=frozen([], columns=4),
+        block_height=frozen([], columns=3),
         surface_body=indices,
         surface_center=pairs,
         surface_extent=numbers,

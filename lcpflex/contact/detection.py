@@ -26,6 +26,7 @@ __all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
 SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
+ASIDE = 1.75  # more than tan 60 degrees
 BESIDE = -1  # instead of the law of a candidate
 
 
@@ -241,6 +242,30 @@ def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: floa
 
 
 @kernel
+def near_block(model: Model, block: int, x: float, y: float, reach: float) -> bool:
+    """Whether a slave at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
+
+    Normals of a block with a height deviate from their mean n by less than 60 degrees, so that what is h lower than
+    its top is farther aside than its points by no more than h tan 60 degrees.
+    """
+    circle = model.contacts.block_circle
+    height = model.contacts.block_height
+    dx = x - circle[block, 0]
+    dy = y - circle[block, 1]
+    d2 = dx * dx + dy * dy
+    if d2 <= (reach + circle[block, 2]) ** 2:
+        return True
+    if d2 > (reach + circle[block, 3]) ** 2:
+        return False
+    nx = height[block, 0]
+    ny = height[block, 1]
+    if nx == 0.0 and ny == 0.0:
+        return True
+    low = height[block, 2] + reach - nx * x - ny * y
+    return low >= 0.0 and abs(nx * dy - ny * dx) <= circle[block, 2] + reach + ASIDE * low
+
+
+@kernel
 def collect(
     model: Model, q: FloatArray, highest: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
 ) -> int:
@@ -260,10 +285,7 @@ def collect(
     px = 0.0
     py = 0.0
     for block in range(c.surface_block[surface], c.surface_block[surface + 1]):
-        dx = x - c.block_circle[block, 0]
-        dy = y - c.block_circle[block, 1]
-        near = reach + c.block_circle[block, 2]
-        if dx * dx + dy * dy > near * near:
+        if not near_block(model, block, x, y, reach):
             continue
         f = c.block_start[block]
         if c.slave_radius[slave] == 0.0 and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:

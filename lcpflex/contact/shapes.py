@@ -149,7 +149,8 @@ def can_touch(a: Surface, b: Surface) -> bool:
 class _Feature:
     kind: int
     points: tuple[int, int]
-    circle: tuple[float, float, float]  # that holds all slaves which belong to it
+    circle: tuple[float, float, float]  # about it; of a hole, about what is behind its wall, too
+    normal: tuple[float, float] = (0.0, 0.0)  # of a segment of a chain
     radius: float = 0.0
     sense: float = 1.0
     reach: tuple[float, float, float] = (math.inf, math.inf, math.inf)
@@ -182,7 +183,7 @@ def compile_contacts(
         feature_start.append(len(features))
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
     spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
-    surface_block, block_start, circles = _blocks(features, feature_start)
+    surface_block, block_start, circles, heights = _blocks(features, feature_start)
     passes = [(*pair, law) for law, (a, b, *_) in enumerate(declared) for pair in _passes(surfaces, a, b)]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
@@ -203,6 +204,7 @@ def compile_contacts(
         surface_block=surface_block,
         block_start=block_start,
         block_circle=circles,
+        block_height=heights,
         surface_body=frozen([body for body, _ in surfaces], ints),
         surface_center=frozen(centers[:, :2], columns=2),
         surface_extent=frozen(centers[:, 2]),
@@ -273,7 +275,7 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature
     reach = _hole_reach(surface) if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
     pair = (indices[0], indices[0])
-    return [_Feature(ARC, pair, circle, surface.radius * sense, sense, (reach, reach, reach), span)]
+    return [_Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)]
 
 
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
@@ -284,12 +286,14 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
     starts, steps = _segments(surface)
     n, count = len(indices), len(steps)
     reach = _chain_reach(surface)
+    lengths = np.hypot(*steps.T)
     features = []
     for i in range(count):
         middle = starts[i] + 0.5 * steps[i]
-        circle = (float(middle[0]), float(middle[1]), 0.5 * math.hypot(*steps[i]) + float(reach[i].max()))
+        circle = (float(middle[0]), float(middle[1]), 0.5 * float(lengths[i]))
         depths = (float(reach[i, 0]), float(reach[i, 1]), float(reach[i, 2]))
-        features.append(_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), circle, reach=depths))
+        normal = (float(steps[i, 1] / lengths[i]), float(-steps[i, 0] / lengths[i]))
+        features.append(_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), circle, normal, reach=depths))
     sharp = SMOOTH if any(point.phi.any() for point in surface.points) else STRAIGHT
     for v in range(n):
         before = v - 1 if v > 0 else (count - 1 if surface.closed else -1)
@@ -312,20 +316,43 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
     return features
 
 
-def _blocks(features: Sequence[_Feature], feature_start: Sequence[int]) -> tuple[IntArray, IntArray, FloatArray]:
-    """Successive features of a surface, few and of one kind, and the circle (x, y, radius) about each such block."""
-    surface_block, block_start, circles = [0], [0], []
+def _blocks(
+    features: Sequence[_Feature], feature_start: Sequence[int]
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Successive features of a surface, few and of one kind; circles about each such block, and how high it is."""
+    surface_block, block_start, circles, heights = [0], [0], [], []
     for first, last in pairwise(feature_start):
         vertices = [k for k in range(first, last) if features[k].kind == ARC and features[k].radius == 0.0]
         middle = vertices[0] if vertices else last
         for start, end in ((first, middle), (middle, last)):
             for k in range(start, end, BLOCK):
-                block = np.array([f.circle for f in features[k : min(k + BLOCK, end)]])
-                center = 0.5 * (block[:, :2].min(axis=0) + block[:, :2].max(axis=0))
-                circles.append((*center, float((np.hypot(*(block[:, :2] - center).T) + block[:, 2]).max())))
+                block = features[k : min(k + BLOCK, end)]
+                circle = np.array([f.circle for f in block])
+                center = 0.5 * (circle[:, :2].min(axis=0) + circle[:, :2].max(axis=0))
+                extent = np.hypot(*(circle[:, :2] - center).T) + circle[:, 2]
+                deep = extent + [max(f.reach) if f.kind == SEGMENT else 0.0 for f in block]
+                circles.append((*center, float(extent.max()), float(deep.max())))
+                heights.append(_height(block))
                 block_start.append(k + len(block))
         surface_block.append(len(block_start) - 1)
-    return frozen(surface_block, np.int64), frozen(block_start, np.int64), frozen(circles, columns=3)
+    return (
+        frozen(surface_block, np.int64),
+        frozen(block_start, np.int64),
+        frozen(circles, columns=4),
+        frozen(heights, columns=3),
+    )
+
+
+def _height(block: Sequence[_Feature]) -> tuple[float, float, float]:
+    """Mean normal n of segments that look about the same way, and the greatest n.x of their points; else 0, 0, 0."""
+    normals = np.array([f.normal for f in block])
+    mean = normals.sum(axis=0)
+    length = math.hypot(*mean)
+    if length == 0.0 or (normals @ mean).min() < 0.5 * length:
+        return 0.0, 0.0, 0.0
+    n = mean / length
+    top = max(float(n @ f.circle[:2]) + f.circle[2] * abs(n[0] * f.normal[1] - n[1] * f.normal[0]) for f in block)
+    return float(n[0]), float(n[1]), top
 
 
 def _chain_reach(surface: Surface) -> FloatArray:

@@ -140,7 +140,7 @@ def test_slaves_and_features_are_all_in_a_block_that_holds_them(tools):
     c = model.contacts
     starts = [c.block_start[k] for k in c.surface_block]
     np.testing.assert_array_equal(starts, c.feature_start)
-    for block, (x, y, extent) in enumerate(c.block_circle):
+    for block, (x, y, extent, _) in enumerate(c.block_circle):
         for f in range(c.block_start[block], c.block_start[block + 1]):
             for p in c.feature_point[f]:
                 apart = math.hypot(*(model.points.place[p] - (x, y)))
