@@ -26,6 +26,7 @@ _SOLID = "#D9D9D9"
 _SEGMENT, _ARC = 0, 1  # kinds of features
 _MARGIN = 0.12  # of the picture, around what moves
 _ARROW = 0.2  # length of an arrow of the force that sets the scale, relative to the picture
+_CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
 _LONGEST = 1.5  # forces beyond that are cut to this many times its length
 
 
@@ -34,9 +35,8 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
     points = compiled.model.points
     drawn = [ids for body, ids, _ in compiled.layout.outlines if body >= 0]
     round_ones = [(p, radius) for p, radius in compiled.layout.circles if points.body[p] >= 0]
-    moving = np.unique(np.concatenate([*drawn, np.array([p for p, _ in round_ones], dtype=np.int64)]))
-    if not moving.size:
-        moving = np.flatnonzero(points.body >= 0)
+    centers = np.array([p for p, _ in round_ones], dtype=np.int64)
+    moving = np.unique(np.concatenate([*drawn, *_shapeless(compiled), centers]))
     rim = max((radius for _, radius in round_ones), default=0.0)
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for record in records[:: max(1, len(records) // 60)]:
@@ -63,6 +63,10 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
     from matplotlib.patches import Circle
 
     model = compiled.model
+    for points in _shapeless(compiled):  # a star to its points; of a rod, a line
+        xy = world_places(model, q, points)
+        for end in xy:
+            ax.plot(*np.array([xy.mean(axis=0), end]).T, color=_BODY, linewidth=2.0, marker="o", markersize=2.5)
     for body, points, closed in compiled.layout.outlines:
         if body >= 0:
             xy = world_places(model, q, points)
@@ -80,6 +84,14 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
             ax.plot([x, spoke[0]], [y, spoke[1]], color=_BODY, linewidth=0.8)
 
 
+def _shapeless(compiled: Compiled) -> list[IntArray]:
+    """Material points of each body that has neither outline nor circle."""
+    owners = compiled.model.points.body
+    shaped = {body for body, _, _ in compiled.layout.outlines} | {int(owners[p]) for p, _ in compiled.layout.circles}
+    bodies = [body for body in np.unique(owners) if body >= 0 and int(body) not in shaped]
+    return [np.flatnonzero(owners == body) for body in bodies]
+
+
 def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> None:
     """Ground surfaces (half-planes filled up to the edge of the view) and arcs, holes and half-planes on bodies."""
     contacts, model = compiled.model.contacts, compiled.model
@@ -95,8 +107,7 @@ def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> No
                 if radius > 0.0 and (on_ground or hole or contacts.feature_span[f, 1] < 2.0 * np.pi - 1e-12):
                     turn = _angle_of(compiled, q, int(contacts.surface_body[surface]))
                     xy = a + radius * _circle_points(contacts.feature_span[f], turn)
-                    whole = contacts.feature_span[f, 1] >= 2.0 * np.pi - 1e-12
-                    if whole and not hole and on_ground:
+                    if not hole and on_ground:
                         ax.fill(xy[:, 0], xy[:, 1], facecolor=_SOLID, edgecolor="none")
                     ax.plot(xy[:, 0], xy[:, 1], color=colour, linewidth=1.2)
             elif endless:
@@ -125,8 +136,7 @@ def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
 def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
     """An arrow for each contact force of the record; a force of ``scale`` [N] has the full length.
 
-    Between a body and the ground it is the force on the body, between two bodies that on the body which the normal
-    points to.
+    It is the force on the body where that touches the ground; where two bodies touch, on the one added later.
     """
     if scale <= 0.0:
         return
@@ -134,7 +144,7 @@ def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view:
     length = _ARROW * max(view[1] - view[0], view[3] - view[2])
     _force_key(ax, view, length / scale, scale)
     for k in np.flatnonzero(spots.record == record):
-        normal = spots.normal[k] * _towards_body(result, compiled, int(k))
+        normal = spots.normal[k] * _towards_later(result, compiled, int(k))
         tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
         force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
         size = float(np.hypot(*force))
@@ -161,46 +171,45 @@ def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
     ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE)
 
 
-def _towards_body(result: Result, compiled: Compiled, spot: int) -> float:
-    """1 where the normal of a spot points to a body, -1 where it points into the ground.
+def _towards_later(result: Result, compiled: Compiled, spot: int) -> float:
+    """1 where the normal of a spot points to the later of the two bodies, -1 where to the earlier or the ground.
 
-    Chains test their nodes against each other both ways, so that the ground is now the one side, now the other; there
-    the solid side of the ground decides.
+    Chains test their nodes against each other both ways, so that now the one body has the feature, now the other; there
+    the solid side of the earlier one decides.
     """
     contacts = compiled.model.contacts
     passes = np.flatnonzero(contacts.pass_law == result.spots.contact[spot])
-    into_ground = contacts.surface_body[contacts.pass_slave[passes]] < 0
-    if not into_ground.any():
-        return 1.0
-    if into_ground.all():
-        return -1.0
-    ground = int(contacts.pass_slave[passes[np.argmax(into_ground)]])
-    outward = _outward(compiled, ground, result.spots.place[spot])
-    return 1.0 if float(result.spots.normal[spot] @ outward) >= 0.0 else -1.0
+    slaves = contacts.surface_body[contacts.pass_slave[passes]]
+    features = contacts.surface_body[contacts.pass_feature[passes]]
+    later = slaves > features
+    if later.all() or not later.any():
+        return 1.0 if later.all() else -1.0
+    earlier = int(contacts.pass_feature[passes[np.argmax(later)]])
+    q, normal = result.q[result.spots.record[spot]], result.spots.normal[spot]
+    return 1.0 if float(normal @ _outward(compiled, q, earlier, result.spots.place[spot], normal)) >= 0.0 else -1.0
 
 
-def _outward(compiled: Compiled, surface: int, place: FloatArray) -> FloatArray:
-    """Outward normal of the feature of a ground surface that is nearest to a place."""
-    contacts, points = compiled.model.contacts, compiled.model.points
-    nearest, normal = np.inf, np.zeros(2)
+def _outward(compiled: Compiled, q: FloatArray, surface: int, place: FloatArray, normal: FloatArray) -> FloatArray:
+    """Outward normal of a surface at a place; at a corner that of the side which is rather across ``normal``."""
+    contacts = compiled.model.contacts
+    distances, directions = [], []
     for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
-        a, b = points.place[contacts.feature_point[f]]
+        a, b = world_places(compiled.model, q, contacts.feature_point[f])
         radius = abs(contacts.feature_radius[f])
         if contacts.feature_kind[f] == _ARC:
             away = place - a
             size = float(np.hypot(*away))
             corner = radius == 0.0 or size == 0.0  # its segments are as near and have a normal
-            distance = np.inf if corner else abs(size - radius)
-            direction = contacts.feature_sense[f] * away / max(size, 1e-300)
+            distances.append(np.inf if corner else abs(size - radius))
+            directions.append(contacts.feature_sense[f] * away / max(size, 1e-300))
         else:
             edge = b - a
-            low, high = contacts.feature_span[f]
-            s = float(np.clip((place - a) @ edge / (edge @ edge), low, high))
-            distance = float(np.hypot(*(place - a - s * edge)))
-            direction = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
-        if distance < nearest:
-            nearest, normal = distance, direction
-    return normal
+            s = float(np.clip((place - a) @ edge / (edge @ edge), *contacts.feature_span[f]))
+            distances.append(float(np.hypot(*(place - a - s * edge))))
+            directions.append(np.array([edge[1], -edge[0]]) / np.hypot(*edge))
+    near = np.array(distances) <= min(distances) + _CORNER
+    candidates = np.array(directions)[near]
+    return np.asarray(candidates[np.argmax(np.abs(candidates @ normal))])
 
 
 def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:

@@ -65,8 +65,8 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     """Picture of the scene at the stored instant nearest to ``t`` [s].
 
     Bodies with their deformed outlines, joints, ground surfaces, and at each touching point an arrow for the force on
-    the body (between two bodies: on the one the normal points to); the key in the corner gives the scale. ``axes``
-    draws into axes of your own.
+    the body (of two bodies: on the one added later); the key in the corner gives the scale. ``axes`` draws into axes of
+    your own.
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """
     from matplotlib.figure import Figure

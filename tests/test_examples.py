@@ -1,0 +1,30 @@
+"""Every example runs, meets its reference, and leaves its picture."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from lcpflex import Result
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
+
+
+def test_there_are_examples() -> None:
+    assert len(EXAMPLES) >= 10
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example(path: Path, tmp_path: Path) -> None:
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    example = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(example)
+    assert example.__doc__
+    result = example.run(tmp_path)
+    assert isinstance(result, Result)
+    assert result.complete
+    assert (tmp_path / f"{path.stem}.png").stat().st_size > 10_000
