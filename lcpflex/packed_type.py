@@ -69,8 +69,24 @@ class PackedAttributes(AttributeTemplate):  # type: ignore[misc]
 
 @lower_getattr_generic(PackedType)  # type: ignore[untyped-decorator]
 def load_field(context: Any, builder: Any, kind: PackedType, value: Any, name: str) -> Any:
-    """Code for ``packed.name``: one array descriptor, or the pointer to a packed tuple."""
+    """Code for ``packed.name``: one array descriptor, or the pointer to a packed tuple.
+
+    The block is never written after it was made. Saying so of each of its words (``invariant.load``) spares loops to
+    load them again after every store to an array.
+    """
     offset, found = kind.place(name)
-    address = cgutils.pointer_add(builder, value, offset)
-    loaded = context.get_value_type(found)
-    return builder.load(builder.bitcast(address, loaded.as_pointer()))
+    never_written = builder.module.add_metadata([])
+
+    def words(at: Any, block: Any) -> Any:
+        if hasattr(block, "elements"):
+            whole = cgutils.get_null_value(block)
+            for i in range(len(block)):
+                part = cgutils.gep_inbounds(builder, at, 0, i)
+                whole = builder.insert_value(whole, words(part, part.type.pointee), i)
+            return whole
+        loaded = builder.load(at)
+        loaded.set_metadata("invariant.load", never_written)
+        return loaded
+
+    block = context.get_value_type(found)
+    return words(builder.bitcast(cgutils.pointer_add(builder, value, offset), block.as_pointer()), block)
