@@ -30,11 +30,12 @@ class Arrow(NamedTuple):
     rigid: FloatArray  # (nb, 3, 3) lower Cholesky factor of the Schur complement
     couple: FloatArray  # (modes, 3) B
     diagonal: FloatArray  # (modes,) 1 / d
+    turn: FloatArray  # (modes,) q^T D
 
 
 def arrow(n_bodies: int, n_modes: int) -> Arrow:
     """Memory for the factors of all bodies."""
-    return pack(Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes)))
+    return pack(Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes), np.zeros(n_modes)))
 
 
 @kernel
@@ -54,8 +55,28 @@ def deformed_moments(bodies: Bodies, q: FloatArray, b: int) -> tuple[float, floa
 
 
 @kernel
-def couple_modes(bodies: Bodies, q: FloatArray, b: int, couple: FloatArray) -> None:
+def add_row_product(x: FloatArray, matrix: FloatArray, scale: float, out: FloatArray) -> None:
+    """out += scale x^T A for a flat row-major n x n matrix A.
+
+    Row by row and four at a time, so that all memory is passed in order and one instruction serves several columns.
+    """
+    n = len(x)
+    whole = n - n % 4
+    for i in range(0, whole, 4):
+        a, b, c, d = scale * x[i], scale * x[i + 1], scale * x[i + 2], scale * x[i + 3]
+        row = matrix[i * n : (i + 4) * n]
+        for k in range(n):
+            out[k] += a * row[k] + b * row[n + k] + c * row[2 * n + k] + d * row[3 * n + k]
+    for i in range(whole, n):
+        a = scale * x[i]
+        for k in range(n):
+            out[k] += a * matrix[i * n + k]
+
+
+@kernel
+def couple_modes(bodies: Bodies, q: FloatArray, b: int, work: Arrow) -> None:
     """B of body b: coupling of its modes with translation and rotation of the frame."""
+    couple = work.couple
     d = bodies.dof[b]
     first = d - 3 * b
     n = bodies.dof[b + 1] - d - 3
@@ -69,11 +90,11 @@ def couple_modes(bodies: Bodies, q: FloatArray, b: int, couple: FloatArray) -> N
         couple[first + k, 2] = bodies.c[first + k]
     start = bodies.coupling_start[b]
     if bodies.coupling_start[b + 1] > start:
-        for i in range(n):
-            qi = q[d + 3 + i]
-            if qi != 0.0:
-                for k in range(n):
-                    couple[first + k, 2] += qi * bodies.coupling[start + i * n + k]
+        turn = work.turn[first : first + n]
+        turn[:] = 0.0
+        add_row_product(q[d + 3 : d + 3 + n], bodies.coupling[start : start + n * n], 1.0, turn)
+        for k in range(n):
+            couple[first + k, 2] += turn[k]
 
 
 @kernel
@@ -82,7 +103,7 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
         first = d - 3 * b
-        couple_modes(bodies, q, b, work.couple)
+        couple_modes(bodies, q, b, work)
         sx, sy, inertia = deformed_moments(bodies, q, b)
         cos = math.cos(q[d + 2])
         sin = math.sin(q[d + 2])
@@ -173,11 +194,9 @@ def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, 
             force[d + 3 + k] += omega * omega * arm + ex * gx + ey * gy
         start = bodies.coupling_start[b]
         if bodies.coupling_start[b + 1] > start and omega != 0.0:
-            for i in range(n):
-                total = 0.0
-                for k in range(n):
-                    total += bodies.coupling[start + i * n + k] * u[d + 3 + k]
-                force[d + 3 + i] += 2.0 * omega * total
+            # D u = -(u^T D): D is skew
+            matrix = bodies.coupling[start : start + n * n]
+            add_row_product(u[d + 3 : d + 3 + n], matrix, -2.0 * omega, force[d + 3 : d + 3 + n])
         force[d] += cos * rx - sin * ry + bodies.mass[b] * loads.gravity[0]
         force[d + 1] += sin * rx + cos * ry + bodies.mass[b] * loads.gravity[1]
         force[d + 2] += torque
@@ -197,9 +216,9 @@ def elastic_forces(
             dissipative[d + 3 + k] -= bodies.damping[first + k] * u[d + 3 + k]
         start = bodies.cross_damping_start[b]
         if bodies.cross_damping_start[b + 1] > start:
-            for i in range(n):
-                for k in range(n):
-                    dissipative[d + 3 + i] -= bodies.cross_damping[start + i * n + k] * u[d + 3 + k]
+            # C u = u^T C: C is symmetric
+            matrix = bodies.cross_damping[start : start + n * n]
+            add_row_product(u[d + 3 : d + 3 + n], matrix, -1.0, dissipative[d + 3 : d + 3 + n])
 
 
 @kernel
@@ -213,7 +232,7 @@ def stored_energies(
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
         first = d - 3 * b
-        couple_modes(bodies, q, b, work.couple)
+        couple_modes(bodies, q, b, work)
         sx, sy, inertia = deformed_moments(bodies, q, b)
         cos = math.cos(q[d + 2])
         sin = math.sin(q[d + 2])
