@@ -17,7 +17,7 @@ import numpy as np
 
 from lcpflex.bodies.floating_frame import local_place, point_position
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, over
+from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
 from lcpflex.model import Model
 from lcpflex.packed import pack
 
@@ -26,7 +26,6 @@ __all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
 SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
-ASIDE = 1.75  # more than tan 60 degrees
 BESIDE = -1  # instead of the law of a candidate
 
 
@@ -239,30 +238,6 @@ def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: floa
             turn += model.points.psi[first + k] * q[modal + k]
         mx, my = math.cos(turn) * mx - math.sin(turn) * my, math.sin(turn) * mx + math.cos(turn) * my
     return mx * x + my * y <= FACING
-
-
-@kernel
-def near_block(model: Model, block: int, x: float, y: float, reach: float) -> bool:
-    """Whether a slave at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
-
-    Normals of a block with a height deviate from their mean n by less than 60 degrees, so that what is h lower than
-    its top is farther aside than its points by no more than h tan 60 degrees.
-    """
-    circle = model.contacts.block_circle
-    height = model.contacts.block_height
-    dx = x - circle[block, 0]
-    dy = y - circle[block, 1]
-    d2 = dx * dx + dy * dy
-    if d2 <= (reach + circle[block, 2]) ** 2:
-        return True
-    if d2 > (reach + circle[block, 3]) ** 2:
-        return False
-    nx = height[block, 0]
-    ny = height[block, 1]
-    if nx == 0.0 and ny == 0.0:
-        return True
-    low = height[block, 2] + reach - nx * x - ny * y
-    return low >= 0.0 and abs(nx * dy - ny * dx) <= circle[block, 2] + reach + ASIDE * low
 
 
 @kernel

@@ -8,12 +8,13 @@ from lcpflex.bodies.floating_frame import local_place
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.model import Model
 
-__all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "over"]
+__all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "near_block", "over"]
 
 SEGMENT = 0
 ARC = 1
 WIDEN = 1e-9  # relative, at the ends of segments and arcs: no slave falls between two
 COINCIDENT = 1e-12  # [m] two points so close have no direction from one to the other
+ASIDE = 1.75  # more than tan 60 degrees
 NOWHERE = (False, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -39,6 +40,30 @@ def deep(model: Model, f: int, s: float) -> float:
         return middle
     part = min(abs(2.0 * s - 1.0), 1.0)
     return (1.0 - part) * middle + part * end
+
+
+@kernel
+def near_block(model: Model, block: int, x: float, y: float, reach: float) -> bool:
+    """Whether a slave at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
+
+    Normals of a block with a height deviate from their mean n by less than 60 degrees, so that what is h lower than
+    its top is farther aside than its points by no more than h tan 60 degrees.
+    """
+    circle = model.contacts.block_circle
+    height = model.contacts.block_height
+    dx = x - circle[block, 0]
+    dy = y - circle[block, 1]
+    d2 = dx * dx + dy * dy
+    if d2 <= (reach + circle[block, 2]) ** 2:
+        return True
+    if d2 > (reach + circle[block, 3]) ** 2:
+        return False
+    nx = height[block, 0]
+    ny = height[block, 1]
+    if nx == 0.0 and ny == 0.0:
+        return True
+    low = height[block, 2] + reach - nx * x - ny * y
+    return low >= 0.0 and abs(nx * dy - ny * dx) <= circle[block, 2] + reach + ASIDE * low
 
 
 @kernel

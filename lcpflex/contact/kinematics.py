@@ -15,11 +15,10 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.floating_frame import (
-    add_point_row,
+    add_point_rows,
     add_rotation_row,
-    point_bias,
+    point_motion,
     point_position,
-    point_velocity,
 )
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import ContactTable
@@ -40,26 +39,19 @@ def contact_rows(
     points = model.points
     nx = table.normal[k, 0]
     ny = table.normal[k, 1]
-    tx = ny
-    ty = -nx
     p = table.slave[k]
     if table.body[k, 0] >= 0:
-        add_point_row(bodies, points, q, p, nx, ny, normal_rows[0])
-        add_point_row(bodies, points, q, p, tx, ty, tangent_rows[0])
+        add_point_rows(bodies, points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
         if table.slave_radius[k] != 0.0:
             add_rotation_row(bodies, points, p, table.slave_radius[k], tangent_rows[0])
     if table.body[k, 1] >= 0:
         a = table.a[k]
-        b = table.b[k]
         if table.kind[k] == SEGMENT:
             s = table.s[k]
-            add_point_row(bodies, points, q, a, -(1.0 - s) * nx, -(1.0 - s) * ny, normal_rows[1])
-            add_point_row(bodies, points, q, b, -s * nx, -s * ny, normal_rows[1])
-            add_point_row(bodies, points, q, a, -(1.0 - s) * tx, -(1.0 - s) * ty, tangent_rows[1])
-            add_point_row(bodies, points, q, b, -s * tx, -s * ty, tangent_rows[1])
+            add_point_rows(bodies, points, q, a, -(1.0 - s) * nx, -(1.0 - s) * ny, normal_rows[1], tangent_rows[1])
+            add_point_rows(bodies, points, q, table.b[k], -s * nx, -s * ny, normal_rows[1], tangent_rows[1])
         else:
-            add_point_row(bodies, points, q, a, -nx, -ny, normal_rows[1])
-            add_point_row(bodies, points, q, a, -tx, -ty, tangent_rows[1])
+            add_point_rows(bodies, points, q, a, -nx, -ny, normal_rows[1], tangent_rows[1])
             if table.radius[k] != 0.0:
                 add_rotation_row(bodies, points, a, table.radius[k], tangent_rows[1])
 
@@ -76,20 +68,14 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     p = table.slave[k]
     a = table.a[k]
     b = table.b[k]
-    px, py = point_position(bodies, points, q, p)
-    vpx, vpy = point_velocity(bodies, points, q, u, p)
-    bpx, bpy = point_bias(bodies, points, q, u, p)
-    ax, ay = point_position(bodies, points, q, a)
-    vax, vay = point_velocity(bodies, points, q, u, a)
-    bax, bay = point_bias(bodies, points, q, u, a)
+    px, py, vpx, vpy, bpx, bpy = point_motion(bodies, points, q, u, p)
+    ax, ay, vax, vay, bax, bay = point_motion(bodies, points, q, u, a)
     dx = px - ax
     dy = py - ay
     wx = vpx - vax
     wy = vpy - vay
     if table.kind[k] == SEGMENT:
-        cx, cy = point_position(bodies, points, q, b)
-        vbx, vby = point_velocity(bodies, points, q, u, b)
-        bbx, bby = point_bias(bodies, points, q, u, b)
+        cx, cy, vbx, vby, bbx, bby = point_motion(bodies, points, q, u, b)
         ex = cx - ax
         ey = cy - ay
         fx = vbx - vax
