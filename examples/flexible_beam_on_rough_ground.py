@@ -35,7 +35,7 @@ def run(folder: Path = Path()) -> lf.Result:
         words = name if name in ("kinetic", "elastic") else f"lost to {name}"
         energy.plot(result.times, getattr(result.energies, name), label=words)
     energy.set(xlabel="time [s]", ylabel="energy [J]")
-    energy.legend(loc="upper right")
+    energy.legend(loc="upper right", ncols=3)
     points.sharex(energy)
     figure.savefig(folder / "flexible_beam_on_rough_ground.png", dpi=150)
     return result

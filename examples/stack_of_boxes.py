@@ -31,7 +31,14 @@ def run(folder: Path = Path()) -> lf.Result:
     chart.barh(np.arange(10), carried[::-1], height=0.6, label="normal force, sum of both corners")
     weights = 9.81 * (100.0 + np.arange(9, -1, -1))
     chart.plot(weights, np.arange(10), "k|", markersize=14, label="weight above")
-    chart.set(xlabel="force [N]", ylabel="under box", xlim=(900, 1130), yticks=range(10), yticklabels=range(1, 11))
+    chart.set(
+        xlabel="force [N]",
+        ylabel="under box",
+        xlim=(900, 1130),
+        ylim=(-0.7, 10.7),
+        yticks=range(10),
+        yticklabels=range(1, 11),
+    )
     chart.legend(loc="upper right")
     figure.savefig(folder / "stack_of_boxes.png", dpi=150)
     return result

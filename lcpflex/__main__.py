@@ -82,7 +82,7 @@ def _demo(request: argparse.Namespace) -> int:
     folder = _checked_folder(request.folder)
     case = _case(DEMO)
     print(f"{case.title}\n", flush=True)
-    result = simulate(case.build(), case.duration, case.stepper, progress=True)
+    result = simulate(case.build(), case.duration, case.stepper)
     print(result.summary(), "\n", flush=True)
     picture, chart, film = (folder / f"lcpflex-demo.{name}" for name in ("png", "chart.png", "gif"))
     _save_figure(result.draw(_telling_time(result)), picture)
@@ -119,7 +119,7 @@ def _run(request: argparse.Namespace) -> int:
     if duration is None:
         raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
     stepper = _stepper(request.stepper, request.step, stepper)
-    result = simulate(scene, duration, stepper, progress=True)
+    result = simulate(scene, duration, stepper)
     print(result.summary())
     if request.save is not None:
         print(f"\nsaved: {result.save(request.save).resolve()}")

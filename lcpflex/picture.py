@@ -66,7 +66,7 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
     for points in _shapeless(compiled):  # a star to its points; of a rod, a line
         xy = world_places(model, q, points)
         for end in xy:
-            ax.plot(*np.array([xy.mean(axis=0), end]).T, color=_BODY, linewidth=2.0, marker="o", markersize=2.5)
+            ax.plot(*np.array([xy.mean(axis=0), end]).T, color=_BODY, linewidth=2.0)
     for body, points, closed in compiled.layout.outlines:
         if body >= 0:
             xy = world_places(model, q, points)
@@ -168,7 +168,8 @@ def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
     start = tip - (force * stretch, 0.0)
     _arrow(ax, start, tip)
     label = f"{with_unit(force, 'N')}  "
-    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE)
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
 
 
 def _towards_later(result: Result, compiled: Compiled, spot: int) -> float:

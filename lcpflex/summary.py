@@ -16,6 +16,7 @@ __all__ = ["doubts", "summary", "with_unit"]
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
 SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
+ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
 LISTED = 8  # contacts that are described one by one
 
 
@@ -97,6 +98,7 @@ def _contact(history: ContactHistory) -> str:
             f"closed {_share(closed)} of the time ({_share(stick / closed)} sticking, {_share(slip / closed)} slipping)"
         )
     normal, tangential = history.impulse[-1]
+    tangential = 0.0 if abs(tangential) < ROUNDING * abs(normal) else tangential
     assert history.first_touch is not None
     seen = "first touch" if history.first_touch == history.first_event else "first seen touching"
     return (
