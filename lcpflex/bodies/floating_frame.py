@@ -91,6 +91,44 @@ def point_bias(bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: 
 
 
 @kernel
+def point_motion(
+    bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int
+) -> tuple[float, float, float, float, float, float]:
+    """r_P, rdot_P and Ldot u of one point, in one pass through its modes; world axes."""
+    sx = points.place[p, 0]
+    sy = points.place[p, 1]
+    b = points.body[p]
+    if b < 0:
+        return sx, sy, 0.0, 0.0, 0.0, 0.0
+    d = bodies.dof[b]
+    rx = 0.0
+    ry = 0.0
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        ex = points.phi[start + k, 0]
+        ey = points.phi[start + k, 1]
+        sx += ex * q[d + 3 + k]
+        sy += ey * q[d + 3 + k]
+        rx += ex * u[d + 3 + k]
+        ry += ey * u[d + 3 + k]
+    omega = u[d + 2]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    vx = rx - omega * sy
+    vy = ry + omega * sx
+    bx = -omega * omega * sx - 2.0 * omega * ry
+    by = -omega * omega * sy + 2.0 * omega * rx
+    return (
+        q[d] + cos * sx - sin * sy,
+        q[d + 1] + sin * sx + cos * sy,
+        u[d] + cos * vx - sin * vy,
+        u[d + 1] + sin * vx + cos * vy,
+        cos * bx - sin * by,
+        sin * bx + cos * by,
+    )
+
+
+@kernel
 def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
     """Rotation of the material at P: angle of the body plus psi q [rad]; 0 on the ground."""
     b = points.body[p]
@@ -124,6 +162,41 @@ def add_point_row(
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
         row[3 + k] += points.phi[start + k, 0] * ex + points.phi[start + k, 1] * ey
+
+
+@kernel
+def add_point_rows(
+    bodies: Bodies,
+    points: Points,
+    q: FloatArray,
+    p: int,
+    dx: float,
+    dy: float,
+    along: FloatArray,
+    across: FloatArray,
+) -> None:
+    """along += L^T d and across += L^T (-J d): ``add_point_row`` for d and for the force (dy, -dx) across it."""
+    b = points.body[p]
+    if b < 0:
+        return
+    sx, sy = local_place(bodies, points, q, p)
+    d = bodies.dof[b]
+    cos = math.cos(q[d + 2])
+    sin = math.sin(q[d + 2])
+    ex = cos * dx + sin * dy
+    ey = -sin * dx + cos * dy
+    along[0] += dx
+    along[1] += dy
+    along[2] += sx * ey - sy * ex
+    across[0] += dy
+    across[1] -= dx
+    across[2] -= sx * ex + sy * ey
+    start = points.start[p]
+    for k in range(points.start[p + 1] - start):
+        fx = points.phi[start + k, 0]
+        fy = points.phi[start + k, 1]
+        along[3 + k] += fx * ex + fy * ey
+        across[3 + k] += fx * ey - fy * ex
 
 
 @kernel
