@@ -3,7 +3,8 @@
     M udot = h + J^T lambda_J + (W_N + W_G mu_G) lambda_N + W_H lambda_H,    J udot + b = 0
 
 The contacts of the table are all closed with gdot_N = 0 (set N). Those that may stick (set H) have a tangential
-unknown; sliding ones (set G) have none: mu_G = -mu sign(gdot_T) is a part of their normal column. Two questions are asked:
+unknown; sliding ones (set G) have none: mu_G = -mu sign(gdot_T) is a part of their normal column. Two questions are
+asked:
 
 * which contacts stay closed, stick, slip which way: the LCP of size n_N + 2 n_H (:func:`pose_sets`);
 * what are the forces while that does not change: one linear solve (:func:`fixed_forces`), which drops
@@ -23,9 +24,9 @@ from lcpflex.contact.detection import refresh
 from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
 from lcpflex.dynamics.delassus import (
     apply_impulses,
+    cholesky,
     condense,
     delassus,
-    factorise_joints,
     joint_impulses,
     row_velocity,
 )
@@ -41,7 +42,6 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.packed import pack
-from lcpflex.packed import pack
 from lcpflex.solvers.problem import assemble_friction_lcp
 
 __all__ = [
@@ -55,8 +55,8 @@ __all__ = [
     "fixed_forces",
     "lay_rows",
     "pose_sets",
+    "position_errors",
     "project",
-    "project_position",
     "sliding_sign",
 ]
 
@@ -138,7 +138,7 @@ def condense_rows(work: Workspace) -> None:
     n_joint = work.step_size[0]
     total = n_joint + work.step_size[1] + work.step_size[2]
     delassus(work.rows, work.solved, work.row_body, total, work.G)
-    factorise_joints(work.G, n_joint, work.lower)
+    cholesky(work.G, n_joint, work.lower)
     condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
 
 
@@ -187,7 +187,7 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 
 @kernel
 def pose_sets(work: Workspace, sets: ContactSets) -> int:
-    """The LCP 0 <= [gddot_N, xi_R, lambda_L] _|_ [lambda_N, lambda_R, xi_L] >= 0; returns the number of contacts in H."""
+    """The LCP 0 <= [gddot_N, xi_R, lambda_L] _|_ [lambda_N, lambda_R, xi_L] >= 0; returns the size of H."""
     n = work.step_size[1]
     sets.level[0] = FORCE
     n_stick = reduce_sets(work, sets)
@@ -275,68 +275,65 @@ def fixed_forces(work: Workspace, sets: ContactSets) -> None:
 
 
 @kernel
-def project_position(
-    model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets
-) -> tuple[float, float]:
-    """Put q on the joints and the gaps of the first n contacts to zero: nearest in the mass metric. Lays rows.
-
-    Returns the largest violation of a joint and of a gap that was found [m or rad, m].
-    """
+def position_errors(model: Model, t: float, q: FloatArray, n: int, work: Workspace) -> tuple[float, float]:
+    """Residuals of joints and gaps to ``work.free``, 0 for tangents; the largest of each."""
     n_joint = len(work.residual)
+    if n_joint > 0:
+        joint_residual(model, t, q, work.external, work.residual)
     joint_drift = 0.0
     gap_drift = 0.0
-    largest = 1.0
-    for i in range(len(q)):
-        largest = max(largest, abs(q[i]))
-    for attempt in range(6):
-        lay_rows(model, t, q, u, n, work, sets)
-        if n_joint > 0:
-            joint_residual(model, t, q, work.external, work.residual)
-        for r in range(n_joint + n + work.step_size[2]):
-            work.free[r] = 0.0
-        worst_joint = 0.0
-        worst_gap = 0.0
-        for r in range(n_joint):
-            work.free[r] = work.residual[r]
-            worst_joint = max(worst_joint, abs(work.residual[r]))
-        for k in range(n):
-            work.free[n_joint + k] = work.table.gap[k]
-            worst_gap = max(worst_gap, abs(work.table.gap[k]))
-        if attempt == 0:
-            joint_drift = worst_joint
-            gap_drift = worst_gap
-        worst = max(worst_joint, worst_gap)
-        if worst <= 1e-14 * largest:
-            break
-        condense_rows(work)
-        sets.level[0] = POSITION
-        reduce_sets(work, sets)
-        solve_consistent(sets, n)
-        spread(work, sets)
-        apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, q)
-        if worst <= 1e-10 * largest:  # the rows are good enough for what is left, and for the velocities
-            break
+    for r in range(n_joint):
+        work.free[r] = work.residual[r]
+        joint_drift = max(joint_drift, abs(work.residual[r]))
+    for k in range(n):
+        work.free[n_joint + k] = work.table.gap[k]
+        gap_drift = max(gap_drift, abs(work.table.gap[k]))
+    for r in range(n_joint + n, n_joint + n + work.step_size[2]):
+        work.free[r] = 0.0
     return joint_drift, gap_drift
 
 
 @kernel
 def project(
-    model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets
+    model: Model, t: float, q: FloatArray, u: FloatArray, n: int, velocities: bool, work: Workspace, sets: ContactSets
 ) -> tuple[float, float]:
-    """``project_position``, then u onto the velocity constraints of joints, closed gaps and sticking contacts."""
+    """Put q on the joints and the gaps of the first n contacts to zero: nearest in the mass metric. Lays rows.
+
+    With ``velocities``, u then goes onto the velocity constraints of joints, closed gaps and sticking contacts.
+    Returns the largest violation of a joint and of a gap that was found [m or rad, m].
+    """
     n_joint = len(work.residual)
+    joint_drift = 0.0
+    gap_drift = 0.0
     if n_joint + n == 0:
-        return 0.0, 0.0
-    drift = project_position(model, t, q, u, n, work, sets)
-    total = n_joint + n + work.step_size[2]
-    for r in range(total):
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
-        if r < n_joint:
-            work.free[r] += work.rate[r]
-    condense_rows(work)
-    sets.level[0] = VELOCITY
-    n_stick = reduce_sets(work, sets)
-    solve_consistent(sets, n + n_stick)
-    spread(work, sets)
-    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
-    return drift
+        return joint_drift, gap_drift
+    largest = 1.0
+    for i in range(len(q)):
+        largest = max(largest, abs(q[i]))
+    left = 6 + (1 if velocities else 0)  # corrections: of positions, the last of velocities
+    while left > 0:
+        lay_rows(model, t, q, u, n, work, sets)
+        total = n_joint + n + work.step_size[2]
+        worst = position_errors(model, t, q, n, work)
+        if joint_drift + gap_drift == 0.0:
+            joint_drift = worst[0]
+            gap_drift = worst[1]
+        size = max(worst[0], worst[1])
+        if size <= 1e-14 * largest or (left == 1 and velocities):
+            left = 1 if velocities else 0
+        if left == 0:
+            break
+        if left == 1 and velocities:
+            for r in range(total):
+                work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
+                if r < n_joint:
+                    work.free[r] += work.rate[r]
+        condense_rows(work)
+        sets.level[0] = VELOCITY if left == 1 and velocities else POSITION
+        n_stick = reduce_sets(work, sets)
+        solve_consistent(sets, n + n_stick)
+        spread(work, sets)
+        target = u if left == 1 and velocities else q
+        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, target)
+        left -= 1
+    return joint_drift, gap_drift

@@ -1,7 +1,7 @@
 """Memory of an event-driven run: the state with its quadratures, the stages of a step, what is watched for events.
 
-The vector y holds q, u, then accumulated: energy lost to friction, to damping, work of loads and drives [J], and the normal and
-tangential impulse of each declared contact [N s].
+The vector y holds q, u, then accumulated: energy lost to friction, to damping, work of loads and drives [J], and the
+normal and tangential impulse of each declared contact [N s].
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable, contact_table
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.packed import pack
-from lcpflex.packed import pack
+from lcpflex.steppers.event_root import BRACKET
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
 __all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event"]
 
-EVENT_KINDS = ("impact", "touch-down", "lift-off", "stick", "slip")
-IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS = 0, 1, 2, 3, 4
+EVENT_KINDS = ("impact", "touch-down", "lift-off", "stick", "slip", "slip reversal")
+IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS, REVERSES = 0, 1, 2, 3, 4, 5
 EVENT_CAPACITY = 256
 
 # watched functions of a maintained contact, all positive while its sets hold
@@ -56,18 +56,19 @@ class EventMemory(NamedTuple):
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
     value: FloatArray  # (4, capacity) watched functions at the last evaluation
     old_value: FloatArray  # (4, capacity) at the sample before
+    bracket: FloatArray  # (BRACKET,) of the root finder
     force: FloatArray  # (1,) scale of the contact forces [N]
     law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether it was hit
     law_work: FloatArray  # (laws,) work of its impulses [J]
     events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
-    number: IntArray  # (10,) see the names below
+    number: IntArray  # (11,) see the names below
     clock: FloatArray  # (8,) see the names below
 
 
 # number
-CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH = range(10)
+CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH, FOUND = range(11)
 # clock
-TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, NEXT = range(8)
+TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, NUDGE = range(8)
 
 
 def event_memory(system: System, capacity: int) -> EventMemory:
@@ -88,11 +89,12 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         seen=contact_table(capacity, len(system.model.contacts.surface_body)),
         value=zeros((4, capacity)),
         old_value=zeros((4, capacity)),
+        bracket=zeros(BRACKET),
         force=zeros(1),
         law_state=np.zeros((3, laws), dtype=np.int64),
         law_work=zeros(laws),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(10, dtype=np.int64),
+        number=np.zeros(11, dtype=np.int64),
         clock=zeros(8),
     )
     memory = pack(arrays)

@@ -33,9 +33,10 @@ from lcpflex.steppers.event_memory import (
     EventMemory,
     EventSettings,
 )
+from lcpflex.steppers.event_root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
 
-__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "event_function", "locate", "search", "slope", "step", "watch"]
+__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "first_closing", "locate_gap", "measure", "search", "slope", "step", "watch"]
 
 NOTHING = -1
 SAMPLES = 4
@@ -43,7 +44,7 @@ FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is 
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
 SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
-GOLDEN = 0.6180339887498949
+NARROW = 4e-16  # width of a root [s], relative to the time
 
 
 @kernel
@@ -99,7 +100,8 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
     extent = table.span[k, 1]
     if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
         return math.inf
-    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k]) - table.span[k, 0] - 0.5 * extent
+    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k])
+    angle -= table.span[k, 0] + 0.5 * extent
     return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
 
 
@@ -143,12 +145,13 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
 
 @kernel
 def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough."""
+    """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough.
+
+    The slope at y is in ``slopes[0]``.
+    """
     t = memory.clock[TIME]
     rest = settings.duration - t
     ndof = len(memory.u)
-    slope(model, t, memory.y, work, memory, memory.slopes[0])
-    watch(model, work, memory, memory.y)
     h = memory.clock[STEP]
     if not h > 0.0:
         h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
@@ -164,7 +167,9 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         error = error_norm(memory.y, memory.end, memory.slopes, h, 2 * ndof, settings.rtol, settings.atol)
         if error <= 1.0:
             factor = step_factor(error, memory.clock[ERROR])
-            memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * (min(factor, 1.0) if rejected else factor)
+            if rejected:
+                factor = min(factor, 1.0)
+            memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * factor
             memory.clock[ERROR] = error
             memory.clock[TAKEN] = h
             return True
@@ -175,90 +180,27 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
 
 
 @kernel
-def event_function(model: Model, work: Workspace, memory: EventMemory, share: float) -> float:
-    """Watched function number[KIND] of contact number[WHICH] at a share of the step; CLOSING: of that entry of what was seen."""
-    interpolate(memory.y, memory.slopes, memory.clock[TAKEN], share, memory.at)
-    kind = memory.number[KIND]
-    k = memory.number[WHICH]
-    if kind == CLOSING:
-        refresh(model, memory.at[: len(memory.u)], memory.seen, k)
-        return memory.seen.gap[k]
-    t = memory.clock[TIME] + share * memory.clock[TAKEN]
-    slope(model, t, memory.at, work, memory, memory.slope)
-    watch(model, work, memory, memory.at)
-    return memory.value[kind, k]
-
-
-@kernel
-def locate(
-    model: Model,
-    work: Workspace,
-    memory: EventMemory,
-    low: float,
-    high: float,
-    f_low: float,
-    f_high: float,
-    tolerance: float,
-) -> float:
-    """Share at which the function falls through zero between low and high, where f_high < 0; just behind it.
-
-    A function that starts at zero (a contact that has just opened, slip that has just begun) is followed from its largest
-    value; if that is not positive, down to -tolerance, so that time goes on.
-    """
-    shift = 0.0
-    if f_low <= 0.0:
-        a, b = low, high
-        x, z = b - GOLDEN * (b - a), a + GOLDEN * (b - a)
-        f_x = event_function(model, work, memory, x)
-        f_z = event_function(model, work, memory, z)
-        for _ in range(50):
-            if f_x > f_low and f_x > f_z and f_x > 0.0:
-                break  # any positive value will do
-            if f_x >= f_z:
-                b, z, f_z = z, x, f_x
-                x = b - GOLDEN * (b - a)
-                f_x = event_function(model, work, memory, x)
-            else:
-                a, x, f_x = x, z, f_z
-                z = a + GOLDEN * (b - a)
-                f_z = event_function(model, work, memory, z)
-        if f_x > f_low:
-            low, f_low = x, f_x
-        if f_low <= 0.0:
-            shift = min(tolerance, -0.5 * f_high)
-            f_low += shift
-            f_high += shift
-            if f_low <= 0.0 or f_high >= 0.0:
-                return high
-    narrow = 4e-16 * (memory.clock[TIME] + memory.clock[TAKEN]) / memory.clock[TAKEN]
-    side = 0
-    for turn in range(400):  # Illinois, with a bisection now and then
-        if high - low <= narrow:
-            break
-        x = high - f_high * (high - low) / (f_high - f_low)
-        if turn % 3 == 2 or not low < x < high:
-            x = 0.5 * (low + high)
-        f_x = event_function(model, work, memory, x) + shift
-        if f_x < 0.0:
-            high, f_high = x, f_x
-            if side == -1:
-                f_low *= 0.5
-            side = -1
-        else:
-            low, f_low = x, f_x
-            if side == 1:
-                f_high *= 0.5
-            side = 1
-    return high
-
-
-@kernel
 def maintained(work: Workspace, n: int, key: int) -> bool:
     """Whether the pair is among the first n of the table."""
+    present = False
     for k in range(n):
-        if work.table.key[k] == key:
-            return True
-    return False
+        present = present or work.table.key[k] == key
+    return present
+
+
+@kernel
+def locate_gap(
+    model: Model, memory: EventMemory, k: int, low: float, high: float, f_low: float, f_high: float, tolerance: float
+) -> float:
+    """Share of the step at which the gap of entry k of what was seen closes."""
+    clock = memory.clock
+    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
+    start(memory.bracket, low, high, f_low, f_high, tolerance, narrow)
+    while asked(memory.bracket) >= 0.0:
+        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.at)
+        refresh(model, memory.at[: len(memory.u)], memory.seen, k)
+        tell(memory.bracket, memory.seen.gap[k])
+    return found(memory.bracket)
 
 
 @kernel
@@ -271,73 +213,103 @@ def first_closing(
     """
     ndof = len(memory.u)
     n = memory.number[CONTACTS]
-    found = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
-    if found > len(memory.seen.key):
-        return -float(found)
+    count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
+    if count > len(memory.seen.key):
+        return -float(count)
     first = 2.0
-    memory.number[KIND] = CLOSING
-    for i in range(found):
+    for i in range(count):
         if maintained(work, n, memory.seen.key[i]):
             continue
-        memory.number[WHICH] = i
         f_high = memory.seen.gap[i]
         refresh(model, memory.before[:ndof], memory.seen, i)
         f_low = memory.seen.gap[i]
         closing = f_high < f_low
         if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
             back = 0.1 * (high - low)
-            f_back = event_function(model, work, memory, high - back)
-            closing = f_back - f_high > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
+            interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high - back, memory.at)
+            refresh(model, memory.at[:ndof], memory.seen, i)
+            fall = memory.seen.gap[i] - f_high
+            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
         if closing:
-            first = min(first, locate(model, work, memory, low, high, f_low, f_high, settings.gap_tolerance))
+            first = min(first, locate_gap(model, memory, i, low, high, f_low, f_high, settings.gap_tolerance))
     return first
 
 
 @kernel
+def measure(model: Model, work: Workspace, memory: EventMemory, share: float) -> None:
+    """State, slope and watched functions at a share of the step."""
+    interpolate(memory.y, memory.slopes, memory.clock[TAKEN], share, memory.at)
+    slope(model, memory.clock[TIME] + share * memory.clock[TAKEN], memory.at, work, memory, memory.slope)
+    watch(model, work, memory, memory.at)
+
+
+@kernel
+def violated(settings: EventSettings, memory: EventMemory) -> bool:
+    """Whether a watched function is below zero; which one, to number[KIND] and number[WHICH]."""
+    for kind in range(4):
+        tolerance = tolerance_of(settings, memory, kind)
+        for k in range(memory.number[CONTACTS]):
+            if memory.value[kind, k] < -tolerance:
+                memory.number[KIND] = kind
+                memory.number[WHICH] = k
+                return True
+    return False
+
+
+@kernel
 def search(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """First event of the step, to clock[SHARE] and number[CAUSE]. False if tables must grow, to clock[DETAIL]."""
+    """First event of the step, to clock[SHARE] and number[CAUSE]. False if tables must grow, to clock[DETAIL].
+
+    A violated function is located, and what is violated there too in turn, until nothing else is.
+    """
+    clock = memory.clock
     n = memory.number[CONTACTS]
+    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
     memory.number[CAUSE] = NOTHING
-    memory.clock[SHARE] = 1.0
+    clock[SHARE] = 1.0
     copy_state(memory.y, memory.before)
     for sample in range(1, SAMPLES + 1):
         low = (sample - 1) / SAMPLES
         high = sample / SAMPLES
-        interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high, memory.at)
+        interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
         closing = first_closing(model, settings, work, memory, low, high)
         if closing < 0.0:
-            memory.clock[DETAIL] = -closing
+            clock[DETAIL] = -closing
             return False
-        cause = NOTHING
         if closing <= high:
-            cause = CLOSING
+            memory.number[CAUSE] = CLOSING
             high = closing
         for kind in range(4):
             for k in range(n):
                 memory.old_value[kind, k] = memory.value[kind, k]
-        if n > 0:
-            memory.number[KIND] = PRESSURE
-            memory.number[WHICH] = 0
-            event_function(model, work, memory, high)
-        again = n > 0
-        while again:
-            again = False
-            for kind in range(4):
-                for k in range(n):
-                    tolerance = tolerance_of(settings, memory, kind)
-                    f_high = memory.value[kind, k]
-                    if f_high < -tolerance and not again:
-                        f_low = memory.old_value[kind, k]
-                        memory.number[KIND] = kind
-                        memory.number[WHICH] = k
-                        share = locate(model, work, memory, low, high, f_low, f_high, tolerance)
-                        again = share < high
-                        cause = kind
-                        high = share
-                        event_function(model, work, memory, high)
-        if cause != NOTHING:
-            memory.number[CAUSE] = cause
-            memory.clock[SHARE] = high
+        target = high  # the root finder is at work where this is behind the end known so far
+        while n > 0:
+            measure(model, work, memory, target)
+            kind = memory.number[KIND]
+            k = memory.number[WHICH]
+            if target < high:
+                tell(memory.bracket, memory.value[kind, k])
+                if asked(memory.bracket) < 0.0:
+                    memory.number[CAUSE] = kind
+                    if found(memory.bracket) >= high - narrow:
+                        break  # as near as time resolves
+                    high = found(memory.bracket)
+                    target = high
+                    continue
+            elif violated(settings, memory):
+                kind = memory.number[KIND]
+                k = memory.number[WHICH]
+                f_low = memory.old_value[kind, k]
+                tolerance = tolerance_of(settings, memory, kind)
+                start(memory.bracket, low, high, f_low, memory.value[kind, k], tolerance, narrow)
+                if asked(memory.bracket) < 0.0 or not asked(memory.bracket) < high:
+                    memory.number[CAUSE] = kind
+                    break
+            else:
+                break
+            target = asked(memory.bracket)
+        if memory.number[CAUSE] != NOTHING:
+            clock[SHARE] = high
             return True
-        interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high, memory.before)
+        interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.before)
     return True

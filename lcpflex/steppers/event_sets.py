@@ -3,8 +3,8 @@
 1. All pairs with a closed gap enter the impulse-level LCP as long as one of them approaches faster than the velocity
    threshold. Slower approach is not reflected (e_N = 0) but stopped: this ends the infinitely many impacts
    of a bouncing body (Zeno) after finitely many.
-2. Those that do not leave enter the acceleration-level LCP: it tells who stays closed, sticks, slips, separates. Contacts
-   without force are let go: a closed gap that carries nothing is watched like an open one.
+2. Those that do not leave enter the acceleration-level LCP: it tells who stays closed, sticks, slips, separates.
+   Contacts without force are let go: a closed gap that carries nothing is watched like an open one.
 3. If that LCP has no solution (Painleve's paradox), an impulse resolves it: an impact without collision.
 """
 
@@ -22,8 +22,6 @@ from lcpflex.dynamics.acceleration import (
     assemble,
     lay_rows,
     pose_sets,
-    project,
-    project_position,
 )
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
@@ -31,11 +29,16 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.problem import split_friction_solution
 from lcpflex.steppers.event_memory import (
+    CONE,
     CONTACTS,
     DETAIL,
+    FOUND,
     HITS,
     IMPACT,
     LIFT_OFF,
+    NUDGE,
+    PRESSURE,
+    REVERSES,
     SLIPS,
     STICKS,
     STORED,
@@ -46,14 +49,14 @@ from lcpflex.steppers.event_memory import (
     copy_entry,
     note_event,
 )
-from lcpflex.steppers.event_segment import FORCE_TOLERANCE, SLIP_PART, slope, watch
+from lcpflex.steppers.event_segment import FORCE_TOLERANCE, SLIP_PART
 from lcpflex.steppers.tape import Tape, note_gain
 
-__all__ = ["GROW", "RESOLVED", "UNSOLVED", "resolve"]
+__all__ = ["RESOLVED", "UNSOLVED", "choose", "collide", "fall_back", "gather", "note_changes"]
 
 NO_EVENT = -1
+SLIP_BACK = SLIP + 1  # tells the direction, for events
 RESOLVED = 0
-GROW = 2
 UNSOLVED = 4
 ROUNDS = 30  # of impacts at one instant: the last third without restitution
 CARRIES = 1e-10  # part of the largest contact force below which a contact carries nothing
@@ -61,21 +64,23 @@ INSIDE = 1e-6  # part of the largest contact force by which a sticking contact m
 
 
 @kernel
-def law_states(work: Workspace, memory: EventMemory, row: int) -> None:
-    """State of each declared contact from its maintained points: sticking if any of them sticks."""
+def law_states(work: Workspace, memory: EventMemory) -> None:
+    """State of each declared contact, sticking if any of its points sticks; the one before is kept."""
+    row = 1
     for law in range(memory.law_state.shape[1]):
+        memory.law_state[0, law] = memory.law_state[1, law]
         memory.law_state[row, law] = OPEN
     for k in range(memory.number[CONTACTS]):
         law = work.table.law[k]
         if memory.sets.mode[k] == STICKING:
             memory.law_state[row, law] = STICK
         elif memory.law_state[row, law] == OPEN:
-            memory.law_state[row, law] = SLIP
+            memory.law_state[row, law] = SLIP if memory.sets.mode[k] != SLIDE_BACK else SLIP_BACK
 
 
 @kernel
 def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> None:
-    """Energy and impulses of the impact just solved: u after, ``memory.u`` before. Work of p: p (w . u + w . u+) / 2."""
+    """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
     n_joint = work.step_size[0]
     n = work.step_size[1]
     base = 2 * len(u)
@@ -115,10 +120,24 @@ def note_certificate(work: Workspace, tape: Tape) -> None:
 
 
 @kernel
-def collide(
-    model: Model, settings: EventSettings, n: int, nudge: float, work: Workspace, memory: EventMemory, tape: Tape
-) -> int:
-    """Impulses until none of the n closed contacts approaches. ``nudge`` [m/s] is an approach assumed where there is none."""
+def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> None:
+    """Keep those contacts in the table that do not leave, by the rows laid."""
+    kept = 0
+    for k in range(memory.number[FOUND]):
+        if row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u) <= settings.velocity_threshold:
+            copy_entry(work.table, k, work.table, kept)
+            kept += 1
+    memory.number[FOUND] = kept
+
+
+@kernel
+def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
+    """Impulses until none of the closed contacts approaches; those that leave are dropped from the table.
+
+    clock[NUDGE] [m/s] is an approach assumed once where there is none.
+    """
+    n = memory.number[FOUND]
+    nudge = memory.clock[NUDGE]
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
@@ -148,18 +167,8 @@ def collide(
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
         account(work, memory, tape, u)
         memory.number[HITS] = 1
+    keep_closed(settings, work, memory, u)
     return RESOLVED
-
-
-@kernel
-def keep_closed(settings: EventSettings, n: int, work: Workspace, u: FloatArray) -> int:
-    """Keep those of the n contacts in the table that do not leave, by the rows laid; returns their number."""
-    kept = 0
-    for k in range(n):
-        if row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u) <= settings.velocity_threshold:
-            copy_entry(work.table, k, work.table, kept)
-            kept += 1
-    return kept
 
 
 @kernel
@@ -180,8 +189,8 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
 def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int:
     """Modes from the solved LCP, contacts without force left out; returns how many stay.
 
-    A contact that is at the edge of its cone without moving (one of several that share a load) is set to stick for a try;
-    ``fallback`` keeps its mode at the edge.
+    A contact that is at the edge of its cone without moving (one of several that share a load) is set to stick for a
+    try; ``fallback`` keeps its mode at the edge.
     """
     sets = memory.sets
     split_friction_solution(work.z, work.mu, sets.stick, n, n_stick, work.normal, work.tangential)
@@ -218,32 +227,25 @@ def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int
 
 
 @kernel
-def try_sticking(
-    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory
-) -> None:
+def fall_back(memory: EventMemory) -> None:
     """Return to the modes of the LCP unless all contacts set to stick for a try are well inside their laws."""
-    tried = False
-    n = memory.number[CONTACTS]
     sets = memory.sets
+    n = memory.number[CONTACTS]
+    holds = True
     for k in range(n):
-        tried = tried or sets.mode[k] != sets.fallback[k]
-    if not tried:
-        return
-    slope(model, memory.clock[TIME], memory.y, work, memory, memory.slope)
-    watch(model, work, memory, memory.y)
-    for k in range(n):
-        inside = INSIDE * memory.force[0] if sets.mode[k] != sets.fallback[k] else -FORCE_TOLERANCE * memory.force[0]
-        if memory.value[0, k] < 0.0 or memory.value[1, k] < inside:
-            for i in range(n):
-                sets.mode[i] = sets.fallback[i]
-            return
+        inside = -FORCE_TOLERANCE * memory.force[0]
+        if sets.mode[k] != sets.fallback[k]:
+            inside = INSIDE * memory.force[0]
+        holds = holds and memory.value[PRESSURE, k] >= 0.0 and memory.value[CONE, k] >= inside
+    if not holds:
+        for k in range(n):
+            sets.mode[k] = sets.fallback[k]
 
 
 @kernel
-def choose(
-    model: Model, settings: EventSettings, n: int, work: Workspace, memory: EventMemory, tape: Tape
-) -> int:
-    """Modes of the n closed contacts from the acceleration-level LCP; the table keeps those that carry a force."""
+def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
+    """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force."""
+    n = memory.number[FOUND]
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
@@ -260,15 +262,13 @@ def choose(
         note_certificate(work, tape)
         kept = read_sets(n, n_stick, work, memory)
     memory.number[CONTACTS] = kept
-    try_sticking(model, settings, work, memory)
-    project(model, t, q, u, kept, work, memory.sets)
     return RESOLVED
 
 
 @kernel
 def note_changes(work: Workspace, memory: EventMemory) -> None:
     """Events of every declared contact: what it was before, whether it was hit, what it is now."""
-    law_states(work, memory, 1)
+    law_states(work, memory)
     t = memory.clock[TIME]
     for law in range(memory.law_state.shape[1]):
         before = memory.law_state[0, law]
@@ -286,39 +286,27 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
                 kind = TOUCH_DOWN
             elif after == OPEN:
                 kind = LIFT_OFF
+            elif after == STICK:
+                kind = STICKS
             else:
-                kind = STICKS if after == STICK else SLIPS
+                kind = SLIPS if before == STICK else REVERSES
             if kind != NO_EVENT:
                 note_event(memory, t, kind, law, change)
 
 
 @kernel
-def resolve(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
-    """Impacts and index sets at the present state. GROW leaves everything as it was, clock[DETAIL] entries are needed."""
-    ndof = len(memory.u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
-    found = detect(model, q, settings.gap_tolerance, memory.seen)
+def gather(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
+    """All closed pairs into the table of the workspace. False leaves everything as it was: clock[DETAIL] are needed."""
+    found = detect(model, memory.y[: len(memory.u)], settings.gap_tolerance, memory.seen)
     if found > len(memory.seen.key):
         memory.clock[DETAIL] = found
-        return GROW
-    law_states(work, memory, 0)
+        return False
     for law in range(memory.law_state.shape[1]):
         memory.law_state[2, law] = 0
         memory.law_work[law] = 0.0
     memory.number[HITS] = 0
+    memory.number[FOUND] = found
+    memory.clock[NUDGE] = 0.0
     for k in range(found):
         copy_entry(memory.seen, k, work.table, k)
-    if found > 0:
-        project_position(model, memory.clock[TIME], q, u, found, work, memory.sets)
-    status = collide(model, settings, found, 0.0, work, memory, tape)
-    if status == RESOLVED:
-        n = keep_closed(settings, found, work, u)
-        status = choose(model, settings, n, work, memory, tape)
-        if status == UNSOLVED:
-            status = collide(model, settings, n, settings.velocity_threshold, work, memory, tape)
-            if status == RESOLVED:
-                n = keep_closed(settings, n, work, u)
-                status = choose(model, settings, n, work, memory, tape)
-    note_changes(work, memory)
-    return status
+    return True

@@ -75,9 +75,7 @@ def interpolate(y: FloatArray, slopes: FloatArray, h: float, share: float, out: 
 
 
 @kernel
-def error_norm(
-    y: FloatArray, end: FloatArray, slopes: FloatArray, h: float, n: int, rtol: float, atol: float
-) -> float:
+def error_norm(y: FloatArray, end: FloatArray, slopes: FloatArray, h: float, n: int, rtol: float, atol: float) -> float:
     """Root mean square of error / (atol + rtol |y|) over the first n components; NaN where not finite."""
     total = 0.0
     for i in range(n):

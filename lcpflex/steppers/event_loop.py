@@ -1,0 +1,260 @@
+"""The loop of an event-driven run: phases from step to step and through events, each entered again where it stopped.
+
+A kernel that calls another contains it, compiled anew; so the loop calls what is large, and from one place.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.kinematics import contact_point
+from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.mechanics import energies
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import SLIP, STICK, Model
+from lcpflex.steppers.event_memory import (
+    CAUSE,
+    CLOSING,
+    CONTACTS,
+    DETAIL,
+    EVENT_CAPACITY,
+    EVENTS,
+    FOUND,
+    HITS,
+    LAST_EVENT,
+    NUDGE,
+    PHASE,
+    SHARE,
+    STEPS,
+    STORED,
+    STUCK,
+    TAKEN,
+    TIME,
+    EventMemory,
+    EventSettings,
+)
+from lcpflex.steppers.event_segment import SLIP_PART, search, slope, step, watch
+from lcpflex.steppers.event_sets import RESOLVED, choose, collide, fall_back, gather, note_changes
+from lcpflex.steppers.runge_kutta import copy_state, interpolate
+from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+
+__all__ = ["STEPPING", "advance", "record"]
+
+# what the loop returns
+DONE = 0
+TAPE_FULL = 1
+GROW = 2
+GROW_TAPE = 3
+SOLVER_FAILED = 4
+NOT_FINITE = 5
+EVENTS_FULL = 6
+CHATTER = 7
+STEP_TOO_SHORT = 8
+
+# where it is, number[PHASE]
+BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
+
+SAME_TIME = 1e-13  # relative: events so close count as one instant
+MOST_EVENTS = 200  # at one instant
+
+
+@kernel
+def record(
+    model: Model, settings: EventSettings, t: float, y: FloatArray, work: Workspace, memory: EventMemory, tape: Tape
+) -> int:
+    """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
+    ndof = len(memory.u)
+    q = y[:ndof]
+    u = y[ndof : 2 * ndof]
+    n = memory.number[CONTACTS]
+    if tape.filled[0] >= len(tape.times) or (tape.filled[1] + n > len(tape.spots) and tape.filled[1] > 0):
+        return TAPE_FULL
+    needed = store_contacts(model, q, tape)
+    if needed > len(tape.table.key) or n > len(tape.spots):
+        memory.clock[DETAIL] = max(needed, n)
+        return GROW_TAPE
+    slope(model, t, y, work, memory, memory.slope)
+    base = 2 * ndof
+    tape.sums[0] = y[base]
+    tape.sums[2] = y[base + 1]
+    tape.sums[3] = y[base + 2]
+    row = tape.filled[0]
+    for law in range(len(tape.total_impulse)):
+        tape.total_impulse[law, 0] = y[base + 3 + 2 * law]
+        tape.total_impulse[law, 1] = y[base + 4 + 2 * law]
+        if tape.gap[row, law] < 0.0:
+            tape.worst[1] = max(tape.worst[1], -tape.gap[row, law])
+    for k in range(n):
+        r = work.step_size[0] + k
+        force_t = 0.0
+        state = STICK if memory.sets.mode[k] == STICKING else SLIP
+        if memory.sets.mode[k] != SMOOTH:
+            tangent = work.step_size[0] + n + memory.sets.tangent_of[k]
+            force_t = work.p[tangent]
+            slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
+            if abs(slip) <= SLIP_PART * settings.velocity_threshold:
+                state = STICK
+        place = contact_point(model, q, work.table, k)
+        note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+    kinetic, elastic, potential = energies(model, q, u, work)
+    store_state(tape, t, q, u, kinetic, elastic, potential)
+    return DONE
+
+
+@kernel
+def due(settings: EventSettings, memory: EventMemory) -> float:
+    """Time of the next instant to be stored in this step [s], its state in ``memory.at``; negative if none is left."""
+    clock = memory.clock
+    end = clock[TIME] + clock[SHARE] * clock[TAKEN]
+    stored = memory.number[STORED]
+    if settings.interval > 0.0:
+        t = min(stored * settings.interval, settings.duration)
+    else:
+        t = end
+    if stored < 0 or t > end + 1e-12 * settings.duration:
+        return -1.0
+    share = min((t - clock[TIME]) / clock[TAKEN], clock[SHARE])
+    interpolate(memory.y, memory.slopes, clock[TAKEN], share, memory.at)
+    return min(t, end)
+
+
+@kernel
+def count_instant(settings: EventSettings, memory: EventMemory, t: float) -> bool:
+    """Go on to the next instant; whether there may be more in this step."""
+    last = t >= settings.duration * (1.0 - 1e-12)
+    memory.number[STORED] = -1 if last else memory.number[STORED] + 1
+    return settings.interval > 0.0 and not last
+
+
+@kernel
+def close_step(settings: EventSettings, memory: EventMemory) -> None:
+    """Go to the end of the step or to the event in it."""
+    clock = memory.clock
+    number = memory.number
+    if clock[SHARE] < 1.0:
+        interpolate(memory.y, memory.slopes, clock[TAKEN], clock[SHARE], memory.at)
+        copy_state(memory.at, memory.y)
+    else:
+        copy_state(memory.end, memory.y)
+    clock[TIME] += clock[SHARE] * clock[TAKEN]
+    if clock[TIME] > settings.duration * (1.0 - 1e-14):
+        clock[TIME] = settings.duration
+    number[STEPS] += 1
+    if number[CAUSE] >= 0:
+        again = clock[TIME] - clock[LAST_EVENT] <= SAME_TIME * settings.duration
+        number[STUCK] = number[STUCK] + 1 if again else 0
+        clock[LAST_EVENT] = clock[TIME]
+
+
+@kernel
+def next_phase(memory: EventMemory) -> int:
+    """Where a projection leads: from the end of a step on, or from gathering and choosing."""
+    number = memory.number
+    phase = number[PHASE]
+    if phase == CLOSING_STEP:
+        if number[CAUSE] < 0:
+            return STEPPING
+        return BEFORE if number[CAUSE] == CLOSING else GATHERING
+    if phase == GATHERING:
+        return COLLIDING
+    return AFTER if number[STORED] == 0 or number[HITS] == 1 else STEPPING
+
+
+@kernel
+def finite(memory: EventMemory) -> bool:
+    """Whether the state is."""
+    total = 0.0
+    for i in range(2 * len(memory.u)):
+        total += abs(memory.y[i])
+    return math.isfinite(total)
+
+
+@kernel
+def advance(
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape, last_step: int
+) -> int:
+    """Steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing.
+
+    Calling again goes on.
+    """
+    number = memory.number
+    clock = memory.clock
+    ndof = len(memory.u)
+    q = memory.y[:ndof]
+    u = memory.y[ndof : 2 * ndof]
+    while True:
+        phase = number[PHASE]
+        ended = phase == STEPPING and clock[TIME] >= settings.duration
+        if ended or (phase in (STEPPING, BEFORE, AFTER) and number[STEPS] >= last_step):
+            return DONE
+        if phase in (BEFORE, AFTER, EMITTING):
+            t = clock[TIME]
+            if phase == EMITTING:
+                t = due(settings, memory)
+            else:
+                copy_state(memory.y, memory.at)
+            more = False
+            if t >= 0.0:
+                status = record(model, settings, t, memory.at, work, memory, tape)
+                if status != DONE:
+                    return status
+                if phase == EMITTING:
+                    more = count_instant(settings, memory, t)
+            if phase == BEFORE:
+                number[PHASE] = GATHERING
+            elif phase == AFTER:
+                number[PHASE] = STEPPING
+                number[STORED] = 1 if number[STORED] == 0 else number[STORED]
+            elif not more:
+                number[PHASE] = CLOSING_STEP
+        elif phase in (STEPPING, TRYING):
+            slope(model, clock[TIME], memory.y, work, memory, memory.slopes[0])
+            watch(model, work, memory, memory.y)
+            if phase == TRYING:
+                fall_back(memory)
+                number[PHASE] = SETTLING
+                continue
+            if not step(model, settings, work, memory):
+                return STEP_TOO_SHORT
+            if not search(model, settings, work, memory):
+                return GROW
+            number[PHASE] = EMITTING
+        elif phase == COLLIDING:
+            clock[DETAIL] = 0.0
+            if collide(model, settings, work, memory, tape) != RESOLVED:
+                return SOLVER_FAILED
+            number[PHASE] = CHOOSING
+        elif phase == CHOOSING:
+            if choose(model, settings, work, memory, tape) == RESOLVED:
+                number[PHASE] = TRYING
+            elif clock[NUDGE] > 0.0:
+                return SOLVER_FAILED
+            else:  # no solution (Painleve): an impact without collision
+                clock[NUDGE] = settings.velocity_threshold
+                number[PHASE] = COLLIDING
+        else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
+            n = number[CONTACTS]
+            if phase == CLOSING_STEP:
+                close_step(settings, memory)
+            elif phase == SETTLING:
+                note_changes(work, memory)
+                if number[STORED] == 0 and number[HITS] == 0:  # the state before was no other
+                    tape.filled[0] = 0
+                    tape.filled[1] = 0
+            else:
+                if number[EVENTS] >= EVENT_CAPACITY:
+                    return EVENTS_FULL
+                if number[STUCK] > MOST_EVENTS:
+                    return CHATTER
+                if not gather(model, settings, work, memory):
+                    return GROW
+                n = number[FOUND]
+            joint_drift, gap_drift = project(model, clock[TIME], q, u, n, phase != GATHERING, work, memory.sets)
+            if phase == CLOSING_STEP:
+                tape.worst[1] = max(tape.worst[1], gap_drift)
+                tape.worst[2] = max(tape.worst[2], joint_drift)
+            number[PHASE] = next_phase(memory)
+            if not finite(memory):
+                return NOT_FINITE
