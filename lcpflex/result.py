@@ -289,14 +289,13 @@ class Result:
         near = 1e-9 * float(np.ptp(model.points.place[own], axis=0).max())
         distance = np.linalg.norm(model.points.place[own] - place, axis=1)
         if distance.min() <= near:
-            return material_shapes(model, own[[distance.argmin()]])[0]
+            shapes: FloatArray = material_shapes(model, own[[distance.argmin()]])[0]
+            return shapes
         for owner, ids, closed in layout.outlines:
             if owner == b:
                 ends = np.column_stack([ids, np.roll(ids, -1)])[: len(ids) if closed else len(ids) - 1]
-                start, edge = (
-                    model.points.place[ends[:, 0]],
-                    model.points.place[ends[:, 1]] - model.points.place[ends[:, 0]],
-                )
+                start = model.points.place[ends[:, 0]]
+                edge = model.points.place[ends[:, 1]] - start
                 length = np.maximum(np.einsum("ki,ki->k", edge, edge), np.finfo(float).tiny)
                 s = np.clip(np.einsum("ki,ki->k", place - start, edge) / length, 0.0, 1.0)
                 off = np.linalg.norm(start + s[:, None] * edge - place, axis=1)

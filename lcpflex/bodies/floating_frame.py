@@ -143,9 +143,7 @@ def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
 
 
 @kernel
-def add_point_row(
-    bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray
-) -> None:
+def add_point_row(bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray) -> None:
     """row += L^T d: the generalised force of a force d [N, world axes] at P, into the block of its body."""
     b = points.body[p]
     if b < 0:
