@@ -9,9 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib import animation
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from PIL import Image
 
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.result import Result
 
@@ -54,15 +59,47 @@ def test_picture_shows_the_deformed_outline(swing: Result) -> None:
     assert ax_limits[2] < corner[1] < ax_limits[3]
 
 
-def test_picture_has_an_arrow_for_the_force(swing: Result) -> None:
-    """Along N n + T t with n = (0, 1), t = (1, 0): 9.81 N up and 2 N to the left."""
+def arrows(ax: Axes) -> tuple[FloatArray, FloatArray]:
+    """Feet and tips (k, 2) of the arrows drawn, the key first."""
+    drawn = [text for text in ax.texts if isinstance(text, Annotation)]
+    return np.array([text.xyann for text in drawn]), np.array([text.xy for text in drawn])
+
+
+def test_picture_has_an_arrow_for_the_force_and_a_key(swing: Result) -> None:
+    """Along N n + T t with n = (0, 1), t = (1, 0): 9.81 N up and 2 N to the left; as long as the key says."""
     ax = swing.draw(0.2).axes[0]
-    arrows = [text for text in ax.texts if getattr(text, "arrow_patch", None) is not None]
-    assert len(arrows) == 1
-    tip, foot = np.array(arrows[0].xy), np.array(arrows[0].xyann)  # type: ignore[attr-defined]
-    np.testing.assert_allclose(foot, (0.5 + 0.2 * 0.2, -0.9), atol=1e-12)
-    direction = (tip - foot) / np.linalg.norm(tip - foot)
-    np.testing.assert_allclose(direction, np.array([-2.0, 9.81]) / math.hypot(2.0, 9.81), atol=1e-12)
+    feet, tips = arrows(ax)
+    assert len(feet) == 2
+    np.testing.assert_allclose(feet[1], (0.5 + 0.2 * 0.2, -0.9), atol=1e-12)
+    newton = np.linalg.norm(tips[0] - feet[0]) / 10.0
+    assert "10 N" in {text.get_text().strip() for text in ax.texts}
+    np.testing.assert_allclose(tips[1] - feet[1], newton * np.array([-2.0, 9.81]), atol=1e-12)
+
+
+@pytest.mark.parametrize("chain", [False, True])
+def test_forces_are_drawn_on_the_upper_body_whichever_side_has_the_nodes(chain: bool) -> None:
+    """Two boxes and the ground: weight is carried upwards. Chains test their nodes against each other both ways."""
+    scene = lf.Scene()
+    lower = scene.add(lf.Box(width=0.3, height=0.1, mass=1.0), name="lower", position=(0.0, 0.05))
+    upper = scene.add(lf.Box(width=0.2, height=0.1, mass=1.0), name="upper", position=(0.0, 0.15))
+    step = [(0.1, 0.0), (-0.1, 0.0)]  # narrower than the box: its ends are the nodes that touch
+    ground = scene.ground.chain(step) if chain else scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(lower.surface(), ground, friction=0.5)
+    scene.contact(upper.surface(), lower.surface(), friction=0.5)
+    result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
+    feet, tips = arrows(result.draw(0.01).axes[0])
+    assert len(feet) == 5
+    assert (tips[1:, 1] > feet[1:, 1] + 1e-3).all()
+
+
+def test_rods_without_outlines_are_drawn_as_lines_between_their_joints() -> None:
+    result = lf.simulate(gallery.double_pendulum(), 1e-3, lf.MoreauJean(step=1e-3))
+    ax = result.draw(0.0).axes[0]
+    ends = {tuple(np.round(line.get_xydata()[-1], 9)) for line in ax.lines if len(line.get_xydata()) == 2}
+    for rod, end in (("upper rod", "top"), ("upper rod", "bottom"), ("lower rod", "bottom")):
+        assert tuple(np.round(result.point(rod, end)[0], 9)) in ends
+    low = ax.get_ylim()[0]
+    assert low < result.point("lower rod", "bottom")[0, 1]
 
 
 def test_picture_into_given_axes(swing: Result) -> None:
@@ -82,6 +119,13 @@ def test_film_as_gif(swing: Result, tmp_path: Path) -> None:
     with Image.open(path) as film:
         assert film.n_frames == 8  # type: ignore[attr-defined]
         assert film.info["duration"] == 100
+        first = np.asarray(film.convert("RGB"))
+        film.seek(4)
+        later = np.asarray(film.convert("RGB"))
+    assert (first != later).any(axis=2).mean() > 1e-3  # it moves
+    blue = (first[:, :, 2].astype(int) - first[:, :, 0] > 60).mean()
+    assert 1e-3 < blue < 0.3  # bodies are there, and what was drawn in one frame is gone in the next
+    assert (later[:, :, 2].astype(int) - later[:, :, 0] > 60).mean() == pytest.approx(blue, rel=0.25)
 
 
 @pytest.mark.skipif(not animation.FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")

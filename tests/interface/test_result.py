@@ -98,6 +98,21 @@ def test_summary_reports_energy_out_of_nothing(bounce: Result) -> None:
     assert "was lost without explanation" in replace(bounce, energies=shrunk).summary()
 
 
+def test_rounding_of_a_scene_at_rest_casts_no_doubt(bounce: Result) -> None:
+    """Nothing moves, 50 J of potential energy: what is left over is measured against what the potential can resolve."""
+    zero = np.zeros(101)
+    noise = 1e-14 * np.sin(np.arange(101.0))
+    still = Energies.audit(zero, zero, 50.0 + noise, zero, zero, zero, zero)
+    assert still.scale == pytest.approx(5e-9, rel=1e-6)
+    assert still.relative_remainder < 1e-5
+    assert doubts(replace(bounce, energies=still)) == ()
+
+
+def test_contact_that_is_closed_at_the_start_touches_from_the_start(bounce: Result) -> None:
+    resting = replace(bounce, gap=np.zeros((101, 1)), events=())
+    assert resting.contact("floor").first_touch == 0.0
+
+
 def test_deep_penetration_and_drift_cast_doubt(swing: Result) -> None:
     assert doubts(swing) == ()
     assert "penetration of 10 mm" in doubts(replace(swing, penetration=np.full(41, 0.01)))[0]
