@@ -90,8 +90,9 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
     """Film of the scene: GIF, or MP4 where ffmpeg is installed, by the ending of ``path``.
 
     ``slowdown`` is film time over simulated time; by default the film lasts six seconds. Frames show the stored
-    instant nearest to theirs. One scale of forces holds for the whole film, set by all but the largest twentieth of
-    them; arrows beyond it are cut. Raises ModelError for another ending, a missing ffmpeg, or an unwritable path.
+    instant nearest to theirs. One scale of forces holds for the whole film, set by their median, for impacts would make
+    all others invisible; longer arrows are cut. Raises ModelError for another ending, a missing ffmpeg, or an
+    unwritable path.
     """
     from matplotlib import animation
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -116,7 +117,7 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
     canvas: Any = FigureCanvasAgg(figure)
     axes = figure.subplots()
     forces = np.linalg.norm(result.spots.force, axis=1)
-    scale = float(np.quantile(forces[forces > 0.0], 0.95)) if np.any(forces > 0.0) else 0.0
+    scale = float(np.median(forces[forces > 0.0])) if np.any(forces > 0.0) else 0.0
     _set_out(axes, view)
     axes.set_title(" ", fontsize="medium", loc="left")  # room for the time
     canvas.draw()  # laid out once, for all frames
