@@ -149,6 +149,19 @@ def close_step(settings: EventSettings, memory: EventMemory) -> None:
 
 
 @kernel
+def count_impulses(work: Workspace, memory: EventMemory) -> None:
+    """Add the impulses of a projection of velocities: what drift, and approach below the threshold, have cost."""
+    first = work.step_size[0]
+    n = work.step_size[1]
+    base = 2 * len(memory.u) + 3
+    for k in range(memory.number[CONTACTS]):
+        law = base + 2 * work.table.law[k]
+        memory.y[law] += work.p[first + k]
+        if memory.sets.tangent_of[k] >= 0:
+            memory.y[law + 1] += work.p[first + n + memory.sets.tangent_of[k]]
+
+
+@kernel
 def next_phase(memory: EventMemory) -> int:
     """Where a projection leads: from the end of a step on, or from gathering and choosing."""
     number = memory.number
@@ -252,6 +265,8 @@ def advance(
                     return GROW
                 n = number[FOUND]
             joint_drift, gap_drift = project(model, clock[TIME], q, u, n, phase != GATHERING, work, memory.sets)
+            if phase != GATHERING:
+                count_impulses(work, memory)
             if phase == CLOSING_STEP:
                 tape.worst[1] = max(tape.worst[1], gap_drift)
                 tape.worst[2] = max(tape.worst[2], joint_drift)

@@ -14,7 +14,7 @@ BRACKET = 11  # numbers of a search
 LOW, HIGH, F_LOW, F_HIGH, FORMER, SHIFT, TOLERANCE, NARROW, SIDE, TURN, ASKED = range(BRACKET)
 PROBES = 50  # halvings towards a start at zero
 TURNS = 400
-GRAIN = 1e-6  # part of the tolerance that counts as positive
+GRAIN = 1e-3  # part of the tolerance that counts as positive
 NOTHING = -1.0
 
 

@@ -40,6 +40,8 @@ __all__ = ["FORCE_TOLERANCE", "SLIP_PART", "first_closing", "locate_gap", "measu
 
 NOTHING = -1
 SAMPLES = 4
+TURN = 0.25  # [rad] between samples
+TRAVEL = 1.0  # extents of the smallest surface between samples
 FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
@@ -144,6 +146,32 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
 
 
 @kernel
+def longest_step(model: Model, memory: EventMemory) -> float:
+    """Step [s] over which no body turns by more than TURN nor travels farther than TRAVEL smallest surfaces a sample.
+
+    Error control does not see that contacts would be passed over: free flight is exact at any step.
+    """
+    size = math.inf
+    for extent in model.contacts.surface_extent:
+        if extent > 0.0:
+            size = min(size, extent)
+    longest = math.inf
+    ndof = len(memory.u)
+    for b in range(len(model.bodies.mass)):
+        d = ndof + model.bodies.dof[b]
+        speed = math.hypot(memory.y[d], memory.y[d + 1])
+        pull = math.hypot(memory.slopes[0, d], memory.slopes[0, d + 1])
+        spin = abs(memory.y[d + 2]) + math.sqrt(TURN * abs(memory.slopes[0, d + 2]))
+        if spin > 0.0:
+            longest = min(longest, SAMPLES * TURN / spin)
+        if size < math.inf:
+            speed += math.sqrt(TRAVEL * size * pull)
+            if speed > 0.0:
+                longest = min(longest, SAMPLES * TRAVEL * size / speed)
+    return longest
+
+
+@kernel
 def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough.
 
@@ -157,8 +185,9 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
         h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
     rejected = False
+    longest = min(settings.max_step, longest_step(model, memory))
     while True:
-        h = min(h, settings.max_step)
+        h = min(h, longest)
         if h > 0.99 * rest:
             h = rest
         for stage in range(1, STAGES):
@@ -231,7 +260,8 @@ def first_closing(
             fall = memory.seen.gap[i] - f_high
             closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
         if closing:
-            first = min(first, locate_gap(model, memory, i, low, high, f_low, f_high, settings.gap_tolerance))
+            shallow = SHALLOW * settings.gap_tolerance
+            first = min(first, locate_gap(model, memory, i, low, high, f_low, f_high, shallow))
     return first
 
 
@@ -273,12 +303,16 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
         high = sample / SAMPLES
         interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
         closing = first_closing(model, settings, work, memory, low, high)
+        while 0.0 <= closing < high:  # and what has closed before that, and opened again up to the sample
+            memory.number[CAUSE] = CLOSING
+            high = closing
+            interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
+            closing = first_closing(model, settings, work, memory, low, high)
         if closing < 0.0:
             clock[DETAIL] = -closing
             return False
-        if closing <= high:
+        if closing == high:
             memory.number[CAUSE] = CLOSING
-            high = closing
         for kind in range(4):
             for k in range(n):
                 memory.old_value[kind, k] = memory.value[kind, k]
