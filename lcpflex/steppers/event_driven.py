@@ -46,7 +46,7 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_segment import first_closing, locate_gap, measure, search, slope, step
+from lcpflex.steppers.event_segment import first_closing, gap_above, locate_gap, measure, search, slope, step
 from lcpflex.steppers.event_sets import choose, collide, gather
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
@@ -166,6 +166,7 @@ _PARTS: list[Callable[..., Any]] = [
     project,
     slope,
     step,
+    gap_above,
     locate_gap,
     first_closing,
     measure,

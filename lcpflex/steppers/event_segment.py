@@ -218,17 +218,33 @@ def maintained(work: Workspace, n: int, key: int) -> bool:
 
 
 @kernel
+def gap_above(model: Model, settings: EventSettings, memory: EventMemory, k: int, q: FloatArray) -> float:
+    """Gap of entry k of what was seen; positive where the slave is beside its feature: it comes in from there."""
+    refresh(model, q, memory.seen, k)
+    gap = memory.seen.gap[k]
+    if foot_margin(model, q, memory.seen, k) < -SPAN_TOLERANCE:
+        return abs(gap) + settings.gap_tolerance
+    return gap
+
+
+@kernel
 def locate_gap(
-    model: Model, memory: EventMemory, k: int, low: float, high: float, f_low: float, f_high: float, tolerance: float
+    model: Model,
+    settings: EventSettings,
+    memory: EventMemory,
+    k: int,
+    low: float,
+    high: float,
+    f_low: float,
+    f_high: float,
 ) -> float:
     """Share of the step at which the gap of entry k of what was seen closes."""
     clock = memory.clock
     narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
-    start(memory.bracket, low, high, f_low, f_high, tolerance, narrow)
+    start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
     while asked(memory.bracket) >= 0.0:
         interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.at)
-        refresh(model, memory.at[: len(memory.u)], memory.seen, k)
-        tell(memory.bracket, memory.seen.gap[k])
+        tell(memory.bracket, gap_above(model, settings, memory, k, memory.at[: len(memory.u)]))
     return found(memory.bracket)
 
 
@@ -250,8 +266,7 @@ def first_closing(
         if maintained(work, n, memory.seen.key[i]):
             continue
         f_high = memory.seen.gap[i]
-        refresh(model, memory.before[:ndof], memory.seen, i)
-        f_low = memory.seen.gap[i]
+        f_low = gap_above(model, settings, memory, i, memory.before[:ndof])
         closing = f_high < f_low
         if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
             back = 0.1 * (high - low)
@@ -260,8 +275,7 @@ def first_closing(
             fall = memory.seen.gap[i] - f_high
             closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
         if closing:
-            shallow = SHALLOW * settings.gap_tolerance
-            first = min(first, locate_gap(model, memory, i, low, high, f_low, f_high, shallow))
+            first = min(first, locate_gap(model, settings, memory, i, low, high, f_low, f_high))
     return first
 
 

@@ -233,3 +233,28 @@ def test_another_solver_gives_the_same_run() -> None:
 def test_bad_numbers_are_refused(name: str, value: float) -> None:
     with pytest.raises(lf.ModelError, match=name):
         lf.EventDriven(**{name: value})
+
+
+@pytest.mark.parametrize("seed", [1, 4, 8])
+def test_heap_of_discs_and_boxes_keeps_its_laws(seed: int) -> None:
+    """Hundreds of impacts, slips and sticks: no penetration, no energy from nowhere, no contact that pulls."""
+    generator = np.random.default_rng(seed)
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    for point, normal in (((0.0, 0.0), (0.0, 1.0)), ((-0.6, 0.0), (1.0, 0.0)), ((0.6, 0.0), (-1.0, 0.0))):
+        scene.ground.half_plane(point, normal)
+    for k in range(5):
+        scene.add(
+            lf.Box(width=0.2, height=0.1, mass=1.0) if k % 2 else lf.Disc(radius=0.08, mass=1.0),
+            name=f"body {k}",
+            position=(generator.uniform(-0.3, 0.3), 0.2 + 0.25 * k),
+            angle=generator.uniform(-1.0, 1.0),
+            velocity=generator.uniform(-1.0, 1.0, 2),
+        )
+    scene.contact_all(friction=0.4, restitution=0.3)
+    result = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.01)
+    assert len(result.events) > 100
+    assert np.nanmin(result.gap) > -1e-8
+    assert result.energies.relative_remainder < 1e-7
+    assert (np.diff(result.energies.friction) > -1e-9).all()
+    assert result.spots.force[:, 0].min() > -1e-6
+    assert (np.abs(result.spots.force[:, 1]) <= 0.4 * result.spots.force[:, 0] + 1e-6).all()
