@@ -19,6 +19,7 @@ __all__ = [
     "apply_impulses",
     "condense",
     "delassus",
+    "dot",
     "cholesky",
     "joint_impulses",
     "row_velocity",
@@ -26,6 +27,24 @@ __all__ = [
 ]
 
 REDUNDANT = 1e-12  # a pivot below this part of its row's diagonal is a dependent joint row
+
+
+@kernel
+def dot(x: FloatArray, y: FloatArray, first: int, n: int) -> float:
+    """Sum of x[k] y[first + k] over k < n, in four sums side by side: one would wait for its own last addition."""
+    a = 0.0
+    b = 0.0
+    c = 0.0
+    d = 0.0
+    whole = n - n % 4
+    for k in range(0, whole, 4):
+        a += x[k] * y[first + k]
+        b += x[k + 1] * y[first + k + 1]
+        c += x[k + 2] * y[first + k + 2]
+        d += x[k + 3] * y[first + k + 3]
+    for k in range(whole, n):
+        a += x[k] * y[first + k]
+    return (a + b) + (c + d)
 
 
 @kernel
@@ -40,8 +59,7 @@ def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, n: int, G
                     continue
                 for j in range(2):
                     if row_body[r, i] == row_body[s, j]:
-                        for k in range(width):
-                            total += rows[r, i, k] * solved[s, j, k]
+                        total += dot(rows[r, i], solved[s, j], 0, width)
             G[r, s] = total
             G[s, r] = total
 
@@ -53,9 +71,7 @@ def row_velocity(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u:
     for i in range(2):
         b = row_body[r, i]
         if b >= 0:
-            d = dof[b]
-            for k in range(dof[b + 1] - d):
-                total += rows[r, i, k] * u[d + k]
+            total += dot(rows[r, i], u, dof[b], dof[b + 1] - dof[b])
     return total
 
 
