@@ -7,14 +7,15 @@ unknown; sliding ones (set G) have none: mu_G = -mu sign(gdot_T) is a part of th
 asked:
 
 * which contacts stay closed, stick, slip which way: the LCP of size n_N + 2 n_H (:func:`pose_sets`);
-* what are the forces while that does not change: one linear solve (:func:`fixed_forces`), which drops
-  dependent rows (redundant contacts) without changing the motion.
+* what are the forces while that does not change: one linear solve (:func:`fixed_forces`), whose
+  shortest solution is taken where contacts are redundant: the motion is the same.
 
 Sources: Pfeiffer & Glocker 1996; Glocker & Studer 2005.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -197,20 +198,10 @@ def pose_sets(work: Workspace, sets: ContactSets) -> int:
 
 
 @kernel
-def solve_consistent(sets: ContactSets, m: int) -> None:
-    """solution = -reduced^-1 right by elimination with complete pivoting; unknowns of dependent rows are 0."""
+def eliminate(sets: ContactSets, m: int) -> int:
+    """Upper triangle of ``reduced`` and ``right`` by complete pivoting, columns in ``order``; returns the rank."""
     a = sets.reduced
     b = sets.right
-    x = sets.solution
-    for i in range(m):
-        sets.order[i] = i
-        x[i] = 0.0
-        sets.scale[i] = 1.0 / np.sqrt(abs(a[i, i])) if a[i, i] != 0.0 else 1.0
-    for i in range(m):
-        b[i] *= -sets.scale[i]
-        for j in range(m):
-            a[i, j] *= sets.scale[i] * sets.scale[j]
-    rank = m
     for k in range(m):
         r, s = k, k
         for i in range(k, m):
@@ -218,8 +209,7 @@ def solve_consistent(sets: ContactSets, m: int) -> None:
                 if abs(a[i, j]) > abs(a[r, s]):
                     r, s = i, j
         if not abs(a[r, s]) > DEPENDENT:
-            rank = k
-            break
+            return k
         if r != k:
             b[k], b[r] = b[r], b[k]
             for j in range(k, m):
@@ -234,13 +224,70 @@ def solve_consistent(sets: ContactSets, m: int) -> None:
                 b[i] -= factor * b[k]
                 for j in range(k + 1, m):
                     a[i, j] -= factor * a[k, j]
-    for k in range(rank - 1, -1, -1):
-        total = b[k]
-        for j in range(k + 1, rank):
-            total -= a[k, j] * x[sets.order[j]]
-        x[sets.order[k]] = total / a[k, k]
+    return m
+
+
+@kernel
+def shorten(sets: ContactSets, rank: int, m: int) -> None:
+    """Of all solutions of a system of less than full rank the shortest: it depends continuously on the state.
+
+    In the order of elimination: right[:rank] is the solution with the other unknowns 0. With the null vectors
+    [-U^-1 V; I] of reduced = [U V], those unknowns c minimise |x|: (I + N^T N) c = N^T x, N = U^-1 V.
+    """
+    a = sets.reduced
+    b = sets.right
+    free = m - rank
+    for j in range(rank, m):
+        for k in range(rank - 1, -1, -1):
+            for i in range(k + 1, rank):
+                a[k, j] -= a[k, i] * a[i, j]
+            a[k, j] /= a[k, k]
+    for i in range(free):  # Cholesky factor in rows rank:m, columns rank:m; right-hand side in right[rank:m]
+        b[rank + i] = 0.0
+        for k in range(rank):
+            b[rank + i] += a[k, rank + i] * b[k]
+        for j in range(i + 1):
+            total = 1.0 if i == j else 0.0
+            for k in range(rank):
+                total += a[k, rank + i] * a[k, rank + j]
+            for k in range(j):
+                total -= a[rank + i, rank + k] * a[rank + j, rank + k]
+            a[rank + i, rank + j] = math.sqrt(total) if i == j else total / a[rank + j, rank + j]
+    for i in range(free):
+        for k in range(i):
+            b[rank + i] -= a[rank + i, rank + k] * b[rank + k]
+        b[rank + i] /= a[rank + i, rank + i]
+    for i in range(free - 1, -1, -1):
+        for k in range(i + 1, free):
+            b[rank + i] -= a[rank + k, rank + i] * b[rank + k]
+        b[rank + i] /= a[rank + i, rank + i]
+    for k in range(rank):
+        for j in range(rank, m):
+            b[k] -= a[k, j] * b[j]
+
+
+@kernel
+def solve_consistent(sets: ContactSets, m: int) -> None:
+    """solution = -reduced^-1 right, the shortest one (scaled to a unit diagonal) where rows are dependent."""
+    a = sets.reduced
+    b = sets.right
     for i in range(m):
-        x[i] *= sets.scale[i]
+        sets.order[i] = i
+        sets.scale[i] = 1.0 / np.sqrt(abs(a[i, i])) if a[i, i] != 0.0 else 1.0
+    for i in range(m):
+        b[i] *= -sets.scale[i]
+        for j in range(m):
+            a[i, j] *= sets.scale[i] * sets.scale[j]
+    rank = eliminate(sets, m)
+    for k in range(rank - 1, -1, -1):
+        for j in range(k + 1, rank):
+            b[k] -= a[k, j] * b[j]
+        b[k] /= a[k, k]
+    if rank < m:
+        shorten(sets, rank, m)
+    for k in range(m):
+        i = sets.order[k]
+        sets.solution[i] = b[k] * sets.scale[i]
 
 
 @kernel

@@ -255,6 +255,7 @@ def test_heap_of_discs_and_boxes_keeps_its_laws(seed: int) -> None:
     assert len(result.events) > 100
     assert np.nanmin(result.gap) > -1e-8
     assert result.energies.relative_remainder < 1e-7
-    assert (np.diff(result.energies.friction) > -1e-9).all()
+    lost = result.energies.friction + result.energies.impact  # tangential impulses alone may do work in an impact
+    assert np.diff(lost).min() > -1e-8
     assert result.spots.force[:, 0].min() > -1e-6
     assert (np.abs(result.spots.force[:, 1]) <= 0.4 * result.spots.force[:, 0] + 1e-6).all()
