@@ -378,7 +378,7 @@ def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> i
     features = model.contacts.pass_feature
     extent = model.contacts.surface_extent
     at = table.bound
-    n = 0
+    n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
     for w in range(len(slaves)):
         a = slaves[w]
         b = features[w]

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from lcpflex.compiled import FloatArray, IntArray, kernel
 
 __all__ = [
@@ -51,6 +53,7 @@ def dot(x: FloatArray, y: FloatArray, first: int, n: int) -> float:
 def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, n: int, G: FloatArray) -> None:
     """G[r, s] = rows_r . A^-1 rows_s for the first n rows; the blocks of equal bodies only."""
     width = rows.shape[2]
+    start = int(np.int64(0))  # a literal would have dot compiled once more
     for r in range(n):
         for s in range(r + 1):
             total = 0.0
@@ -59,7 +62,7 @@ def delassus(rows: FloatArray, solved: FloatArray, row_body: IntArray, n: int, G
                     continue
                 for j in range(2):
                     if row_body[r, i] == row_body[s, j]:
-                        total += dot(rows[r, i], solved[s, j], 0, width)
+                        total += dot(rows[r, i], solved[s, j], start, width)
             G[r, s] = total
             G[s, r] = total
 
