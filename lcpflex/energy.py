@@ -57,7 +57,8 @@ class Energies:
         """Draw up the balance: the seven measured energies, each (m,) [J], and the remainder they leave."""
         stored = kinetic + elastic + potential
         start = stored[0] if stored.size else 0.0
-        remainder = stored - start - work + friction + impact + damping
+        with np.errstate(invalid="ignore"):  # a state that is no longer finite leaves a remainder that is not
+            remainder = stored - start - work + friction + impact + damping
         return cls(kinetic, elastic, potential, friction, impact, damping, work, remainder)
 
     @property

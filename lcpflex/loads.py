@@ -181,6 +181,8 @@ class Force:
 
     def __post_init__(self) -> None:
         _check_loaded(self)
+        if not isinstance(self.follower, bool):
+            raise ModelError(f"Force: follower: {self.follower!r} was given, expected True or False")
         if callable(self.value):
             return
         try:

@@ -70,7 +70,7 @@ class Placed:
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
         known = {} if self.source is None else self.source.points
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise ModelError(f"point: {self.name!r} has no point {name!r}, expected one of {listed(list(known))}")
         return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name])
 
@@ -82,7 +82,7 @@ class Placed:
     def surface(self, name: str = "outline") -> PlacedSurface:
         """A surface that the body came with; "outline" is the whole of it."""
         known = {} if self.source is None else self.source.surfaces
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             hint = "; make one with circle, arc, half_plane, chain or node" if not known else ""
             raise ModelError(
                 f"surface: {self.name!r} has no surface {name!r}, expected one of {listed(list(known))}{hint}"
@@ -135,6 +135,8 @@ class Placed:
 
         Around a solid, places run counter-clockwise. ``closed`` runs on from the last place to the first.
         """
+        if isinstance(places, str) or not hasattr(places, "__iter__"):
+            raise ModelError(f"places: {places!r} was given, expected a sequence of places")
         points = tuple(self._located(place) for place in places)
         if len(points) < (3 if closed else 2):
             raise ModelError(f"places: {len(points)} were given, expected at least {3 if closed else 2}")

@@ -273,7 +273,7 @@ class Result:
         if phi is None:
             raise ModelError(
                 f"point: {point!r} is neither a named point nor on the outline of the flexible body {body!r}; "
-                "expected one of these (name the point in the scene)"
+                "expected one of these (body.node(x, y) before the simulation makes a place known)"
             )
         return model, b, place, phi
 

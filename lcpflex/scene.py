@@ -168,7 +168,7 @@ class Scene:
 
     def body(self, name: str) -> Placed:
         """The body of that name."""
-        if name not in self._placed:
+        if not isinstance(name, str) or name not in self._placed:
             raise ModelError(f"name: no body {name!r}, expected one of {listed(list(self._placed))}")
         return self._placed[name]
 
@@ -218,6 +218,9 @@ class Scene:
                 f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
                 "which cannot touch each other, expected a node, disc or chain on one side"
             )
+        for other, declared in self._contacts.items():
+            if {a.label, b.label} == {surface.label for surface in declared.pair}:
+                raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {other!r} is between them")
         law = _law(friction, restitution, tangential_restitution)
         name = _name("contact", name, list(self._contacts))
         self._contacts[name] = DeclaredContact((a, b), *law)
@@ -237,6 +240,8 @@ class Scene:
         which there is no contact, such as two holes. Contacts are named after their surfaces, such as
         "box1.outline/ground.half_plane1". It holds for what is added later, too.
         """
+        if not isinstance(exclude, list | tuple):
+            raise ModelError(f"exclude: {exclude!r} was given, expected a list of pairs of bodies or surfaces")
         for pair in exclude:
             sides = pair if isinstance(pair, tuple | list) else ()
             if len(sides) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in sides):

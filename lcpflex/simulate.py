@@ -93,18 +93,19 @@ def simulate(
     """
     duration = in_range("duration", duration, 0.0, math.inf, open_ends=True)
     interval = duration / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
-    if not hasattr(stepper, "start"):
+    if isinstance(stepper, type) or not hasattr(stepper, "start"):
         raise ModelError(f"stepper: {stepper!r} was given, expected a stepper such as MoreauJean(step=1e-4)")
     system, compiled, names = _system(scene, project)
+    _check_solver(stepper, system)
     began = time.perf_counter()
     run = stepper.start(system, duration, interval)
-    message = _guarded(run, 0)  # compiles, or loads from the cache
+    message, cause = _guarded(run, 0)  # compiles, or loads from the cache
     compile_time = time.perf_counter() - began
     interrupted = False
     began = time.perf_counter()
     if not message:
         try:
-            message = _advance_all(run, duration, progress)
+            message, cause = _advance_all(run, duration, progress)
         except KeyboardInterrupt:
             interrupted = True
     timing = (time.perf_counter() - began, compile_time)
@@ -118,7 +119,7 @@ def simulate(
             step=run.steps,
             contacts=touching,
             result=result,
-        )
+        ) from cause
     return result
 
 
@@ -128,22 +129,36 @@ def _system(scene: Scene | UserSystem, project: bool) -> tuple[System, Compiled 
     from lcpflex.user_system import UserSystem
 
     if isinstance(scene, UserSystem):
-        return scene.system(), None, tuple(scene.names)
+        return scene.system(project=project), None, tuple(scene.names)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
     compiled = scene.compile(project=project)
     return compiled.system(), compiled, compiled.layout.contacts
 
 
-def _guarded(run: Run, n_steps: int) -> str:
-    """``run.advance``, with what a user's function raised turned into the reason to stop."""
+def _check_solver(stepper: Stepper, system: System) -> None:
+    """Refuse a solver that cannot solve what the scene may come to pose."""
+    from lcpflex.solvers.quadratic_program import QuadraticProgram
+
+    solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
+    if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
+        raise ModelError(
+            f"solver: {solver!r} was given for contacts with friction (up to {friction.max():g}), expected Lemke(): "
+            "a quadratic program solves frictionless contact only"
+        )
+
+
+def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
+    """``run.advance``: why it stopped, empty if it did not, and what a function or solver of the user raised."""
     try:
-        return run.advance(n_steps)
+        return run.advance(n_steps), None
     except LcpflexError as error:
-        return str(error)
+        return str(error), error
+    except Exception as error:  # whatever it is, what was recorded before must not be lost with it
+        return f"{type(error).__name__}: {error}", error
 
 
-def _advance_all(run: Run, duration: float, progress: bool | None) -> str:
+def _advance_all(run: Run, duration: float, progress: bool | None) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
     from tqdm import tqdm
 
@@ -156,13 +171,13 @@ def _advance_all(run: Run, duration: float, progress: bool | None) -> str:
     with bar:
         while not run.finished:
             began = time.perf_counter()
-            message = _guarded(run, chunk)
+            message, cause = _guarded(run, chunk)
             if message:
-                return message
+                return message, cause
             bar.update(run.time - bar.n)
             spent = time.perf_counter() - began
             chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(spent, 1e-9))))
-    return ""
+    return "", None
 
 
 def _collect(
@@ -223,6 +238,8 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str
     """What a reader must know before trusting the result."""
     warnings = [] if complete else ["the run is incomplete"]
     scale = energies.scale
+    if not np.isfinite(energies.remainder).all():
+        return (*warnings, "the energies are no longer finite")
     if gain[0] > GROWTH * scale and gain[0] > 0.0:
         warnings.append(
             f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "

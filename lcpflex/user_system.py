@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 __all__ = ["UserSystem"]
 
+JOINT_TOLERANCE = 1e-9  # initial violation of joints, times 1 + the largest |q|, that is no error; rates alike
+PENETRATION = 1e-6  # initial penetration, times the same, that is no error
+DIFFERENCE_STEP = 2e-4  # of time derivatives [s]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UserSystem:
@@ -48,19 +52,20 @@ class UserSystem:
     names
         Names of the contacts.
     stiffness, damping
-        Constant K and C, (n, n), which time-stepping schemes treat implicitly.
+        Constant K and C, (n, n), symmetric positive semidefinite, which time-stepping schemes treat implicitly.
     potential
         Potential energy of ``force`` as a function of q [J]; without it all of ``force`` counts as work of loads.
     constraints, jacobian
         phi(t, q) -> (r,) and J(t, q) -> (r, n) of bilateral joints.
     constraint_rate, constraint_bias
-        Functions (t, q) -> (r,), the partial time derivative of phi (0 where omitted), and (t, q, u) -> (r,),
-        phiddot - J udot (by central differences where omitted).
+        Functions (t, q) -> (r,), the partial time derivative of phi, and (t, q, u) -> (r,), phiddot - J udot; where
+        omitted, by central differences, for which phi and J are called a little before the start, too.
 
     Raises
     ------
     ModelError
-        For an argument of a wrong shape or range, or a function that fails or returns a wrong shape at the start.
+        For an argument of a wrong shape or range, or a function that fails or returns a wrong shape at the start;
+        when simulated, for a start that violates joints or penetrates.
     """
 
     q: npt.ArrayLike
@@ -87,6 +92,11 @@ class UserSystem:
 
     def __post_init__(self) -> None:
         q = _array("q", self.q, (None,))
+        if not q.size:
+            raise ModelError("q: an empty array was given, expected at least one coordinate")
+        for name in ("force", *OPTIONAL):
+            if not callable(getattr(self, name)) and not (name in OPTIONAL and getattr(self, name) is None):
+                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected a function")
         u = _array("u", self.u, q.shape)
         object.__setattr__(self, "q", q)
         object.__setattr__(self, "u", u)
@@ -97,39 +107,61 @@ class UserSystem:
             raise ModelError("constraints and jacobian: one was given without the other, expected both or neither")
         m = len(_call("gaps", self.gaps, (None,), q)) if self.gaps is not None else 0
         for name, high in (("friction", math.inf), ("restitution", 1.0), ("tangential_restitution", 1.0)):
-            values = np.broadcast_to(np.asarray(getattr(self, name), dtype=float), (m,)) if m else np.zeros(0)
-            for value in values:
-                in_range(name, value, 0.0, high)
-            object.__setattr__(self, name, np.array(values))
-        names = tuple(self.names) or tuple(f"contact{k + 1}" for k in range(m))
-        if len(names) != m or len(set(names)) != m:
-            raise ModelError(f"names: {names!r} was given, expected {m} different names")
+            given = np.asarray(getattr(self, name))
+            if given.shape not in ((), (m,)):
+                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected a number or {m} of them")
+            values = [in_range(name, value, 0.0, high) for value in given.reshape(-1).tolist()]
+            object.__setattr__(self, name, np.array(values * m if given.shape == () else values))
+        listed = isinstance(self.names, Sequence) and not isinstance(self.names, str)
+        names = (tuple(self.names) or tuple(f"contact{k + 1}" for k in range(m))) if listed else ()
+        texts = all(isinstance(name, str) and name for name in names)
+        if not listed or not texts or len(names) != m or len(set(names)) != m:
+            raise ModelError(f"names: {self.names!r} was given, expected {m} different names")
         object.__setattr__(self, "names", names)
         if self.tangents is None and np.any(self.friction):
             raise ModelError("tangents: None was given, expected W_T because friction is not zero")
         for name in ("stiffness", "damping"):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, _array(name, getattr(self, name), (n, n)))
+                object.__setattr__(self, name, _semidefinite(name, _array(name, getattr(self, name), (n, n))))
         object.__setattr__(self, "_functions", Functions(self, n, m))
         self._functions.try_all()
 
-    def system(self) -> System:
-        """What a stepper takes."""
+    def system(self, project: bool = False) -> System:
+        """What a stepper takes; with ``project``, started at the nearest state that fulfils the joints."""
         from lcpflex.dynamics.user_mechanics import hooks
         from lcpflex.steppers.system import System
 
-        q = np.array(self.q, dtype=float)
+        q, u = self._functions.start(np.array(self.q, dtype=float), np.array(self.u, dtype=float), project)
         return System(
             model=bodiless_model(
                 len(q), self._functions.n_joint, self.friction, self.restitution, self.tangential_restitution
             ),
             q=q,
-            u=np.array(self.u, dtype=float),
+            u=u,
             n_external=0,
             hooks=hooks(self._functions),
             dense=True,
             margin=math.inf,
         )
+
+
+OPTIONAL = (
+    "gaps", "normal_bias", "tangent_bias", "potential", "constraints", "jacobian", "constraint_rate", "constraint_bias",
+)  # fmt: skip
+
+
+def _semidefinite(name: str, matrix: FloatArray) -> FloatArray:
+    """The matrix, if it is symmetric and positive semidefinite."""
+    largest = float(np.abs(matrix).max())
+    if not np.allclose(matrix, matrix.T, rtol=0.0, atol=1e-9 * largest):
+        raise ModelError(f"{name}: an unsymmetric matrix was given, expected a symmetric one (the rest is force)")
+    least = float(np.linalg.eigvalsh(matrix)[0])
+    if least < -1e-9 * largest:
+        raise ModelError(
+            f"{name}: a matrix with the eigenvalue {least:.6g} was given, expected a positive semidefinite one "
+            "(what feeds energy in is force)"
+        )
+    return matrix
 
 
 def _array(name: str, value: Any, shape: tuple[int | None, ...]) -> FloatArray:
@@ -196,6 +228,49 @@ class Functions:
             self.rate(0.0, q)
             self.constraint_bias(0.0, q, u)
 
+    def start(self, q: FloatArray, u: FloatArray, project: bool) -> tuple[FloatArray, FloatArray]:
+        """The start, or its projection onto the joints in the mass metric; ModelError where it cannot be."""
+        scale = 1.0 + float(np.abs(q).max())
+        if self.n_joint:
+            if project:
+                q, u = self._projected(q, u, 1e-3 * JOINT_TOLERANCE * scale)
+            hint = "the joints contradict each other" if project else "change it, or use project=True"
+            J, rate = self.jacobian(0.0, q), self.rate(0.0, q)
+            speed = float((np.abs(J) @ np.abs(u) + np.abs(rate)).max())
+            for name, violated, allowed in (
+                ("q", self.residual(0.0, q), JOINT_TOLERANCE * scale),
+                ("u", J @ u + rate, JOINT_TOLERANCE * (scale + speed)),
+            ):
+                worst = int(np.argmax(np.abs(violated)))
+                if not abs(violated[worst]) <= allowed:
+                    raise ModelError(
+                        f"{name}: the start violates row {worst} of the constraints by {violated[worst]:.6g}, "
+                        f"expected at most {allowed:.1g}: {hint}"
+                    )
+        gaps = self.gaps(q)
+        if gaps.size and not gaps.min() >= -PENETRATION * scale:
+            name = self._given.names[int(gaps.argmin())]
+            raise ModelError(
+                f"q: contact {name!r} penetrates by {-gaps.min():.6g} m at the start, "
+                f"expected at most {PENETRATION * scale:.1g} m"
+            )
+        return q, u
+
+    def _projected(self, q: FloatArray, u: FloatArray, tolerance: float) -> tuple[FloatArray, FloatArray]:
+        """Newton steps dq = -M^-1 J^T (J M^-1 J^T)^+ phi, and one such step for u."""
+
+        def nearest(J: FloatArray, residual: FloatArray) -> FloatArray:
+            spread = np.linalg.solve(self.mass(q), J.T)
+            return np.asarray(spread @ (np.linalg.pinv(J @ spread, rcond=1e-12, hermitian=True) @ residual))
+
+        for _ in range(50):
+            phi = self.residual(0.0, q)
+            if (np.abs(phi) <= tolerance).all():
+                break
+            q = q - nearest(self.jacobian(0.0, q), phi)
+        J = self.jacobian(0.0, q)
+        return q, u - nearest(J, J @ u + self.rate(0.0, q))
+
     def mass(self, q: FloatArray) -> FloatArray:
         """M (n, n)."""
         return self._matrix("mass", self._given.mass, (self.n, self.n), q)
@@ -260,7 +335,9 @@ class Functions:
     def rate(self, t: float, q: FloatArray) -> FloatArray:
         """Partial time derivative of phi (r,)."""
         if self._given.constraint_rate is None:
-            return np.zeros(self.n_joint)
+            h = DIFFERENCE_STEP
+            far_before, before, after, far_after = (self.residual(t + k * h, q) for k in (-2, -1, 1, 2))
+            return np.asarray((8.0 * (after - before) - (far_after - far_before)) / (12.0 * h))
         return _call("constraint_rate", self._given.constraint_rate, (self.n_joint,), t, q.copy())
 
     def constraint_bias(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:

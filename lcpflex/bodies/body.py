@@ -25,7 +25,18 @@ from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import frozen
 
-__all__ = ["Body", "Chain", "Displacement", "Lazily", "MaterialPoint", "Outline", "Round", "array_of", "whole_number"]
+__all__ = [
+    "Body",
+    "Chain",
+    "Displacement",
+    "Lazily",
+    "MaterialPoint",
+    "Outline",
+    "Round",
+    "array_of",
+    "named",
+    "whole_number",
+]
 
 T = TypeVar("T")
 Displacement: TypeAlias = Callable[[float, float], tuple[float, float]] | npt.ArrayLike
@@ -105,6 +116,13 @@ def whole_number(name: str, value: Any, low: int, high: float = math.inf, why: s
     if not whole or not low <= value <= high:
         raise ModelError(f"{name}: {value!r} was given, expected {expected}{why}")
     return int(value)
+
+
+def named(name: str, value: Any) -> Mapping[str, Any]:
+    """``value`` if it is a mapping from texts; raises :class:`ModelError` otherwise."""
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) and key for key in value):
+        raise ModelError(f"{name}: {value!r} was given, expected a mapping from names (texts)")
+    return value
 
 
 def array_of(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:

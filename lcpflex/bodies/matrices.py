@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import Body, Chain, Displacement, MaterialPoint, Outline, array_of
+from lcpflex.bodies.body import Body, Chain, Displacement, MaterialPoint, Outline, array_of, named
 from lcpflex.bodies.reduction import (
     Damping,
     check_damping,
@@ -74,7 +74,7 @@ class Matrices:
         stiffness = _symmetric("stiffness", self.stiffness, n)
         _check_mass(mass)
         _check_free(stiffness, places)
-        sets = {name: _nodes(name, nodes, len(places)) for name, nodes in self.node_sets.items()}
+        sets = {name: _nodes(name, nodes, len(places)) for name, nodes in named("node_sets", self.node_sets).items()}
         checked = {"mass": mass, "stiffness": stiffness, "coordinates": places, "node_sets": sets}
         if self.damping is not None:
             checked["damping"] = _symmetric("damping", self.damping, n)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of
+from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
 
@@ -43,7 +43,7 @@ def RigidBody(
     m = _positive("mass", mass)
     about_center = _positive("inertia", inertia)
     places = {"center": array_of("center", center, (2,))}
-    for name, place in (points or {}).items():
+    for name, place in named("points", points or {}).items():
         places[name] = array_of(f"points[{name!r}]", place, (2,))
     return _rigid(m, about_center, places["center"], places, {})
 

@@ -204,6 +204,7 @@ def not_definite(mass: np.ndarray) -> np.ndarray:
         (lambda: Matrices(*plate(4, 1)).reduce(18), "modes: 18 .*17"),
         (lambda: Matrices(*plate(4, 1), {"tip": 10}), r"node_sets\['tip'\]: node 10 .*9"),
         (lambda: Matrices(*plate(4, 1), {"tip": -1}), "node -1"),
+        (lambda: Matrices(*plate(4, 1), [1, 2]), "node_sets: .*expected a mapping"),
         (lambda: Matrices(*plate(4, 1), {"tip": 1.5}), "1.5 was given"),
         (lambda: Matrices(*plate(4, 1), {"side": []}), "side"),
         (lambda: Matrices(*plate(4, 1), {"side": [0, 1, 2, 1]}), "twice"),

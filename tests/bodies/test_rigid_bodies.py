@@ -105,6 +105,8 @@ def test_polygon_far_from_its_frame_keeps_its_digits():
         (lambda: RigidBody(1.0, float("inf")), "inertia: inf"),
         (lambda: RigidBody(1.0, 1.0, center=(0.0, float("nan"))), "center: .*nan"),
         (lambda: RigidBody(1.0, 1.0, points={"tip": (0.0, 0.0, 0.0)}), "tip"),
+        (lambda: RigidBody(1.0, 1.0, points=[(0.0, 0.0)]), "points: .*expected a mapping"),
+        (lambda: RigidBody(1.0, 1.0, points={1: (0.0, 0.0)}), "points: .*expected a mapping"),
         (lambda: Disc(0.0, mass=1.0), "radius: 0"),
         (lambda: Disc(1.0), "density, mass"),
         (lambda: Disc(1.0, mass=1.0, density=1.0), "density, mass"),

@@ -128,6 +128,13 @@ def test_duplicate_contact_names_are_refused():
         scene.contact(b.surface(), c.surface(), name="pair")
 
 
+def test_a_pair_is_declared_once():
+    scene, (a, b) = boxes(2)
+    scene.contact(a.surface(), b.surface(), friction=0.1, name="pair")
+    with pytest.raises(lf.ModelError, match="given twice, 'pair' is between them"):
+        scene.contact(b.surface(), a.surface(), friction=0.2)
+
+
 def test_initial_penetration_is_refused_with_contact_and_depth():
     scene, (a, b) = boxes(2, gap=-0.03)
     scene.contact(a.surface(), b.surface(), name="pair")

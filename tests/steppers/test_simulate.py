@@ -29,6 +29,7 @@ def falling_ball(**contact: float) -> lf.Scene:
         ({"duration": "1 s"}, "duration"),
         ({"record": -0.1}, "record"),
         ({"stepper": "moreau-jean"}, "stepper"),
+        ({"stepper": lf.MoreauJean}, "stepper"),
         ({"scene": "ball"}, "scene"),
     ],
 )
@@ -147,6 +148,31 @@ def test_a_step_too_long_for_a_stiff_spring_is_an_error_not_a_result() -> None:
     scene.load(lf.Spring(ball.at(0.0, 0.0), scene.ground.at(1.0, 0.0), stiffness=1e8, length=0.9))
     with pytest.raises(lf.StepError, match="no longer finite"):
         lf.simulate(scene, 10.0, lf.MoreauJean(1e-2))
+
+
+@pytest.mark.parametrize("answer", [ValueError("boom"), None], ids=["raises", "returns nothing"])
+def test_a_broken_solver_loses_nothing(answer: Exception | None) -> None:
+    class Broken:
+        def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution | None:
+            if problem.size == 0:
+                return lf.Lemke().solve(problem)
+            if answer is not None:
+                raise answer
+            return None
+
+    with pytest.raises(lf.StepError, match="boom" if answer else "NoneType") as caught:
+        lf.simulate(falling_ball(), 1.0, lf.MoreauJean(1e-3, solver=Broken()), record=1e-3)  # type: ignore[arg-type]
+    assert caught.value.__cause__ is answer or answer is None
+    assert caught.value.result.times.size > 100
+    assert not caught.value.result.complete
+
+
+def test_a_quadratic_program_refuses_friction_before_time_is_spent() -> None:
+    scene = lf.Scene()
+    ball = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 5.0))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    with pytest.raises(lf.ModelError, match=r"solver: .*friction \(up to 0.3\), expected Lemke"):
+        lf.simulate(scene, 0.1, lf.MoreauJean(1e-3, solver=lf.QuadraticProgram("clarabel")))
 
 
 def test_created_energy_is_said() -> None:
