@@ -237,6 +237,8 @@ def _collect(
 def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str, ...]:
     """What a reader must know before trusting the result."""
     warnings = [] if complete else ["the run is incomplete"]
+    if not energies.remainder.size:
+        return tuple(warnings)
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
         return (*warnings, "the energies are no longer finite")

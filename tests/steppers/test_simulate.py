@@ -167,6 +167,21 @@ def test_a_broken_solver_loses_nothing(answer: Exception | None) -> None:
     assert not caught.value.result.complete
 
 
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(1e-3), lf.EventDriven()], ids=["moreau-jean", "event-driven"])
+def test_a_failure_at_the_very_start_has_a_result_too(stepper: lf.MoreauJean | lf.EventDriven) -> None:
+    calls = []
+
+    def fragile(t: float, q: FloatArray, u: FloatArray) -> FloatArray:
+        calls.append(t)
+        if len(calls) > 1:  # the first call is the trial
+            raise RuntimeError("no table")
+        return np.zeros(3)
+
+    with pytest.raises(lf.StepError, match="no table") as caught:
+        lf.simulate(lf.UserSystem(q=np.zeros(3), u=np.zeros(3), mass=np.eye(3), force=fragile), 0.1, stepper)
+    assert "INCOMPLETE" in caught.value.result.summary()
+
+
 def test_a_quadratic_program_refuses_friction_before_time_is_spent() -> None:
     scene = lf.Scene()
     ball = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 5.0))
