@@ -64,7 +64,7 @@ def workspace(
 ) -> Workspace:
     """Allocate for bodies with offsets ``dof`` and room for ``capacity`` simultaneous contacts."""
     ndof = int(dof[-1])
-    width = int(np.max(np.diff(dof), initial=3))
+    width = int(np.max(np.diff(dof), initial=1))
     n_rows = n_joint + 2 * capacity + 1
     tableau, basis = lemke_workspace(3 * capacity)
     zeros = np.zeros
