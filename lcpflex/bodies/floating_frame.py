@@ -130,7 +130,7 @@ def point_motion(
 
 @kernel
 def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
-    """Rotation of the material at P: angle of the body plus psi q [rad]; 0 on the ground."""
+    """Rotation of the material at P: angle of the body plus psi q [rad]; of u, its rate [rad/s]. 0 on the ground."""
     b = points.body[p]
     if b < 0:
         return 0.0

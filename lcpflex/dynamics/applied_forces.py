@@ -12,9 +12,9 @@ from lcpflex.bodies.floating_frame import (
     point_velocity,
 )
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.model import Bodies, Model, Points, Signals
+from lcpflex.model import Model, Signals
 
-__all__ = ["applied_forces", "point_spin", "signal_value", "spring_energy"]
+__all__ = ["applied_forces", "signal_value", "spring_energy"]
 
 SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
 
@@ -53,20 +53,6 @@ def signal_value(signals: Signals, index: int, t: float, external: FloatArray) -
 
 
 @kernel
-def point_spin(bodies: Bodies, points: Points, u: FloatArray, p: int) -> float:
-    """Angular velocity of the material at point p, that of the body plus psi qdot [rad/s]; 0 on the ground."""
-    b = points.body[p]
-    if b < 0:
-        return 0.0
-    d = bodies.dof[b]
-    spin = u[d + 2]
-    start = points.start[p]
-    for k in range(points.start[p + 1] - start):
-        spin += points.psi[start + k] * u[d + 3 + k]
-    return float(spin)
-
-
-@kernel
 def push(model: Model, q: FloatArray, p: int, fx: float, fy: float, force: FloatArray) -> None:
     """force += generalised force of (fx, fy) [N, world axes] at point p."""
     b = model.points.body[p]
@@ -100,7 +86,7 @@ def spring_forces(
             torque = -stiffness * (point_angle(bodies, points, q, i) - point_angle(bodies, points, q, j) - free)
             twist(model, i, torque, conservative)
             twist(model, j, -torque, conservative)
-            torque = -damping * (point_spin(bodies, points, u, i) - point_spin(bodies, points, u, j))
+            torque = -damping * (point_angle(bodies, points, u, i) - point_angle(bodies, points, u, j))
             twist(model, i, torque, dissipative)
             twist(model, j, -torque, dissipative)
         else:

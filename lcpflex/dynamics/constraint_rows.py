@@ -26,7 +26,7 @@ from lcpflex.bodies.floating_frame import (
     point_velocity,
 )
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.dynamics.applied_forces import point_spin, signal_value
+from lcpflex.dynamics.applied_forces import signal_value
 from lcpflex.model import Model
 
 __all__ = ["joint_residual", "joint_rows"]
@@ -157,7 +157,7 @@ def joint_rows(
             bias[r] = ex * bx + ey * by + across * across / length - f_acceleration
         elif kind != 5:
             dx, dy = direction(model, q, joint)
-            spin = point_spin(bodies, points, u, j)
+            spin = point_angle(bodies, points, u, j)
             difference_row(model, q, joint, dx, dy, rows[r])
             add_rotation_row(bodies, points, j, dx * y - dy * x, rows[r, 1])
             rate[r] = -f_rate
