@@ -14,14 +14,15 @@ if __name__ != "lcpflex.solvers":
     raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
 
 if TYPE_CHECKING:
+    from lcpflex.solvers.friction import ContactProblem
     from lcpflex.solvers.lemke import Lemke
-    from lcpflex.solvers.problem import ContactProblem, Lcp, Solution, Status, accept
+    from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
 
 __all__ = ["ContactProblem", "Lcp", "Lemke", "QuadraticProgram", "Solution", "Status", "accept"]
 
 _HOME = {
-    "ContactProblem": "problem",
+    "ContactProblem": "friction",
     "Lcp": "problem",
     "Lemke": "lemke",
     "QuadraticProgram": "quadratic_program",

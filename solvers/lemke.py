@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import ModelError
+from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -25,11 +25,12 @@ from lcpflex.solvers.problem import (
     RAY,
     SOLVED,
     Lcp,
+    PosedProblem,
     Solution,
     Status,
     accept,
+    check_limit,
     check_tolerance,
-    natural_residual,
 )
 
 __all__ = ["Lemke", "lemke", "lemke_workspace"]
@@ -303,13 +304,19 @@ class Lemke:
 
     def __post_init__(self) -> None:
         check_tolerance(self.tolerance)
-        if self.pivot_limit is not None and not (isinstance(self.pivot_limit, int) and self.pivot_limit > 0):
-            raise ModelError(f"pivot_limit is {self.pivot_limit!r}: expected a positive integer or None")
+        check_limit("pivot_limit", self.pivot_limit)
 
-    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+    def refuses(self, problem: Lcp | PosedProblem) -> str:
+        """Empty: Lemke's algorithm takes every problem."""
+        return ""
+
+    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
+        if not isinstance(problem, Lcp):
+            return problem.solve_by(self, guess)
         n = problem.size
-        M, q, z = problem.writable(), problem.q.copy(), np.zeros(n)
+        M, q = problem.data
+        z = np.zeros(n)
         table, basis = lemke_workspace(n)
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
             basis[:n] = guess.active

@@ -8,7 +8,7 @@ as a safeguard, only the last one (Murty's least-index rule read backwards), whi
 from __future__ import annotations
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.solvers.problem import residual_parts
+from lcpflex.solvers.certificate import residual_parts
 
 __all__ = ["block_pivots", "solve_active"]
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
-from lcpflex.solvers.problem import Lcp, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
 __all__ = ["QuadraticProgram"]
 
@@ -55,13 +55,22 @@ class QuadraticProgram:
             installed = ", ".join(sorted(qpsolvers.available_solvers))
             raise ModelError(f"backend is {self.backend!r}: expected one of the installed {installed}")
 
-    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+    def refuses(self, problem: Lcp | PosedProblem) -> str:
+        """Why the solver cannot take the problem; empty if it can."""
+        lcp = problem if isinstance(problem, Lcp) else problem.lcp()
+        if lcp.symmetric:
+            return ""
+        return (
+            "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality "
+            "condition; use Lemke(), which takes any matrix"
+        )
+
+    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem; a guess only starts those backends that can use one."""
-        if not problem.symmetric:
-            raise ModelError(
-                "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality "
-                "condition; use Lemke(), which takes any matrix"
-            )
+        if not isinstance(problem, Lcp):
+            return problem.solve_by(self, guess)
+        if reason := self.refuses(problem):
+            raise ModelError(reason)
         if not problem.size or (problem.q >= 0.0).all():
             return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route="q >= 0")
         # In units in which each diagonal entry is 1: light and heavy bodies then look alike to the backend.

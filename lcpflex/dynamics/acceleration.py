@@ -43,7 +43,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.packed import pack
-from lcpflex.solvers.problem import assemble_friction_lcp
+from lcpflex.solvers.friction import assemble_friction_lcp
 
 __all__ = [
     "SMOOTH",

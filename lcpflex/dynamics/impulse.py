@@ -19,8 +19,9 @@ from lcpflex.dynamics.delassus import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
 from lcpflex.solvers.lemke import lemke
-from lcpflex.solvers.problem import assemble_friction_lcp, natural_residual, split_friction_solution
 
 __all__ = ["distribute", "pose", "solve_lcp"]
 

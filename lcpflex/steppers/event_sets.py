@@ -27,7 +27,7 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
-from lcpflex.solvers.problem import split_friction_solution
+from lcpflex.solvers.friction import split_friction_solution
 from lcpflex.steppers.event_memory import (
     CONE,
     CONTACTS,

@@ -1,0 +1,175 @@
+"""What proves an answer: the natural-map residual of a point, and Farkas' vector of a problem without one.
+
+Every solver's claim is checked here on the original data, in plain sums that owe nothing to its algorithm.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.compiled import FloatArray, kernel
+
+__all__ = [
+    "all_finite",
+    "certifies_infeasibility",
+    "guarded_residual",
+    "is_symmetric",
+    "judge",
+    "natural_residual",
+    "residual_parts",
+]
+
+GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
+ROUNDING = 2.2e-16  # of one operation, relative
+SYMMETRY = 1e-10  # largest |M - M^T| of a symmetric matrix, relative to max|M|
+
+
+@kernel
+def _row_parts(row: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
+    """row . z, sum |row_j z_j| and max |row_j|; four of each side by side, or one would wait for its last addition."""
+    w0, w1, w2, w3 = 0.0, 0.0, 0.0, 0.0
+    t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
+    d0, d1, d2, d3 = 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 4
+    for j in range(0, whole, 4):
+        e0, e1, e2, e3 = row[j], row[j + 1], row[j + 2], row[j + 3]
+        a0, a1, a2, a3 = e0 * z[j], e1 * z[j + 1], e2 * z[j + 2], e3 * z[j + 3]
+        w0 += a0
+        w1 += a1
+        w2 += a2
+        w3 += a3
+        t0 += abs(a0)
+        t1 += abs(a1)
+        t2 += abs(a2)
+        t3 += abs(a3)
+        d0 = max(d0, abs(e0))
+        d1 = max(d1, abs(e1))
+        d2 = max(d2, abs(e2))
+        d3 = max(d3, abs(e3))
+    for j in range(whole, n):
+        a0 = row[j] * z[j]
+        w0 += a0
+        t0 += abs(a0)
+        d0 = max(d0, abs(row[j]))
+    return (w0 + w1) + (w2 + w3), (t0 + t1) + (t2 + t3), max(max(d0, d1), max(d2, d3))
+
+
+@kernel
+def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> tuple[float, float, float]:
+    """w = M z + q, and the parts of the residual as :func:`residual_parts` gives them.
+
+    M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
+    """
+    worst, size, load = 0.0, 0.0, 0.0
+    finite = True
+    for i in range(n):
+        product, terms, row = _row_parts(M[i], z, n)
+        slack = product + q[i]
+        w[i] = slack
+        load = max(load, abs(q[i]))
+        terms += abs(q[i])
+        lifted = row * z[i] if row > 0.0 else z[i]
+        # NaN fails every comparison, and min() may drop it: each number is asked for by itself.
+        if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
+            finite = False
+        worst = max(worst, abs(min(lifted, slack)))
+        size = max(size, terms)
+    if not finite:
+        return np.inf, np.inf, np.inf
+    return worst, size, load
+
+
+@kernel
+def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
+    """The absolute natural-map residual, the size of the terms of w, and |q|; all inf if anything is not finite.
+
+    M (cap, cap), q (cap,), z (cap,): the leading n x n block and the first n entries count. Returns
+    ``max_i |min(d_i z_i, w_i)|`` with d_i the largest |M_ij| of the row (1 for a zero row),
+    ``max_i (|q_i| + sum_j |M_ij z_j|)`` and ``max_i |q_i|``, all in the units of q.
+    """
+    worst, size, load = 0.0, 0.0, 0.0
+    for i in range(n):
+        product, terms, row = _row_parts(M[i], z, n)
+        slack = product + q[i]
+        load = max(load, abs(q[i]))
+        terms += abs(q[i])
+        lifted = row * z[i] if row > 0.0 else z[i]
+        if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
+            return np.inf, np.inf, np.inf
+        worst = max(worst, abs(min(lifted, slack)))
+        size = max(size, terms)
+    return worst, size, load
+
+
+@kernel
+def guarded_residual(worst: float, size: float, load: float) -> float:
+    """The dimensionless residual from its parts: ``worst / size``, unless z has run away.
+
+    A z that runs away along a ray makes the denominator, and not the numerator, large; so a residual above
+    1e-6 |q| is taken relative to |q| instead, and so is the rounding of w itself when it comes to more than that (w
+    would be 0 if z is so large that q is lost in the sum).
+    """
+    if size < np.inf and ROUNDING * size > GUARD * load > 0.0:
+        return max(worst, ROUNDING * size) / load
+    if worst == 0.0:
+        return 0.0
+    if worst == np.inf:
+        return np.inf
+    if worst > GUARD * load:
+        return worst / load if load > 0.0 else np.inf
+    return worst / size
+
+
+@kernel
+def natural_residual(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> float:
+    """How far z is from solving the problem: dimensionless, 0 for a solution, inf for a z that is not finite.
+
+    ``max_i |min(d_i z_i, w_i)| / max_i (|q_i| + sum_j |M_ij z_j|)`` with d_i the largest |M_ij| of row i, guarded
+    against large z (:func:`guarded_residual`). Arrays as in :func:`residual_parts`.
+    """
+    worst, size, load = residual_parts(M, q, z, n)
+    return guarded_residual(worst, size, load)
+
+
+@kernel
+def all_finite(M: FloatArray, q: FloatArray) -> bool:
+    """Whether M (n, m) and q (k,) hold neither NaN nor infinity."""
+    for i in range(M.shape[0]):
+        total = 0.0
+        for j in range(M.shape[1]):
+            total += 0.0 * M[i, j]
+        if total != 0.0:  # 0 times inf is NaN, and NaN differs from everything
+            return False
+    total = 0.0
+    for i in range(len(q)):
+        total += 0.0 * q[i]
+    return total == 0.0
+
+
+@kernel
+def is_symmetric(M: FloatArray, n: int) -> bool:
+    """Whether the leading block of M equals its transpose to 1e-10 of its largest entry."""
+    largest, difference = 0.0, 0.0
+    for i in range(n):
+        for j in range(i + 1):
+            largest = max(largest, abs(M[i, j]))
+            difference = max(difference, abs(M[i, j] - M[j, i]))
+    return difference <= SYMMETRY * largest
+
+
+def certifies_infeasibility(M: FloatArray, q: FloatArray, u: npt.ArrayLike) -> bool:
+    """Whether u (n,) proves that no z >= 0 has w = M z + q >= 0: u >= 0, M^T u <= 0 and q.u < 0 (Farkas).
+
+    With w >= 0 one would have 0 <= u.w = z.(M^T u) + q.u < 0. Where rounding leaves M^T u slightly positive, the
+    statement is checked for every z with z_i <= 1e6 max|q| / max_j |M_ji|.
+    """
+    ray = np.array(u, dtype=float)
+    if ray.shape != q.shape or not np.isfinite(ray).all() or not ray.size or ray.max() <= 0.0:
+        return False
+    ray = np.maximum(ray, 0.0) / ray.max()
+    gain = float(q @ ray)
+    excess = np.maximum(M.T @ ray, 0.0)
+    column = np.abs(M).max(axis=0)
+    size = np.divide(np.abs(q).max(), column, out=np.zeros_like(column), where=column > 0.0)
+    return gain + 1e6 * float(excess @ size) < -1e-8 * float(np.abs(q) @ ray)

@@ -1,0 +1,383 @@
+"""Contact with Coulomb friction as a complementarity problem, in two forms, and the data it is made of.
+
+Contact velocities (or accelerations) are v = G lambda + free, rows ordered [normals; tangents of frictional contacts].
+
+* Three unknowns a frictional contact, lambda_N, lambda_R = lambda_T + mu lambda_N, xi_L (Glocker & Studer 2005): small,
+  but its matrix is not copositive: Lemke's path may end on a ray although a solution exists.
+* Four unknowns, lambda_N, beta_+, beta_-, sigma (Stewart & Trinkle 1996; Anitescu & Potra 1997): copositive, so that a
+  solution exists and Lemke finds it whenever q.v >= 0 for every v that solves the problem with q = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.errors import ModelError
+from lcpflex.solvers.certificate import guarded_residual
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, check_finite, finite_array
+
+__all__ = [
+    "ContactProblem",
+    "aligned",
+    "assemble_copositive_lcp",
+    "assemble_friction_lcp",
+    "split_friction_solution",
+]
+
+BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
+
+
+@kernel
+def assemble_friction_lcp(
+    G: FloatArray,
+    free: FloatArray,
+    mu: FloatArray,
+    tangent: IntArray,
+    n_normal: int,
+    n_tangent: int,
+    M: FloatArray,
+    q: FloatArray,
+) -> int:
+    """The LCP of planar Coulomb contact with three unknowns a frictional contact and one a frictionless contact.
+
+    G (cap, cap): Delassus matrix, the leading block of order n_normal + n_tangent, normals first; free (cap,):
+    velocity or acceleration of the contacts without contact forces; mu (>= n_normal,): friction coefficients [-];
+    tangent (>= n_tangent,): row j of the tangents belongs to normal contact tangent[j]. Out: M (cap', cap') and
+    q (cap',), of which the leading n = n_normal + 2 n_tangent are written; n is returned. Unknowns
+    [lambda_N, lambda_R, xi_L] with lambda_R = lambda_T + mu lambda_N and the tangential velocity xi_R - xi_L
+    (Glocker & Studer 2005).
+    """
+    n = n_normal + 2 * n_tangent
+    m = n_normal + n_tangent
+    for i in range(m):
+        for j in range(m):
+            M[i, j] = G[i, j]
+        for k in range(n_tangent):
+            j = tangent[k]
+            M[i, j] -= G[i, n_normal + k] * mu[j]
+            M[i, m + k] = 0.0
+        q[i] = free[i]
+    for k in range(n_tangent):
+        for j in range(n):
+            M[m + k, j] = 0.0
+        M[n_normal + k, m + k] = 1.0
+        M[m + k, n_normal + k] = -1.0
+        M[m + k, tangent[k]] = 2.0 * mu[tangent[k]]
+        q[m + k] = 0.0
+    return n
+
+
+@kernel
+def assemble_copositive_lcp(
+    M: FloatArray,
+    q: FloatArray,
+    mu: FloatArray,
+    tangent: IntArray,
+    n_normal: int,
+    n_tangent: int,
+    M4: FloatArray,
+    q4: FloatArray,
+) -> int:
+    """The four-unknown form from the three-unknown one, M and q of :func:`assemble_friction_lcp`.
+
+    Out: M4 (cap'', cap''), q4 (cap'',), of which the leading n = n_normal + 3 n_tangent are written; n is returned.
+    Unknowns [lambda_N, beta_+, beta_-, sigma] with lambda_T = beta_+ - beta_- (Stewart & Trinkle 1996).
+    """
+    m = n_normal + n_tangent
+    n = n_normal + 3 * n_tangent
+    for i in range(n):
+        for j in range(n):
+            M4[i, j] = 0.0
+        q4[i] = 0.0
+    for i in range(m):
+        q4[i] = q[i]
+        for j in range(m):
+            M4[i, j] = M[i, j]
+        for k in range(n_tangent):
+            M4[i, tangent[k]] += M[i, n_normal + k] * mu[tangent[k]]
+            M4[i, m + k] = -M[i, n_normal + k]
+    for k in range(n_tangent):
+        plus, minus, sigma = n_normal + k, m + k, m + n_tangent + k
+        q4[minus] = -q4[plus]
+        for j in range(m + n_tangent):
+            M4[minus, j] = -M4[plus, j]
+        M4[plus, sigma] = 1.0
+        M4[minus, sigma] = 1.0
+        M4[sigma, tangent[k]] = mu[tangent[k]]
+        M4[sigma, plus] = -1.0
+        M4[sigma, minus] = -1.0
+    return n
+
+
+@kernel
+def from_copositive(
+    z4: FloatArray,
+    M: FloatArray,
+    q: FloatArray,
+    mu: FloatArray,
+    tangent: IntArray,
+    n_normal: int,
+    n_tangent: int,
+    z: FloatArray,
+) -> None:
+    """z (cap',) of the three-unknown form M, q from a solution z4 of :func:`assemble_copositive_lcp`."""
+    m = n_normal + n_tangent
+    for i in range(n_normal):
+        z[i] = z4[i]
+    for k in range(n_tangent):
+        z[n_normal + k] = max(z4[n_normal + k] - z4[m + k] + mu[tangent[k]] * z4[tangent[k]], 0.0)
+        z[m + k] = 0.0
+    for k in range(n_tangent):
+        slip = q[n_normal + k]
+        for j in range(m):
+            slip += M[n_normal + k, j] * z[j]
+        z[m + k] = max(-slip, 0.0)
+
+
+@kernel
+def split_friction_solution(
+    z: FloatArray,
+    mu: FloatArray,
+    tangent: IntArray,
+    n_normal: int,
+    n_tangent: int,
+    lambda_normal: FloatArray,
+    lambda_tangent: FloatArray,
+) -> None:
+    """Contact forces (or impulses) from the unknowns of :func:`assemble_friction_lcp`.
+
+    Out: lambda_normal (>= n_normal,) and lambda_tangent (>= n_tangent,) = lambda_R - mu lambda_N, kept inside
+    the cone |lambda_T| <= mu lambda_N, which rounding may leave.
+    """
+    for i in range(n_normal):
+        lambda_normal[i] = z[i]
+    for k in range(n_tangent):
+        bound = mu[tangent[k]] * z[tangent[k]]
+        lambda_tangent[k] = min(max(z[n_normal + k] - bound, -bound), bound)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactProblem:
+    """Planar Coulomb contact: contact velocities (or accelerations) are ``G @ forces + free``.
+
+    Attributes
+    ----------
+    delassus
+        G (m, m) [1/kg], or None where only its factor is known.
+    free
+        (m,) velocity [m/s] or acceleration [m/s^2] without contact forces. Rows are ordered [normals of all contacts;
+        tangents of the frictional ones], m = n_N + n_H.
+    friction
+        (n_N,) coefficients [-]: a contact has a tangent row if and only if its coefficient is positive.
+    keys
+        (n_N,) names of the contacts, for messages and for warm starts from problems with other contacts; their numbers
+        if left out.
+    factor
+        J (m, k) with G = J J^T, dense or scipy sparse: W^T L^-T for the mass matrix M = L L^T. Memory then stays linear
+        in the contacts where each of them touches few bodies.
+
+    Raises
+    ------
+    ModelError
+        For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
+    """
+
+    delassus: FloatArray | None
+    free: FloatArray
+    friction: FloatArray
+    keys: tuple[Hashable, ...] = ()
+    factor: Any = None
+
+    def __post_init__(self) -> None:
+        friction = finite_array("friction", self.friction, 1)
+        if (friction < 0.0).any():
+            raise ModelError(f"friction is {friction}: expected coefficients >= 0")
+        free = finite_array("free", self.free, 1)
+        n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
+        delassus = self.delassus
+        if delassus is not None:
+            delassus = finite_array("delassus", delassus, 2) if np.size(delassus) else np.zeros((0, 0))
+        factor = _read_factor(self.factor)
+        if delassus is None and factor is None:
+            raise ModelError("delassus is None: expected a matrix, or else its factor")
+        shape = (m, m) if delassus is None else delassus.shape
+        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
+            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
+            raise ModelError(
+                f"{given} and free {free.shape}: expected {m} rows for {n_normal} contacts, "
+                f"{m - n_normal} of them with friction"
+            )
+        keys = tuple(self.keys) or tuple(range(n_normal))
+        if len(keys) != n_normal or len(set(keys)) != n_normal:
+            raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n_normal}, one each")
+        given_values = {"delassus": delassus, "free": free, "friction": friction, "keys": keys, "factor": factor}
+        for name, value in given_values.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def tangent(self) -> IntArray:
+        """(n_H,) the contact to which each tangential row belongs."""
+        return np.flatnonzero(self.friction).astype(np.int64)
+
+    @property
+    def size(self) -> int:
+        """Number n_N + 2 n_H of unknowns of :meth:`lcp`."""
+        return 2 * len(self.free) - len(self.friction)
+
+    @property
+    def unknown_keys(self) -> tuple[Hashable, ...]:
+        """Name of each unknown of :meth:`lcp`: the contact's key with "N", "R" or "L"."""
+        frictional = [self.keys[i] for i in self.tangent]
+        return (
+            *((key, "N") for key in self.keys),
+            *((key, "R") for key in frictional),
+            *((key, "L") for key in frictional),
+        )
+
+    def dense(self) -> FloatArray:
+        """The Delassus matrix (m, m), multiplied out if only its factor is known."""
+        if self.delassus is not None:
+            return self.delassus
+        product = self.factor @ self.factor.T
+        return np.ascontiguousarray(_as_dense(product))
+
+    def lcp(self) -> Lcp:
+        """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
+        tangent, normals, n = self.tangent, len(self.friction), self.size
+        M, q = np.zeros((n, n)), np.zeros(n)
+        assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
+        factor = None
+        if not len(tangent) and self.factor is not None:
+            factor = _as_dense(self.factor)
+        return Lcp(M, q, factor)
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
+        keys = self.unknown_keys
+        return replace(solver.solve(self.lcp(), aligned(guess, keys)), keys=keys)
+
+    def copositive_lcp(self) -> Lcp:
+        """Unknowns [lambda_N (n_N), beta_+, beta_-, sigma (n_H each)]: see :func:`assemble_copositive_lcp`."""
+        tangent, normals = self.tangent, len(self.friction)
+        M, q = self.lcp().data
+        n = normals + 3 * len(tangent)
+        M4, q4 = np.zeros((n, n)), np.zeros(n)
+        assemble_copositive_lcp(M, q, self.friction, tangent, normals, len(tangent), M4, q4)
+        return Lcp(M4, q4)
+
+    def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
+        tangent, normals = self.tangent, len(self.friction)
+        point = self._point(z)
+        out = np.zeros(normals), np.zeros(len(tangent))
+        split_friction_solution(point, self.friction, tangent, normals, len(tangent), *out)
+        return out
+
+    def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:
+        """z (n,) of :meth:`lcp` for forces lambda_N (n_N,), lambda_T (n_H,); xi_L from the velocity they cause."""
+        tangent, normals = self.tangent, len(self.friction)
+        pressed, rubbed = np.asarray(lambda_normal, dtype=float), np.asarray(lambda_tangent, dtype=float)
+        slip = self.velocity(np.concatenate([pressed, rubbed]))[normals:]
+        edge = (self.friction * pressed)[tangent]
+        return np.concatenate([pressed, rubbed + edge, np.maximum(-slip, 0.0)])
+
+    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
+        """G @ forces + free (m,) for the forces [lambda_N, lambda_T] (m,)."""
+        x = np.asarray(forces, dtype=float)
+        product = self.delassus @ x if self.delassus is not None else self.factor @ (self.factor.T @ x)
+        return np.asarray(product + self.free)
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """w of :meth:`lcp` without forming it: [v_N, xi_R = v_T + xi_L, lambda_L = 2 mu lambda_N - lambda_R]."""
+        tangent, normals = self.tangent, len(self.friction)
+        point = self._point(z)
+        pressed, right, left = np.split(point, [normals, normals + len(tangent)])
+        edge = (self.friction * pressed)[tangent]
+        velocity = self.velocity(np.concatenate([pressed, right - edge]))
+        return np.concatenate([velocity[:normals], velocity[normals:] + left, 2.0 * edge - right])
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """Natural-map residual of z (n,), that of :meth:`lcp`; no more than BLOCK rows of its matrix are ever formed.
+
+        inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        """
+        point = self._point(z)
+        if not np.isfinite(point).all():
+            return float("inf")
+        with np.errstate(all="ignore"):
+            w = self.slack(point)
+            largest, terms = self._row_sizes(point)
+            worst = float(np.abs(np.minimum(largest * point, w)).max(initial=0.0))
+            size = float(terms.max(initial=0.0))
+            parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
+        if not np.isfinite(parts).all():
+            return float("inf")
+        return float(guarded_residual(*parts)) if scaled else worst
+
+    def _row_sizes(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`lcp`."""
+        tangent, normals, m = self.tangent, len(self.friction), len(self.free)
+        count = len(tangent)
+        edge = scipy.sparse.csr_array((self.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
+        columns = scipy.sparse.block_array(
+            [[scipy.sparse.eye_array(normals), None], [-edge, scipy.sparse.eye_array(count)]], format="csr"
+        )
+        largest, terms = np.zeros(self.size), np.zeros(self.size)
+        size = np.abs(z)
+        for first in range(0, m, BLOCK):
+            rows = slice(first, min(first + BLOCK, m))
+            block = self.delassus[rows] if self.delassus is not None else self.factor[rows] @ self.factor.T
+            block = abs(block @ columns)
+            largest[rows] = _as_dense(block.max(axis=1)).ravel()
+            terms[rows] = block @ size[:m]
+        terms[:m] += np.abs(self.free)
+        largest[normals:m] = np.maximum(largest[normals:m], 1.0)
+        terms[normals:m] += size[m:]
+        mu = self.friction[tangent]
+        largest[m:] = np.maximum(2.0 * mu, 1.0)
+        terms[m:] = 2.0 * mu * size[tangent] + size[normals:m]
+        largest[largest == 0.0] = 1.0
+        return largest, terms
+
+    def _point(self, z: npt.ArrayLike) -> FloatArray:
+        point = np.array(z, dtype=float, order="C")
+        if point.shape != (self.size,):
+            raise ModelError(f"z has shape {point.shape}: expected ({self.size},)")
+        return point
+
+
+def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | None:
+    """The guess with z and basis brought to the unknowns ``keys`` by name; unknowns that are new start nonbasic."""
+    if guess is None or guess.keys is None or guess.keys == keys:
+        return guess
+    place = {key: i for i, key in enumerate(guess.keys)}
+    found = np.array([place.get(key, -1) for key in keys], dtype=np.int64)
+    known = found >= 0
+    z = np.where(known, guess.z[found], 0.0) if len(guess.z) else np.zeros(len(keys))
+    active = None
+    if guess.active is not None:
+        active = np.where(known, guess.active[found], 0) if len(guess.z) else np.zeros(len(keys), dtype=np.int64)
+    return replace(guess, z=z, w=np.zeros(len(keys)), active=active, keys=keys)
+
+
+def _as_dense(matrix: Any) -> FloatArray:
+    return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
+
+
+def _read_factor(value: Any) -> Any:
+    """A factor as a contiguous array or a CSR array of finite numbers; None stays None."""
+    if value is None:
+        return None
+    if hasattr(value, "tocsr"):
+        sparse = scipy.sparse.csr_array(value.tocsr(), dtype=float, copy=True)
+        sparse.sum_duplicates()
+        check_finite("factor.data", sparse.data)
+        return sparse
+    return finite_array("factor", value, 2)
