@@ -50,6 +50,8 @@ _HOME = {
     "MoreauJean": "lcpflex.steppers.moreau_jean",
     "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
+    "RecordProblems": "lcpflex.recorder",
+    "Auto": "lcpflex.solvers.auto",
     "Lemke": "lcpflex.solvers.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
     "LcpflexError": "lcpflex.errors",
@@ -59,6 +61,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Auto",
     "Bar",
     "Beam",
     "Box",
@@ -79,6 +82,7 @@ __all__ = [
     "Prismatic",
     "QuadraticProgram",
     "Rayleigh",
+    "RecordProblems",
     "Result",
     "Revolute",
     "RigidBody",
@@ -128,9 +132,11 @@ if TYPE_CHECKING:
     from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
     from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.recorder import RecordProblems
     from lcpflex.result import Result
     from lcpflex.scene import Scene
     from lcpflex.simulate import simulate
+    from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.steppers.event_driven import EventDriven

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from lcpflex.energy import Energies
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
+from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.result import ContactSpots, Event, Result
 
 if TYPE_CHECKING:
@@ -61,6 +63,7 @@ def simulate(
     record: float | None = None,
     progress: bool | None = None,
     project: bool = False,
+    record_problems: RecordProblems | None = None,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
 
@@ -78,6 +81,8 @@ def simulate(
         Show a progress bar; by default on a terminal, once the run has lasted two seconds.
     project
         Project an initial state that violates joints onto them, instead of refusing it.
+    record_problems
+        Write contact problems of the run to a file, for ``lcpflex cross-check`` and :func:`lcpflex.solvers.replay`.
 
     Returns
     -------
@@ -97,6 +102,10 @@ def simulate(
         raise ModelError(f"stepper: {stepper!r} was given, expected a stepper such as MoreauJean(step=1e-4)")
     system, compiled, names = _system(scene, project)
     _check_solver(stepper, system)
+    recorder = None
+    if record_problems is not None:
+        recorder = Recorder(record_problems, names)
+        system = replace(system, watch=recorder.watch)
     began = time.perf_counter()
     run = stepper.start(system, duration, interval)
     message, cause = _guarded(run, 0)  # compiles, or loads from the cache
@@ -111,6 +120,8 @@ def simulate(
     timing = (time.perf_counter() - began, compile_time)
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, not (message or interrupted))
+    if recorder is not None:
+        result = _save_problems(recorder, result)
     if message:
         touching = tuple(names[k] for k in run.touching)
         raise StepError(
@@ -120,6 +131,15 @@ def simulate(
             contacts=touching,
             result=result,
         ) from cause
+    return result
+
+
+def _save_problems(recorder: Recorder, result: Result) -> Result:
+    """Write the recorded problems; if that cannot be, the result says so and is not lost."""
+    try:
+        recorder.save()
+    except LcpflexError as error:
+        return replace(result, warnings=(*result.warnings, f"the contact problems were not stored: {error}"))
     return result
 
 

@@ -19,11 +19,30 @@ from lcpflex.dynamics.delassus import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.solvers.auto import auto
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
 from lcpflex.solvers.lemke import lemke
+from lcpflex.solvers.problem import SOLVED
 
-__all__ = ["distribute", "pose", "solve_lcp"]
+__all__ = [
+    "AUTO",
+    "KNOWN",
+    "LEMKE",
+    "METHOD",
+    "REMEMBERED",
+    "SOLUTION_KNOWN",
+    "distribute",
+    "pose",
+    "recall_basis",
+    "remember_basis",
+    "solve_lcp",
+]
+
+METHOD, REMEMBERED, KNOWN = 0, 1, 2  # entries of Workspace.solving
+LEMKE, AUTO = 0, 1  # solving[METHOD]
+NOTHING_KNOWN, BASIS_KNOWN, SOLUTION_KNOWN = 0, 1, 2  # solving[KNOWN]
+RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
 
 
 @kernel
@@ -64,10 +83,72 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
 
 
 @kernel
+def recall_basis(work: Workspace) -> None:
+    """Start the present problem from the basis of the last one, contact by contact; a contact that is new starts open.
+
+    Not from which forces were positive: the basic unknowns of a degenerate contact may be zero.
+    """
+    n = work.step_size[1]
+    n_tangent = work.step_size[2]
+    count = work.solving[REMEMBERED]
+    for i in range(work.step_size[3]):
+        work.basis[i] = 0
+    j = 0
+    place = 0
+    for k in range(n):
+        frictional = j < n_tangent and work.tangent[j] == k
+        for _ in range(count):  # contacts keep their order: the next one is nearly always the one looked for
+            if work.last_key[place] == work.table.key[k]:
+                work.basis[k] = work.last_basis[place, 0]
+                if frictional:
+                    work.basis[n + j] = work.last_basis[place, 1]
+                    work.basis[n + n_tangent + j] = work.last_basis[place, 2]
+                place = (place + 1) % count
+                break
+            place = (place + 1) % count
+        if frictional:
+            j += 1
+    work.solving[KNOWN] = BASIS_KNOWN
+
+
+@kernel
+def remember_basis(work: Workspace) -> None:
+    """Keep the basis of the problem just solved, for :func:`recall_basis`."""
+    n = work.step_size[1]
+    n_tangent = work.step_size[2]
+    j = 0
+    for k in range(n):
+        work.last_key[k] = work.table.key[k]
+        work.last_basis[k, 0] = work.basis[k]
+        work.last_basis[k, 1] = 0
+        work.last_basis[k, 2] = 0
+        if j < n_tangent and work.tangent[j] == k:
+            work.last_basis[k, 1] = work.basis[n + j]
+            work.last_basis[k, 2] = work.basis[n + n_tangent + j]
+            j += 1
+    work.solving[REMEMBERED] = n
+
+
+@kernel
 def solve_lcp(work: Workspace) -> int:
-    """Solve the posed LCP by Lemke's method; 0 where solved. Residual and pivots go to ``work.certificate``."""
+    """Solve the posed LCP; 0 where solved. Residual and pivots go to ``work.certificate``.
+
+    By Lemke's method, or as :class:`lcpflex.solvers.Auto` does (``solving[METHOD]``). What is known beforehand,
+    ``solving[KNOWN]``, counts once: nothing, the basis to start from in ``work.basis``, or the solution in ``work.z``.
+    """
     m = work.step_size[3]
-    status, pivots = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
+    known = work.solving[KNOWN]
+    work.solving[KNOWN] = NOTHING_KNOWN
+    if known == SOLUTION_KNOWN:
+        work.certificate[0] = natural_residual(work.M, work.q, work.z, m)
+        if work.certificate[0] <= RESCUED:  # and the caller judges it by his own tolerance
+            return SOLVED
+    status, pivots = SOLVED, m
+    if work.solving[METHOD] == AUTO:
+        symmetric = work.step_size[2] == 0
+        status, pivots = auto(work.M, work.q, m, work.z, work.tableau, work.basis, symmetric, known == BASIS_KNOWN)
+    else:
+        status, pivots = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
     work.certificate[0] = natural_residual(work.M, work.q, work.z, m)
     work.certificate[1] = pivots
     return status

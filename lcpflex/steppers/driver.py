@@ -7,37 +7,104 @@ own mechanics. Its source is the same (:func:`lcpflex.compiled.interpreted`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any
+
+import numpy as np
 
 from lcpflex.compiled import interpreted
+from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
-from lcpflex.solvers.problem import Lcp, Solution, Status
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
-__all__ = ["LcpSolver", "link", "solver_hooks", "unsolved"]
+__all__ = ["Watch", "link", "Rescue", "posed_problem", "solver_hooks", "solver_method", "unsolved"]
 
+Watch = Callable[[Workspace], None]
 
-class LcpSolver(Protocol):
-    """What a stepper asks of a solver."""
-
-    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
-        """The certified solution of ``problem``, or the best point found with its status."""
+MOST_RESCUES = 100  # at one instant: a repeated step that comes to other problems each time would not end
 
 
-def solver_hooks(solver: LcpSolver) -> dict[str, Callable[..., Any]]:
-    """Replacement of the kernel ``solve_lcp`` by ``solver``; none for Lemke, which is compiled in."""
-    if isinstance(solver, Lemke):
-        return {}
+def solver_method(solver: LcpSolver) -> int:
+    """How the compiled ``solve_lcp`` is to solve; for a solver that is not compiled in, as Auto would."""
+    return LEMKE if isinstance(solver, Lemke) else AUTO
 
-    def solve_lcp(work: Workspace) -> int:
+
+def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> dict[str, Callable[..., Any]]:
+    """Replacement of the kernel ``solve_lcp`` by ``solver``, and of one that tells ``watch`` of each problem solved.
+
+    None for Auto and Lemke, which are compiled in, as long as nobody watches.
+    """
+    if watch is None:
+        return {} if isinstance(solver, (Auto, Lemke)) else {"solve_lcp": _python_solve(solver)}
+    solve = solve_lcp if isinstance(solver, (Auto, Lemke)) else _python_solve(solver)
+
+    def watched(work: Workspace) -> int:
+        status = solve(work)
+        watch(work)
+        return status
+
+    return {"solve_lcp": watched}
+
+
+def _python_solve(solver: LcpSolver) -> Callable[[Workspace], int]:
+    def solve(work: Workspace) -> int:
         m = int(work.step_size[3])
         solution = solver.solve(Lcp(work.M[:m, :m].copy(), work.q[:m].copy()))
-        work.z[:m] = solution.z
-        work.certificate[0] = solution.residual
-        work.certificate[1] = solution.iterations
-        return int(solution.status)
+        _put(work, solution)
+        return 0 if solution.solved else int(solution.status)
 
-    return {"solve_lcp": solve_lcp}
+    return solve
+
+
+def _put(work: Workspace, solution: Solution) -> None:
+    m = int(work.step_size[3])
+    work.z[:m] = solution.z
+    work.basis[:m] = solution.z > 0.0 if solution.active is None else solution.active
+    work.certificate[0] = solution.residual
+    work.certificate[1] = solution.iterations
+
+
+class Rescue:
+    """The rest of the chain of Auto, for problems on which its compiled part failed. The step is then repeated."""
+
+    def __init__(self, solver: LcpSolver, tolerance: float) -> None:
+        self._solver, self._tolerance = solver, tolerance
+        self._at, self._times = -1.0, 0
+
+    def __call__(self, work: Workspace, at: float) -> bool:
+        """Whether the problem posed in ``work`` at time ``at`` [s] was solved; the solution waits there."""
+        if not isinstance(self._solver, Auto):
+            return False
+        self._times = self._times + 1 if at == self._at else 0
+        self._at = at
+        if self._times > MOST_RESCUES:
+            return False
+        m = int(work.step_size[3])
+        solution = self._solver.solve(posed_problem(work) or Lcp(work.M[:m, :m], work.q[:m]))
+        if not solution.residual <= self._tolerance:
+            return False
+        _put(work, solution)
+        work.solving[KNOWN] = SOLUTION_KNOWN
+        return True
+
+
+def posed_problem(work: Workspace) -> ContactProblem | None:
+    """The contact problem behind the LCP in ``work``; None if it was posed on index sets, sliding in its columns."""
+    n = int(work.step_size[1])
+    n_tangent = int(work.step_size[2])
+    m = n + n_tangent
+    if int(work.step_size[3]) != m + n_tangent:
+        return None
+    friction = np.zeros(n)
+    friction[work.tangent[:n_tangent]] = work.mu[work.tangent[:n_tangent]]
+    keys = tuple(work.table.key[:n].tolist())
+    if len(set(keys)) < n or not friction[work.tangent[:n_tangent]].all():
+        return None
+    problem = ContactProblem(work.Gc[:m, :m], work.q[:m], friction, keys)
+    same = np.array_equal(problem.lcp().M, work.M[: m + n_tangent, : m + n_tangent])
+    return problem if same else None
 
 
 def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:

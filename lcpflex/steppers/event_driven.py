@@ -16,9 +16,11 @@ from typing import Any
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, assemble, lay_rows, position_errors, project
+from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, in_range
-from lcpflex.solvers.lemke import Lemke
-from lcpflex.steppers.driver import LcpSolver, link, solver_hooks, unsolved
+from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_loop import (
     CHATTER,
     DONE,
@@ -73,11 +75,13 @@ class EventDrivenRun:
             stepper.velocity_threshold,
             stepper.solver_tolerance,
         )
+        self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
+        self._work.solving[METHOD] = solver_method(stepper.solver)
         self._memory = event_memory(system, 16)
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
-        hooks = {**system.hooks, **solver_hooks(stepper.solver)}
+        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link([*_PARTS, advance], hooks)
 
     @property
@@ -139,6 +143,8 @@ class EventDrivenRun:
             elif status == EVENTS_FULL:
                 _ = self.events
             elif status == SOLVER_FAILED:
+                if self._rescue(self._work, self.time):
+                    continue
                 return unsolved(self._work, int(detail), self._settings.tolerance)
             elif status == CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
@@ -151,6 +157,7 @@ class EventDrivenRun:
         """Larger tables with the same content."""
         old_work, old = self._work, self._memory
         self._work = self.system.workspace(capacity)
+        self._work.solving[:] = old_work.solving
         new = event_memory(self.system, capacity)
         _copy(old_work.table, self._work.table, ContactTable._fields)
         _copy(old.sets, new.sets, ContactSets._fields)
@@ -204,7 +211,7 @@ class EventDriven:
         Slower approach than this [m/s] is stopped instead of reflected (e_N = 0), which ends the infinitely many
         impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick.
     solver
-        Any object with ``solve(problem)``; ``Lemke()`` keeps the whole loop compiled.
+        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
         Largest natural-map residual accepted.
 
@@ -220,7 +227,7 @@ class EventDriven:
     first_step: float | None = None
     gap_tolerance: float = 1e-9
     velocity_threshold: float = 1e-6
-    solver: LcpSolver = field(default_factory=Lemke)
+    solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
@@ -231,7 +238,7 @@ class EventDriven:
         if self.first_step is not None:
             in_range("first_step", self.first_step, 0.0, math.inf, open_ends=True)
         if not hasattr(self.solver, "solve"):
-            raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(), such as Lemke()")
+            raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(), such as Auto()")
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after impacts."""

@@ -23,7 +23,7 @@ from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
+from lcpflex.dynamics.impulse import METHOD, distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -37,8 +37,9 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import SLIP, STICK, Model
-from lcpflex.solvers.lemke import Lemke
-from lcpflex.steppers.driver import LcpSolver, link, solver_hooks, unsolved
+from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
@@ -227,9 +228,11 @@ def advance(
         clock[1] = predict(model, settings, t, q, u, work)
         if clock[1] > len(work.table.key):
             return GROW
+        recall_basis(work)
         clock[1] = solve_lcp(work)
         if clock[1] != 0 or not work.certificate[0] <= settings.tolerance:
             return SOLVER_FAILED
+        remember_basis(work)
         if not correct(model, settings, t, q, u, work, tape):
             return NOT_FINITE
         clock[0] += 1.0
@@ -252,7 +255,9 @@ class MoreauJeanRun:
             stepper.projection,
             stepper.solver_tolerance,
         )
+        self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
+        self._work.solving[METHOD] = solver_method(stepper.solver)
         whole = math.floor(duration / stepper.step * (1.0 + 1e-12) + 1e-9)
         rest = duration - whole * stepper.step
         self._phases = [(stepper.step, whole)] + ([(rest, 1)] if rest > 1e-9 * stepper.step else [])
@@ -260,7 +265,7 @@ class MoreauJeanRun:
         self._start = 0.0
         self._clock = np.array([0.0, 0.0, -1.0])
         self._made = 0
-        hooks = {**system.hooks, **solver_hooks(stepper.solver)}
+        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         parts: list[Callable[..., Any]] = [project_joints, project_contacts, predict, correct, store_contacts, record]
         self._advance = link([*parts, advance], hooks)
 
@@ -330,6 +335,8 @@ class MoreauJeanRun:
             elif status == GROW:
                 self._grow(2 * int(self._clock[1]))
             elif status == SOLVER_FAILED:
+                if self._rescue(self._work, self.time):
+                    continue
                 return unsolved(self._work, int(self._clock[1]), self._settings.tolerance)
             else:
                 return "the state is no longer finite: the step is too long for the forces of this scene"
@@ -342,6 +349,9 @@ class MoreauJeanRun:
         self._work.step_size[4] = held
         self._work.held_key[:, :held] = old.held_key[:, :held]
         self._work.held_gap[:, :held] = old.held_gap[:, :held]
+        self._work.solving[:] = old.solving
+        self._work.last_key[: len(old.last_key)] = old.last_key
+        self._work.last_basis[: len(old.last_basis)] = old.last_basis
 
 
 @dataclass(frozen=True, slots=True)
@@ -361,7 +371,7 @@ class MoreauJean:
     projection
         Take the drift out of contacts that stay closed, after each step. Joints are always projected.
     solver
-        Any object with ``solve(problem)``; ``Lemke()`` keeps the whole loop compiled.
+        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
 
     Raises
     ------
@@ -374,7 +384,7 @@ class MoreauJean:
     activation: float = 0.5
     gap_tolerance: float = 1e-9
     projection: bool = True
-    solver: LcpSolver = field(default_factory=Lemke)
+    solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
@@ -385,7 +395,7 @@ class MoreauJean:
         in_range("solver_tolerance", self.solver_tolerance, 0.0, math.inf, open_ends=True)
         if not hasattr(self.solver, "solve"):
             raise ModelError(
-                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Lemke()"
+                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
             )
 
     def start(self, system: System, duration: float, interval: float) -> MoreauJeanRun:
