@@ -56,31 +56,6 @@ def _row_parts(row: FloatArray, z: FloatArray, n: int) -> tuple[float, float, fl
 
 
 @kernel
-def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> tuple[float, float, float]:
-    """w = M z + q, and the parts of the residual as :func:`residual_parts` gives them.
-
-    M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
-    """
-    worst, size, load = 0.0, 0.0, 0.0
-    finite = True
-    for i in range(n):
-        product, terms, row = _row_parts(M[i], z, n)
-        slack = product + q[i]
-        w[i] = slack
-        load = max(load, abs(q[i]))
-        terms += abs(q[i])
-        lifted = row * z[i] if row > 0.0 else z[i]
-        # NaN fails every comparison, and min() may drop it: each number is asked for by itself.
-        if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
-            finite = False
-        worst = max(worst, abs(min(lifted, slack)))
-        size = max(size, terms)
-    if not finite:
-        return np.inf, np.inf, np.inf
-    return worst, size, load
-
-
-@kernel
 def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
     """The absolute natural-map residual, the size of the terms of w, and |q|; all inf if anything is not finite.
 
@@ -119,6 +94,29 @@ def guarded_residual(worst: float, size: float, load: float) -> float:
     if worst > GUARD * load:
         return worst / load if load > 0.0 else np.inf
     return worst / size
+
+
+@kernel
+def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> float:
+    """w = M z + q, and the residual as :func:`natural_residual` gives it.
+
+    M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
+    """
+    worst, size, load = 0.0, 0.0, 0.0
+    finite = True
+    for i in range(n):
+        product, terms, row = _row_parts(M[i], z, n)
+        slack = product + q[i]
+        w[i] = slack
+        load = max(load, abs(q[i]))
+        terms += abs(q[i])
+        lifted = row * z[i] if row > 0.0 else z[i]
+        # NaN fails every comparison, and min() may drop it: each number is asked for by itself.
+        if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
+            finite = False
+        worst = max(worst, abs(min(lifted, slack)))
+        size = max(size, terms)
+    return guarded_residual(worst, size, load) if finite else np.inf
 
 
 @kernel

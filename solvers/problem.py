@@ -19,7 +19,6 @@ from lcpflex.errors import ModelError
 from lcpflex.solvers.certificate import (
     all_finite,
     certifies_infeasibility,
-    guarded_residual,
     is_symmetric,
     judge,
     natural_residual,
@@ -91,7 +90,9 @@ class Lcp:
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
-        M = as_array("M", self.M, 2) if np.size(self.M) else np.zeros((0, 0))
+        M = as_array("M", self.M, 2) if len(q) else as_array("M", self.M, np.ndim(self.M))
+        if M.size == 0:
+            M = np.zeros((0, 0))
         if M.shape != (len(q), len(q)):
             raise ModelError(f"M has shape {M.shape} and q shape {q.shape}: expected (n, n) and (n,)")
         if not all_finite(M, q):
@@ -216,8 +217,7 @@ def accept(
     point = np.array(z, dtype=float, order="C")
     if type(problem) is Lcp and point.shape == problem.q.shape:
         w = np.empty(len(point))
-        worst, size, load = judge(*problem.data, point, len(point), w)
-        residual = guarded_residual(worst, size, load)
+        residual = judge(*problem.data, point, len(point), w)
     else:
         residual = problem.residual(point)
         with np.errstate(all="ignore"):  # a point that is not finite has been judged already
