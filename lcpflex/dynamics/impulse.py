@@ -91,6 +91,8 @@ def recall_basis(work: Workspace) -> None:
     n = work.step_size[1]
     n_tangent = work.step_size[2]
     count = work.solving[REMEMBERED]
+    if work.solving[KNOWN] == SOLUTION_KNOWN:
+        return
     for i in range(work.step_size[3]):
         work.basis[i] = 0
     j = 0

@@ -1,0 +1,188 @@
+"""What the choice of a solver means to a run: the same motion, and a second chance where the compiled part gives up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.dynamics.impulse import (
+    AUTO,
+    KNOWN,
+    METHOD,
+    REMEMBERED,
+    SOLUTION_KNOWN,
+    recall_basis,
+    remember_basis,
+    solve_lcp,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.gallery import scenes
+from lcpflex.solvers import Lcp
+from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
+from lcpflex.steppers.moreau_jean import SOLVER_FAILED, MoreauJeanRun
+
+# Every path of Lemke ends on a ray, although z = (0, 0, 1/2) is a solution.
+HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0])
+
+
+def stack_memory(steps: int = 5) -> tuple[Workspace, MoreauJeanRun]:
+    """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
+    case = scenes()["stack"]
+    run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
+    assert run.advance(steps) == ""
+    return run._work, run
+
+
+@pytest.mark.parametrize("name", ["stack", "pendulum"])
+def test_auto_and_lemke_give_the_same_motion(name: str) -> None:
+    case = scenes()[name]
+    runs = [
+        lf.simulate(case.build(), 0.2 * case.duration, replace(case.stepper, solver=solver))
+        for solver in (lf.Auto(), lf.Lemke())
+    ]
+    assert runs[0].q == pytest.approx(runs[1].q, abs=1e-9)
+    assert runs[0].residual.max() <= 1e-10
+
+
+def test_the_last_basis_solves_the_next_problem_at_once() -> None:
+    work, _ = stack_memory()
+    m = int(work.step_size[3])
+    assert work.solving[METHOD] == AUTO
+    assert work.solving[REMEMBERED] == work.step_size[1] > 10
+    recall_basis(work)
+    assert solve_lcp(work) == 0
+    assert work.certificate[1] == 1  # one linear solve
+    assert solve_lcp(work) == 0  # what is known counts once: this one starts cold
+    assert work.certificate[1] > m / 3
+
+
+def test_a_basis_follows_its_contact_to_another_place() -> None:
+    work, _ = stack_memory()
+    n, n_tangent = int(work.step_size[1]), int(work.step_size[2])
+    keys = work.table.key[:n].copy()
+    basis = np.arange(n + 2 * n_tangent) % 2
+    work.basis[: len(basis)] = basis
+    remember_basis(work)
+    work.table.key[: n - 1] = keys[1:]  # the first contact has opened, a new one stands last
+    work.table.key[n - 1] = keys.max() + 1
+    recall_basis(work)
+    for part in range(3):
+        first = part * n  # all contacts of the stack have friction
+        assert (work.basis[first : first + n - 1] == basis[first + 1 : first + n]).all()
+        assert work.basis[first + n - 1] == 0
+
+
+def test_a_problem_that_the_compiled_part_cannot_solve_goes_down_the_chain() -> None:
+    work, _ = stack_memory()
+    work.M[:3, :3], work.q[:3] = HARD.M, HARD.q
+    work.step_size[1:4] = (3, 1, 3)
+    assert solve_lcp(work) != 0
+    assert Rescue(lf.Auto(), 1e-9)(work, 0.0)
+    assert work.solving[KNOWN] == SOLUTION_KNOWN
+    assert solve_lcp(work) == 0
+    assert work.z[:3] == pytest.approx([0.0, 0.0, 0.5], abs=1e-12)
+    assert not Rescue(lf.Lemke(), 1e-9)(work, 0.0)  # who asks for Lemke gets Lemke
+
+
+def test_rescues_at_one_instant_end() -> None:
+    work, _ = stack_memory()
+    rescue = Rescue(lf.Auto(), 1e-9)
+    made = [rescue(work, 0.5) for _ in range(MOST_RESCUES + 2)]
+    assert made == [True] * (MOST_RESCUES + 1) + [False]
+    assert rescue(work, 0.6)
+
+
+def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
+    case = scenes()["stack"]
+    _, plain = stack_memory(20)
+    run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
+    assert run.advance(3) == ""
+    compiled, failures = run._advance, []
+
+    def fails_once(*arguments: Any) -> int:
+        if not failures:
+            compiled(*arguments[:-2], 2, arguments[-1])
+            failures.append(run.steps)
+            return SOLVER_FAILED
+        return int(compiled(*arguments))
+
+    run._advance = fails_once
+    assert run.advance(17) == ""
+    assert failures == [5]
+    assert run.steps == plain.steps == 20
+    assert run.q == pytest.approx(plain.q, abs=1e-12)
+
+
+def test_the_posed_problem_is_the_one_in_memory() -> None:
+    work, _ = stack_memory()
+    problem = posed_problem(work)
+    assert problem is not None
+    m = int(work.step_size[3])
+    assert np.array_equal(problem.lcp().M, work.M[:m, :m])
+    assert np.array_equal(problem.lcp().q, work.q[:m])
+    work.M[0, 0] += 1.0  # as if posed on index sets
+    assert posed_problem(work) is None
+
+
+class TestRecordProblems:
+    @pytest.mark.parametrize(
+        ("change", "said"),
+        [
+            ({"every": 0}, "every: 0"),
+            ({"hardest": -1}, "hardest: -1"),
+            ({"every": 1, "hardest": 1}, "one of the two"),
+            ({"by": "luck"}, "'luck'.*residual, iterations, condition"),
+            ({"limit": True}, "limit: True"),
+            ({"path": 3}, "path: 3"),
+            ({"path": "/no/such/folder/x.npz"}, "no/such"),
+        ],
+    )
+    def test_refuses_what_cannot_be(self, tmp_path: Any, change: dict[str, Any], said: str) -> None:
+        with pytest.raises(lf.ModelError, match=said):
+            lf.RecordProblems(**{"path": tmp_path / "x.npz", **change})
+
+    def test_each_third_problem(self, tmp_path: Any) -> None:
+        from lcpflex.solvers.files import load_problems
+
+        case = scenes()["stack"]
+        path = tmp_path / "stack.npz"
+        recorded = lf.simulate(case.build(), 0.02, case.stepper, record_problems=lf.RecordProblems(path, every=3))
+        plain = lf.simulate(case.build(), 0.02, case.stepper)
+        assert recorded.q == pytest.approx(plain.q, abs=1e-13)
+        problems = load_problems(path)
+        assert len(problems) == 7  # of 20
+        assert problems[1].name.startswith("problem 3: ")
+        assert (problems[0].problem.friction > 0.0).all()
+        assert all("#" in key for key in problems[0].problem.keys)
+
+    @pytest.mark.parametrize("by", ["residual", "iterations", "condition"])
+    def test_the_hardest(self, tmp_path: Any, by: str) -> None:
+        from lcpflex.solvers.files import load_problems
+
+        case = scenes()["stack"]
+        path = tmp_path / "hard.npz"
+        request = lf.RecordProblems(path, hardest=4, by=by)
+        lf.simulate(case.build(), 0.02, case.stepper, record_problems=request)
+        assert len(load_problems(path)) == 4
+
+    def test_more_than_the_limit_are_thinned_out(self, tmp_path: Any) -> None:
+        from lcpflex.solvers.files import load_problems
+
+        case = scenes()["stack"]
+        path = tmp_path / "thin.npz"
+        request = lf.RecordProblems(path, every=1, limit=6)
+        lf.simulate(case.build(), 0.02, case.stepper, record_problems=request)
+        numbers = [int(one.name.split(":")[0].split()[1]) for one in load_problems(path)]
+        assert numbers == [0, 4, 8, 12, 16]
+
+    def test_event_driven_runs_record_too(self, tmp_path: Any) -> None:
+        from lcpflex.solvers.files import load_problems
+
+        case = scenes()["stack"]
+        path = tmp_path / "events.npz"
+        lf.simulate(case.build(), 0.02, lf.EventDriven(), record_problems=lf.RecordProblems(path))
+        assert load_problems(path)
