@@ -129,16 +129,15 @@ class Recorder:
 
 
 def _problem(work: Workspace, contacts: list[str]) -> Lcp | ContactProblem:
-    """A copy of the problem: of contact with friction if it is one, else as an LCP."""
+    """A copy of the problem; its contacts by their names and the places where they touch."""
     from dataclasses import replace
 
-    from lcpflex.solvers.problem import Lcp
+    from lcpflex.solvers.friction import ContactProblem
     from lcpflex.steppers.driver import posed_problem
 
     problem = posed_problem(work)
-    if problem is None:
-        m = int(work.step_size[3])
-        return Lcp(work.M[:m, :m], work.q[:m])
+    if not isinstance(problem, ContactProblem):
+        return problem
     keys = (f"{name}#{key}" for name, key in zip(contacts, problem.keys, strict=True))
     return replace(problem, keys=tuple(keys))
 

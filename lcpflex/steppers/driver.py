@@ -19,7 +19,7 @@ from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
-__all__ = ["Watch", "link", "Rescue", "posed_problem", "solver_hooks", "solver_method", "unsolved"]
+__all__ = ["Watch", "link", "Rescue", "posed_lcp", "posed_problem", "solver_hooks", "solver_method", "unsolved"]
 
 Watch = Callable[[Workspace], None]
 
@@ -49,9 +49,16 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> dict[str, Cal
 
 
 def _python_solve(solver: LcpSolver) -> Callable[[Workspace], int]:
+    """``solver`` behind the interface of the kernel; one of the library gets contacts, and its last answer as guess."""
+    ours = hasattr(solver, "refuses")
+    last: list[Solution] = []
+
     def solve(work: Workspace) -> int:
-        m = int(work.step_size[3])
-        solution = solver.solve(Lcp(work.M[:m, :m].copy(), work.q[:m].copy()))
+        if ours:
+            solution = solver.solve(posed_problem(work), last[0] if last else None)
+            last[:] = [solution] if solution.solved else []
+        else:
+            solution = solver.solve(posed_lcp(work))
         _put(work, solution)
         return 0 if solution.solved else int(solution.status)
 
@@ -81,8 +88,7 @@ class Rescue:
         self._at = at
         if self._times > MOST_RESCUES:
             return False
-        m = int(work.step_size[3])
-        solution = self._solver.solve(posed_problem(work) or Lcp(work.M[:m, :m], work.q[:m]))
+        solution = self._solver.solve(posed_problem(work))
         if not solution.residual <= self._tolerance:
             return False
         _put(work, solution)
@@ -90,21 +96,33 @@ class Rescue:
         return True
 
 
-def posed_problem(work: Workspace) -> ContactProblem | None:
-    """The contact problem behind the LCP in ``work``; None if it was posed on index sets, sliding in its columns."""
+def posed_lcp(work: Workspace) -> Lcp:
+    """The LCP in ``work``."""
+    m = int(work.step_size[3])
+    return Lcp(work.M[:m, :m], work.q[:m])
+
+
+def posed_problem(work: Workspace) -> Lcp | ContactProblem:
+    """The contacts behind the LCP in ``work``, read off the form of :func:`assemble_friction_lcp`.
+
+    Posed on index sets, the Delassus matrix holds the friction of sliding contacts in its normal columns and is
+    unsymmetric. Contacts that share a key (two at one place) come as an LCP.
+    """
     n = int(work.step_size[1])
-    n_tangent = int(work.step_size[2])
+    n_tangent = (int(work.step_size[3]) - n) // 2
     m = n + n_tangent
-    if int(work.step_size[3]) != m + n_tangent:
-        return None
-    friction = np.zeros(n)
-    friction[work.tangent[:n_tangent]] = work.mu[work.tangent[:n_tangent]]
     keys = tuple(work.table.key[:n].tolist())
-    if len(set(keys)) < n or not friction[work.tangent[:n_tangent]].all():
-        return None
-    problem = ContactProblem(work.Gc[:m, :m], work.q[:m], friction, keys)
-    same = np.array_equal(problem.lcp().M, work.M[: m + n_tangent, : m + n_tangent])
-    return problem if same else None
+    if len(set(keys)) < n:
+        return posed_lcp(work)
+    twice_mu = work.M[m : m + n_tangent, :n]
+    tangent = twice_mu.argmax(axis=1) if n else np.zeros(0, dtype=np.int64)
+    friction = np.zeros(n)
+    friction[tangent] = 0.5 * twice_mu[np.arange(n_tangent), tangent]
+    delassus = work.M[:m, :m].copy()
+    delassus[:, tangent] += delassus[:, n:] * friction[tangent]
+    if n_tangent == work.step_size[2] and np.allclose(delassus, work.Gc[:m, :m], rtol=1e-12, atol=0.0):
+        delassus = work.Gc[:m, :m]  # the same without the rounding
+    return ContactProblem(delassus, work.q[:m], friction, keys)
 
 
 def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:

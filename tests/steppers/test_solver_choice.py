@@ -21,7 +21,7 @@ from lcpflex.dynamics.impulse import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
-from lcpflex.solvers import Lcp
+from lcpflex.solvers import ContactProblem, Lcp
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
 from lcpflex.steppers.moreau_jean import SOLVER_FAILED, MoreauJeanRun
 
@@ -120,12 +120,33 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
 def test_the_posed_problem_is_the_one_in_memory() -> None:
     work, _ = stack_memory()
     problem = posed_problem(work)
-    assert problem is not None
     m = int(work.step_size[3])
+    assert isinstance(problem, ContactProblem)
+    assert problem.friction == pytest.approx(np.full(int(work.step_size[1]), 0.5), abs=0.0)
     assert np.array_equal(problem.lcp().M, work.M[:m, :m])
     assert np.array_equal(problem.lcp().q, work.q[:m])
-    work.M[0, 0] += 1.0  # as if posed on index sets
-    assert posed_problem(work) is None
+
+
+def test_a_problem_on_index_sets_is_read_off_its_matrix() -> None:
+    work, _ = stack_memory()
+    n = int(work.step_size[1])
+    A = np.array([[2.0, 0.3, 0.1], [0.2, 3.0, 0.4], [0.1, 0.5, 5.0]])  # contact 0 slides, contact 1 may stick
+    posed = ContactProblem(A, [1.0, 2.0, 3.0], [0.0, 0.7])
+    lcp = posed.lcp()
+    assert n > 2
+    work.M[:4, :4], work.q[:4] = lcp.M, lcp.q
+    work.step_size[1:4] = (2, 2, 4)
+    problem = posed_problem(work)
+    assert isinstance(problem, ContactProblem)
+    assert problem.delassus == pytest.approx(A, abs=1e-15)
+    assert problem.friction == pytest.approx([0.0, 0.7], abs=0.0)
+    assert problem.free == pytest.approx(posed.free, abs=0.0)
+
+
+def test_contacts_with_one_key_come_as_an_lcp() -> None:
+    work, _ = stack_memory()
+    work.table.key[1] = work.table.key[0]
+    assert isinstance(posed_problem(work), Lcp)
 
 
 class TestRecordProblems:
