@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, writable_path
 
 __all__ = ["read", "write"]
 
@@ -42,10 +42,10 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
     The file is written beside its final name and then put in its place, so that a full disk leaves an older file
     untouched and no half-written one. Raises ModelError with the path and the reason.
     """
-    target = Path(path)
+    target = writable_path("path", path)
     arrays: Arrays = {}
     structure = json.dumps(_encode(value, "", arrays))
-    part = target.with_name(f".{target.name}.{os.getpid()}.part") if target.name else target
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
         try:
             with part.open("wb") as file:
@@ -58,12 +58,15 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
             raise
     except OSError as error:
         raise ModelError(f"path: cannot write {str(target)!r}: {error.strerror or error}") from error
-    return target
+    return Path(path)
 
 
 def read(path: str | os.PathLike[str]) -> Any:
     """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
-    target = Path(path)
+    try:
+        target = Path(path)
+    except TypeError:
+        raise ModelError(f"path: {path!r} was given, expected the name of a file") from None
     try:
         with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             if "format" not in file or str(file["format"]) != FORMAT:

@@ -6,9 +6,11 @@ Every message names the argument, the value that was given and what was expected
 from __future__ import annotations
 
 import math
+import os
+from pathlib import Path
 from typing import Any
 
-__all__ = ["LcpflexError", "ModelError", "SolverError", "StepError", "in_range"]
+__all__ = ["LcpflexError", "ModelError", "SolverError", "StepError", "in_range", "writable_path"]
 
 
 class LcpflexError(Exception):
@@ -71,3 +73,24 @@ def in_range(name: str, value: Any, low: float, high: float, *, open_ends: bool 
     if not (math.isfinite(number) and inside):
         raise ModelError(f"{name}: {value!r} was given, {expected}")
     return number
+
+
+def writable_path(name: str, value: Any) -> Path:
+    """``value`` as the path of a file that can be written, links followed.
+
+    Raises
+    ------
+    ModelError
+        For what is no path, a folder that is missing or write-protected, and what is there but no regular file.
+    """
+    try:
+        target = Path(value).resolve()
+    except TypeError:
+        raise ModelError(f"{name}: {value!r} was given, expected the name of a file") from None
+    if target.exists() and not target.is_file():
+        raise ModelError(f"{name}: cannot write {str(value)!r}: it is there and no regular file")
+    if not target.parent.is_dir():
+        raise ModelError(f"{name}: cannot write {str(value)!r}: there is no folder {str(target.parent)!r}")
+    if not os.access(target.parent, os.W_OK):
+        raise ModelError(f"{name}: cannot write {str(value)!r}: no permission in {str(target.parent)!r}")
+    return target

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, writable_path
 from lcpflex.picture import View, draw_bodies, draw_forces, draw_joints, draw_surfaces, view_of
 
 if TYPE_CHECKING:
@@ -72,6 +72,8 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     from matplotlib.figure import Figure
 
     compiled = _scene_of(result)
+    if not isinstance(t, (int, float, np.number)):
+        raise ModelError(f"t: {t!r} was given; expected a time [s]")
     if not (result.times.size and result.times[0] <= t <= result.times[-1]):
         reached = f"{result.times[0]:g} to {result.times[-1]:g} s" if result.times.size else "no instant"
         raise ModelError(f"t: {t!r} s; expected a time within the result, {reached}")
@@ -99,7 +101,7 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
     from matplotlib.figure import Figure
 
     compiled = _scene_of(result)
-    target = Path(path)
+    target = writable_path("path", path)
     ending = target.suffix.lower()
     if ending not in (".gif", ".mp4"):
         raise ModelError(f"path: {str(target)!r}; expected a name that ends in .gif or .mp4")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, writable_path
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
@@ -66,12 +65,7 @@ class RecordProblems:
             raise ModelError(f"every, hardest: {self.every} and {self.hardest} were given, expected one of the two")
         if self.by not in MEASURES:
             raise ModelError(f"by: {self.by!r} was given, expected one of {', '.join(MEASURES)}")
-        try:
-            folder = Path(self.path).resolve().parent
-        except TypeError:
-            raise ModelError(f"path: {self.path!r} was given, expected the name of a file") from None
-        if not folder.is_dir() or not os.access(folder, os.W_OK):
-            raise ModelError(f"path: {str(self.path)!r} cannot be written, expected a file in a writable folder")
+        writable_path("path", self.path)
 
 
 @dataclass(slots=True)

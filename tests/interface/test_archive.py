@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import zipfile
 from dataclasses import fields, is_dataclass
@@ -74,6 +75,27 @@ def test_unwritable_path(bounce: Result, tmp_path: Path, name: str) -> None:
     with pytest.raises(ModelError, match=r"path: cannot write .*" + name):
         bounce.save(tmp_path / name)
     assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("path", [None, 3.5])
+def test_what_is_no_path(bounce: Result, path: Any) -> None:
+    with pytest.raises(ModelError, match="expected the name of a file"):
+        bounce.save(path)
+    with pytest.raises(ModelError, match="expected the name of a file"):
+        Result.load(path)
+
+
+def test_a_link_stays_a_link_and_a_device_a_device(bounce: Result, tmp_path: Path) -> None:
+    target, link = tmp_path / "there.npz", tmp_path / "link.npz"
+    link.symlink_to(target)
+    assert_same(bounce, Result.load(bounce.save(link)))
+    assert link.is_symlink()
+    assert target.is_file()
+    pipe = tmp_path / "pipe.npz"
+    os.mkfifo(pipe)
+    with pytest.raises(ModelError, match="no regular file"):
+        bounce.save(pipe)
+    assert pipe.is_fifo()
 
 
 def test_full_disk_leaves_the_older_file_and_nothing_else(swing: Result, tmp_path: Path) -> None:

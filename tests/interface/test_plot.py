@@ -114,6 +114,16 @@ def test_picture_of_a_time_that_was_not_simulated(swing: Result, t: float) -> No
         swing.draw(t)
 
 
+def test_picture_of_what_is_no_time(swing: Result) -> None:
+    with pytest.raises(ModelError, match="'x' was given"):
+        swing.draw("x")  # type: ignore[arg-type]
+
+
+def test_film_into_a_missing_folder_is_refused_before_it_is_drawn(swing: Result, tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match="no folder"):
+        swing.animate(tmp_path / "missing" / "film.gif")
+
+
 def test_film_as_gif(swing: Result, tmp_path: Path) -> None:
     path = swing.animate(tmp_path / "film.gif", fps=10.0, slowdown=2.0)
     with Image.open(path) as film:
