@@ -4,7 +4,7 @@ Where ``free`` is J u, J the rows of the contacts and u the velocities (or accel
 exists: forces within the friction cones that leave all bodies at rest, J^T lambda = 0, have no power on it,
 lambda.J u = 0, which is the condition of Anitescu & Potra (1997). It stays true if normal velocities are raised.
 
-Each family is a function of a random generator and of a number of contacts.
+Each family is a function of a random generator and of a number of contacts. Those that name no source are built here.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def mass_points(rng: Rng, n: int) -> Iterator[Example]:
 
 
 def boxes(rng: Rng, n: int) -> Iterator[Example]:
-    """A box on n >= 2 collinear points of a floor: at most three rows of G are independent (Glocker 2001).
+    """A box on n >= 2 collinear points of a floor: at most three rows of G are independent.
 
     One velocity is that at which friction just stops the box; one is zero, so that all pairs are degenerate.
     """
@@ -161,7 +161,7 @@ def _stack(boxes: int, points: int) -> tuple[FloatArray, FloatArray]:
 
 
 def stacks(rng: Rng, n: int) -> Iterator[Example]:
-    """Stacks of boxes, each on redundant points, a box up to 1e8 times heavier on top (mass ratio: Silcowitz 2010)."""
+    """Stacks of boxes, each on redundant points, the top box up to 1e8 times heavier (after Erleben 2007)."""
     points = int(rng.integers(2, 5))
     count = max(1, n // points)
     N, T = _stack(count, points)

@@ -1,6 +1,7 @@
 """Complementarity problems given by a matrix: worst cases of pivoting, random classes, and the failures of solvers.
 
 Each family is a function of a random generator and of a size; it yields a few examples of about that many unknowns.
+Those that name no source are built here.
 """
 
 from __future__ import annotations
