@@ -9,6 +9,7 @@ any solution, a second linear program looks for the vector of Farkas. Source: Mu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -122,9 +123,10 @@ def enumerate_active_sets(
 ) -> tuple[int, int]:
     """Every solution with a nonsingular basis; (number of different ones, number of singular sets left undecided).
 
-    M (cap, cap), q (cap,): the leading n x n block and first n entries count. Out: found (k, cap), the first k different
-    solutions in the order of their active sets, counted as binary numbers with unknown 0 the lowest bit, and codes (k,),
-    these numbers; singular (l,), the first l undecided ones. table, order: of ``enumeration_workspace(cap)``.
+    M (cap, cap), q (cap,): the leading n x n block and first n entries count. Out: found (k, cap), the first k
+    different solutions in the order of their active sets, counted as binary numbers with unknown 0 the lowest bit, and
+    codes (k,), these numbers; singular (l,), the first l undecided ones. table, order: of
+    ``enumeration_workspace(cap)``.
     """
     kept, undecided = 0, 0
     z = table[n + 1, :n]
@@ -284,13 +286,13 @@ def farkas(M: FloatArray, q: FloatArray) -> FloatArray | None:
     column = np.abs(scaled).max(axis=0)
     column[column == 0.0] = 1.0
     columns = (scaled / column).T
-    options = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+    options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     program = linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
     if program.x is None or not program.fun < 0.0:
         return None
     y = np.maximum(program.x, 0.0)
     for candidate in (y, _onto_tight(columns, y)):
-        u = np.maximum(candidate, 0.0) / row
+        u: FloatArray = np.maximum(candidate, 0.0) / row
         if certifies_infeasibility(M, q, u):
             return u
     return None

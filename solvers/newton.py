@@ -117,7 +117,7 @@ def _step(
     trial: FloatArray,
     w: FloatArray,
 ) -> float:
-    """Move z towards ``target`` as far as the merit falls, or all the way if ``full``; the merit there, -1 if it did not.
+    """Move z towards ``target`` as far as the merit falls, or all the way if ``full``; the merit there, -1 if nowhere.
 
     w belongs to the new z.
     """
