@@ -80,6 +80,21 @@ def test_no_solver_gives_a_wrong_answer(any_solver, all_solvers, faults, seed):
     assert asked >= 20
 
 
+def test_exhaustive_search_confirms_how_many_solutions_there_are(all_solvers):
+    confirmed = collections.Counter()
+    for example in examples(31, (1, 2, 4)):
+        if takes("Enumeration", all_solvers["Enumeration"], example):
+            status = all_solvers["Enumeration"].solve(example.problem).status
+            if example.unique == "z":
+                assert status is Status.SOLVED, example.name
+            elif example.outcome in (Status.NOT_UNIQUE, Status.NO_SOLUTION):
+                assert status is example.outcome, example.name
+            elif example.outcome is Status.INFEASIBLE:
+                assert status in (Status.INFEASIBLE, Status.NO_SOLUTION), example.name
+            confirmed[example.outcome] += 1
+    assert set(confirmed) >= {Status.SOLVED, Status.NOT_UNIQUE, Status.NO_SOLUTION, Status.INFEASIBLE}
+
+
 @pytest.mark.parametrize("seed", [21, 22, 23])
 def test_the_default_solver_misses_nothing_that_is_promised(seed, faults):
     from lcpflex.solvers.auto import Auto
