@@ -288,7 +288,7 @@ def farkas(M: FloatArray, q: FloatArray) -> FloatArray | None:
     columns = (scaled / column).T
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     program = linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
-    if program.x is None or not program.fun < 0.0:
+    if program.x is None or program.fun is None or not program.fun < 0.0:
         return None
     y = np.maximum(program.x, 0.0)
     for candidate in (y, _onto_tight(columns, y)):

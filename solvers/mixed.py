@@ -1,0 +1,293 @@
+"""Mixed and boxed complementarity problems, brought to the form of an LCP and back.
+
+Boxed: lower <= z <= upper with w = M z + q and, for each i,
+
+    w_i >= 0 where z_i = lower_i,    w_i <= 0 where z_i = upper_i,    w_i = 0 between.
+
+Mixed: some z_i are free and their w_i = 0 (bilateral constraints), the others as in an LCP. Both become an LCP: bounds
+are shifted to zero, unknowns bounded above only are mirrored, those bounded on both sides get the multiplier y of their
+upper bound, and free ones are eliminated by the Schur complement, which is symmetric and semidefinite if M is.
+Sources: Cottle, Pang & Stone 1992, sections 1.4 and 2.3; Dirkse & Ferris 1995 (the normal form of boxes).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+from lcpflex.solvers.certificate import guarded_residual
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, as_array, finite_array
+
+__all__ = ["BoxedLcp", "MixedLcp"]
+
+DEPENDENT = 1e-12  # singular value, relative, below which a bilateral row depends on others
+OUTSIDE = 1e-9  # part of a column that is left over where it is outside of the range of the bilateral rows
+
+
+@dataclass(frozen=True, slots=True)
+class _Reduction:
+    """How a boxed problem became an LCP in [x; y] (or [x; y; minus] where free unknowns had to be split).
+
+    z = base + sign * x for bounded unknowns; z_F = offset + gain @ x for eliminated ones.
+    """
+
+    lcp: Lcp
+    base: FloatArray
+    sign: FloatArray
+    bounded: npt.NDArray[np.bool_]
+    two_sided: npt.NDArray[np.bool_]
+    gain: FloatArray | None
+    offset: FloatArray
+    contradiction: float
+
+    def recover(self, x: FloatArray) -> FloatArray:
+        """z (n,) from the unknowns of the LCP."""
+        z = self.base.copy()
+        count = int(self.bounded.sum())
+        z[self.bounded] += self.sign[self.bounded] * x[:count]
+        free = ~self.bounded
+        if self.gain is not None:
+            z[free] = self.offset + self.gain @ x[:count]
+        else:
+            extra = count + int(self.two_sided.sum())
+            plus, minus = np.split(x[extra:], 2)
+            z[free] = plus - minus
+        return z
+
+    def point(self, z: FloatArray, w: FloatArray) -> FloatArray:
+        """The unknowns of the LCP for a guess z, w (n,)."""
+        x = np.maximum(self.sign * (z - self.base), 0.0)[self.bounded]
+        parts = [x, np.maximum(-w, 0.0)[self.two_sided]]
+        if self.gain is None:
+            parts += [np.maximum(z[~self.bounded], 0.0), np.maximum(-z[~self.bounded], 0.0)]
+        return np.concatenate(parts)
+
+
+@dataclass(frozen=True, slots=True)
+class BoxedLcp:
+    """The problem lower <= z <= upper with w = M z + q complementary to the bounds.
+
+    M (n, n), q (n,): finite. lower, upper (n,), or numbers: lower <= upper, -inf and inf where there is no bound.
+    Raises ModelError for sizes that differ, numbers that are not finite, bounds that are NaN or crossed.
+    """
+
+    M: FloatArray
+    q: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+    def __post_init__(self) -> None:
+        q = finite_array("q", self.q, 1)
+        M = finite_array("M", self.M, 2) if len(q) else np.zeros((0, 0))
+        if M.shape != (len(q), len(q)):
+            raise ModelError(f"M has shape {M.shape} and q shape {q.shape}: expected (n, n) and (n,)")
+        lower, upper = _bound("lower", self.lower, len(q)), _bound("upper", self.upper, len(q))
+        crossed = np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))
+        if len(crossed):
+            i = crossed[0]
+            raise ModelError(f"lower[{i}] is {lower[i]}, upper[{i}] is {upper[i]}: expected lower <= upper")
+        for name, value in (("M", M), ("q", q), ("lower", lower), ("upper", upper)):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return len(self.q)
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """w = M z + q, shape (n,): positive at lower bounds, negative at upper ones, else zero."""
+        return np.asarray(self.M @ np.asarray(z, dtype=float) + self.q)
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """Natural-map residual of z (n,), ``max_i d_i |z_i - mid(lower_i, z_i - w_i / d_i, upper_i)|``.
+
+        d_i is the largest |M_ij| of row i. Scaled and guarded as that of an :class:`Lcp`, with which it agrees where
+        the bounds are 0 and inf. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        """
+        point = as_array("z", z, 1)
+        if point.shape != self.q.shape:
+            raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
+        if not self.size:
+            return 0.0
+        with np.errstate(all="ignore"):
+            size = np.abs(self.M)
+            d = size.max(axis=1)
+            d[d == 0.0] = 1.0
+            w = self.slack(point)
+            off = d * (point - np.clip(point - w / d, self.lower, self.upper))
+            terms = np.abs(self.q) + size @ np.abs(point)
+            bounds = np.where(np.isfinite(self.lower), np.abs(self.lower), 0.0)
+            bounds = np.maximum(bounds, np.where(np.isfinite(self.upper), np.abs(self.upper), 0.0))
+            load = max(float(np.abs(self.q).max()), float((d * bounds).max()))
+            worst, largest = float(np.abs(off).max()), max(float(terms.max()), load)
+        if not np.isfinite([worst, largest]).all() or not np.isfinite(off).all():
+            return float("inf")
+        return float(guarded_residual(worst, largest, load)) if scaled else worst
+
+    def lcp(self) -> Lcp:
+        """The LCP that :meth:`recover` leads back from."""
+        return _reduce(self).lcp
+
+    def recover(self, x: npt.ArrayLike) -> FloatArray:
+        """z (n,) from a solution x of :meth:`lcp`."""
+        return _reduce(self).recover(np.asarray(x, dtype=float))
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
+        return _solve_reduced(self, _reduce(self), solver, guess)
+
+
+@dataclass(frozen=True, slots=True)
+class MixedLcp:
+    """The problem w = M z + q with w_i = 0 for free unknowns and 0 <= z_i _|_ w_i >= 0 for the others.
+
+    M (n, n), q (n,): finite. free: boolean mask (n,) or the numbers of the free unknowns. Redundant bilateral rows are
+    allowed: their multipliers are the shortest ones. Raises ModelError for sizes and numbers that do not fit.
+    """
+
+    M: FloatArray
+    q: FloatArray
+    free: npt.NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        q = finite_array("q", self.q, 1)
+        free = _mask(self.free, len(q))
+        boxed = BoxedLcp(self.M, q, np.where(free, -np.inf, 0.0), np.full(len(q), np.inf))
+        for name, value in (("M", boxed.M), ("q", boxed.q), ("free", free)):
+            value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns n."""
+        return len(self.q)
+
+    @property
+    def boxed(self) -> BoxedLcp:
+        """The same problem by its bounds."""
+        return BoxedLcp(self.M, self.q, np.where(self.free, -np.inf, 0.0), np.full(self.size, np.inf))
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """w = M z + q, shape (n,)."""
+        return self.boxed.slack(z)
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """Natural-map residual of z (n,): |w_i| of bilateral rows, else as for an :class:`Lcp`."""
+        return self.boxed.residual(z, scaled)
+
+    def lcp(self) -> Lcp:
+        """The LCP of the bounded unknowns, free ones eliminated."""
+        return self.boxed.lcp()
+
+    def recover(self, x: npt.ArrayLike) -> FloatArray:
+        """z (n,) from a solution x of :meth:`lcp`."""
+        return self.boxed.recover(x)
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
+        return self.boxed.solve_by(solver, guess)
+
+
+def _bound(name: str, value: npt.ArrayLike, n: int) -> FloatArray:
+    given = np.array(value, dtype=float)
+    if given.shape not in ((), (n,)):
+        raise ModelError(f"{name} has shape {given.shape}: expected ({n},) or one number")
+    if np.isnan(given).any():
+        raise ModelError(f"{name} is {given}: expected numbers, -inf or inf")
+    return np.ascontiguousarray(np.broadcast_to(given, (n,)).copy())
+
+
+def _mask(value: npt.ArrayLike, n: int) -> npt.NDArray[np.bool_]:
+    given = np.asarray(value)
+    if given.dtype == bool:
+        if given.shape != (n,):
+            raise ModelError(f"free has shape {given.shape}: expected a mask ({n},) or the numbers of unknowns")
+        return given.copy()
+    numbers = given.astype(np.int64) if given.size else np.zeros(0, dtype=np.int64)
+    if given.ndim != 1 or (given.size and (given != numbers).any()) or ((numbers < 0) | (numbers >= n)).any():
+        raise ModelError(f"free is {value!r}: expected a mask ({n},) or numbers from 0 to {n - 1}")
+    mask = np.zeros(n, dtype=bool)
+    mask[numbers] = True
+    return mask
+
+
+def _reduce(problem: BoxedLcp) -> _Reduction:
+    """Shift, mirror, add multipliers of upper bounds, eliminate free unknowns."""
+    below, above = np.isfinite(problem.lower), np.isfinite(problem.upper)
+    bounded, two_sided = below | above, below & above
+    sign = np.where(bounded & ~below, -1.0, 1.0)
+    base = np.where(below, problem.lower, np.where(above, problem.upper, 0.0))
+    M = sign[:, None] * problem.M * sign
+    q = sign * (problem.M @ base + problem.q)
+    B, F = bounded, ~bounded
+    A, b = M[np.ix_(B, B)], q[B]
+    gain, offset, contradiction = _eliminated(M[np.ix_(F, F)], M[np.ix_(F, B)], q[F])
+    if gain is not None:
+        A, b = A + M[np.ix_(B, F)] @ gain, b + M[np.ix_(B, F)] @ offset
+        if np.allclose(problem.M, problem.M.T, rtol=1e-12, atol=0.0):
+            A = 0.5 * (A + A.T)
+    upper = np.flatnonzero(two_sided[B])
+    m, extra = len(b), len(upper)
+    count = m + extra + (0 if gain is not None else 2 * int(F.sum()))
+    full, load = np.zeros((count, count)), np.zeros(count)
+    full[:m, :m], load[:m] = A, b
+    full[upper, m + np.arange(extra)] = 1.0
+    full[m + np.arange(extra), upper] = -1.0
+    load[m : m + extra] = (problem.upper - problem.lower)[two_sided]
+    if gain is None:
+        plus, minus = np.split(np.arange(m + extra, count), 2)
+        for rows, side in ((plus, 1.0), (minus, -1.0)):
+            full[np.ix_(rows, np.arange(m))] = side * M[np.ix_(F, B)]
+            full[np.ix_(np.arange(m), rows)] = side * M[np.ix_(B, F)]
+            load[rows] = side * q[F]
+            full[np.ix_(rows, plus)] = side * M[np.ix_(F, F)]
+            full[np.ix_(rows, minus)] = -side * M[np.ix_(F, F)]
+    return _Reduction(Lcp(full, load), base, sign, bounded, two_sided, gain, offset, contradiction)
+
+
+def _eliminated(MFF: FloatArray, MFB: FloatArray, qF: FloatArray) -> tuple[FloatArray | None, FloatArray, float]:
+    """z_F = offset + gain x_B from M_FF z_F + M_FB x_B + q_F = 0, the shortest where rows are redundant.
+
+    Also how far q_F contradicts the rows, relative. The gain is None where M_FF is singular in a way that would
+    constrain x_B.
+    """
+    scale = np.sqrt(np.maximum(np.abs(MFF).max(axis=1, initial=0.0), np.finfo(float).tiny))
+    inverse = np.linalg.pinv(MFF / np.outer(scale, scale), rcond=DEPENDENT) / np.outer(scale, scale)
+    gain, offset = -inverse @ MFB, -inverse @ qF
+    for _ in range(2):  # of the rounding of the inverse
+        gain -= inverse @ (MFB + MFF @ gain)
+        offset -= inverse @ (qF + MFF @ offset)
+    left = np.abs(MFB + MFF @ gain).max(initial=0.0)
+    if left > OUTSIDE * np.abs(MFB).max(initial=0.0):
+        return None, offset, 0.0
+    size = np.abs(qF).max(initial=0.0)
+    return gain, offset, float(np.abs(qF + MFF @ offset).max(initial=0.0) / size) if size > 0.0 else 0.0
+
+
+def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, guess: Solution | None) -> Solution:
+    """Solve the LCP, bring the point back, and judge it on the problem itself."""
+    if guess is not None and guess.z.shape == problem.q.shape:
+        guess = replace(guess, z=reduction.point(guess.z, guess.w))
+    found = solver.solve(reduction.lcp, guess)
+    message = found.message
+    if reduction.contradiction > OUTSIDE:
+        message = f"bilateral rows contradict each other: {reduction.contradiction:.1e} of q is outside their range"
+    judged = accept(
+        problem,
+        reduction.recover(found.z),
+        tolerance=getattr(solver, "tolerance", 1e-10),
+        status=found.status,
+        iterations=found.iterations,
+        route=found.route,
+        message=message if not found.solved or reduction.contradiction > OUTSIDE else "",
+        active=found.active,
+        solutions=tuple(reduction.recover(x) for x in found.solutions),
+    )
+    if not judged.solved and found.status in (Status.INFEASIBLE, Status.NO_SOLUTION):
+        return replace(judged, status=found.status, certificate=found.certificate)
+    return judged
