@@ -8,16 +8,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import linprog
+from scipy.sparse import csr_array
 
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, QuadraticProgram, Status
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.friction import from_copositive
+from lcpflex.solvers.principal_pivoting import PrincipalPivoting
 
 SIZES = st.integers(1, 8)
 ENTRIES = st.floats(-3.0, 3.0, allow_subnormal=False).map(lambda x: round(x, 2))
 RELAXED = settings(max_examples=60, deadline=None, derandomize=True)
 ANY_MATRIX = [Lemke(), Auto()]
-SYMMETRIC = [*ANY_MATRIX]
+SYMMETRIC = [*ANY_MATRIX, PrincipalPivoting()]
 
 for_any_matrix = pytest.mark.parametrize("solver", ANY_MATRIX, ids=lambda s: type(s).__name__)
 for_symmetric = pytest.mark.parametrize("solver", SYMMETRIC, ids=lambda s: type(s).__name__)
@@ -246,6 +248,28 @@ class TestForms:
         four = Lemke().solve(problem.copositive_lcp())
         assert four.solved
         assert problem.residual(self.back(problem, four.z)) <= 1e-9
+
+    @RELAXED
+    @given(contacts(coupling=2.0, largest=2.0), st.booleans(), st.booleans(), st.data())
+    def test_a_contact_problem_judges_as_its_lcp_does(self, dense, sparse, factor_only, data):
+        """Slack and residual without the matrix of the LCP, from G, from a factor and from a sparse one."""
+        factor = csr_array(dense.factor) if sparse else dense.factor
+        problem = replace(dense, delassus=None if factor_only else dense.delassus, factor=factor)
+        z = data.draw(arrays(float, problem.size, elements=st.floats(-1.0, 3.0)))
+        lcp = dense.lcp()
+        assert problem.slack(z) == pytest.approx(lcp.slack(z), abs=1e-12)
+        assert problem.residual(z) == pytest.approx(lcp.residual(z), rel=1e-10, abs=1e-14)
+        assert problem.residual(z, scaled=False) == pytest.approx(lcp.residual(z, scaled=False), rel=1e-10, abs=1e-14)
+
+    @RELAXED
+    @given(contacts(coupling=2.0, largest=2.0))
+    def test_forces_and_unknowns_are_one_another(self, problem):
+        z = Auto().solve(problem).z
+        forces = problem.forces(z)
+        back = problem.unknowns(*forces)
+        assert problem.residual(back) <= 1e-9
+        for there, here in zip(problem.forces(back), forces, strict=True):
+            assert there == pytest.approx(here, abs=1e-9)
 
     @staticmethod
     def back(problem, z4):
