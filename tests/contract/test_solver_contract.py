@@ -150,6 +150,7 @@ class TestHonesty:
         if solution is None:
             return
         assert not solution.solved
+        assert solution.status is Status.INFEASIBLE or not guaranteed(any_solver)
         if solution.status is Status.INFEASIBLE:
             u = solution.certificate
             assert (u >= 0).all()
