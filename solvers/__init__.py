@@ -14,21 +14,54 @@ if __name__ != "lcpflex.solvers":
     raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
 
 if TYPE_CHECKING:
+    from lcpflex.solvers.auto import Auto, solve_lcp
+    from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
+    from lcpflex.solvers.enumeration import Enumeration
     from lcpflex.solvers.friction import ContactProblem
+    from lcpflex.solvers.gauss_seidel import GaussSeidel
     from lcpflex.solvers.lemke import Lemke
+    from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
+    from lcpflex.solvers.newton import MinMapNewton
+    from lcpflex.solvers.principal_pivoting import PrincipalPivoting
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
 
-__all__ = ["ContactProblem", "Lcp", "Lemke", "QuadraticProgram", "Solution", "Status", "accept"]
+__all__ = [
+    "Auto",
+    "BlockGaussSeidel",
+    "BoxedLcp",
+    "ContactProblem",
+    "Enumeration",
+    "GaussSeidel",
+    "Lcp",
+    "Lemke",
+    "MinMapNewton",
+    "MixedLcp",
+    "PrincipalPivoting",
+    "QuadraticProgram",
+    "Solution",
+    "Status",
+    "accept",
+    "solve_lcp",
+]
 
 _HOME = {
+    "Auto": "auto",
+    "BlockGaussSeidel": "block_gauss_seidel",
+    "BoxedLcp": "mixed",
     "ContactProblem": "friction",
+    "Enumeration": "enumeration",
+    "GaussSeidel": "gauss_seidel",
     "Lcp": "problem",
     "Lemke": "lemke",
+    "MinMapNewton": "newton",
+    "MixedLcp": "mixed",
+    "PrincipalPivoting": "principal_pivoting",
     "QuadraticProgram": "quadratic_program",
     "Solution": "problem",
     "Status": "problem",
     "accept": "problem",
+    "solve_lcp": "auto",
 }
 
 

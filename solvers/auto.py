@@ -1,4 +1,4 @@
-"""The default solver: the cheapest method that can be trusted with the problem at hand, then the next one, and the next.
+"""The default solver: the cheapest method that can be trusted with the problem, then the next one, and the next.
 
 A problem that resembles the last one is nearly always solved by the basis of the last one, at the cost of one linear
 solve. Failing that, symmetric problems go to principal pivoting, others to Lemke's algorithm. What neither solves goes
@@ -9,19 +9,22 @@ there is no solution. Each answer is judged on the original data; the route tell
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
+from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
 from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.enumeration import Enumeration, farkas
 from lcpflex.solvers.friction import ContactProblem, aligned, from_copositive
-from lcpflex.solvers.lemke import Lemke, lemke, lemke_workspace
+from lcpflex.solvers.lemke import Lemke, lemke
+from lcpflex.solvers.newton import MinMapNewton
 from lcpflex.solvers.pivoting import block_pivots
+from lcpflex.solvers.principal_pivoting import PrincipalPivoting, principal_pivoting
 from lcpflex.solvers.problem import (
     SOLVED,
     Lcp,
@@ -33,10 +36,12 @@ from lcpflex.solvers.problem import (
     check_tolerance,
 )
 
-__all__ = ["Auto", "auto", "solve_lcp"]
+__all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
 
 FLIPS = 5  # exchanges after which a basis from elsewhere was no help
 TARGET = 1e-10  # residual of a solution
+MANY = 900  # unknowns from which Gauss-Seidel on the contacts is tried first
+TOO_MANY = 3000  # unknowns from which a dense matrix is not formed
 
 Step = Callable[[], Solution | None]
 
@@ -55,14 +60,25 @@ def auto(
     """The compiled part of the chain: basis of the last problem, principal pivoting, Lemke; (status, iterations).
 
     M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,).
-    table, basis: of ``lemke_workspace(cap)``; basis[:n] is 1 where z is basic if solved, and with ``warm`` it holds the
+    table, basis: of ``auto_workspace(cap)``; basis[:n] is 1 where z is basic if solved, and with ``warm`` it holds the
     basis to start from. symmetric: whether M is known to be.
     """
-    if warm:
-        solves = block_pivots(M, q, n, z, table, basis, FLIPS)
-        if solves > 0 and natural_residual(M, q, z, n) <= TARGET:
-            return SOLVED, solves
-    return lemke(M, q, n, z, table, basis, 1000 + 50 * n)
+    done = 0
+    if symmetric:
+        status, done = principal_pivoting(M, q, n, z, table, basis, warm, TARGET, 100 + 20 * n)
+        if status == SOLVED:
+            return status, done
+    elif warm:
+        done = block_pivots(M, q, n, z, table, basis, FLIPS)
+        if done > 0 and natural_residual(M, q, z, n) <= TARGET:
+            return SOLVED, done
+    status, pivots = lemke(M, q, n, z, table, basis, 1000 + 50 * n)
+    return status, max(done, 0) + pivots
+
+
+def auto_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
+    """Work arrays (table, basis) of :func:`auto` for problems of up to ``capacity`` unknowns."""
+    return np.zeros((capacity + 5, capacity + 5)), np.zeros(3 * capacity + 1, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +86,10 @@ class Auto:
     """The default solver, for every problem.
 
     tolerance: largest accepted residual [-]. Raises ModelError for a tolerance that makes no sense.
+
+    Guaranteed for positive (semi)definite and P-matrices and for planar friction posed as a :class:`ContactProblem`,
+    as far as rounding allows. For other matrices all that can be tried is tried; without a solution the status is
+    INFEASIBLE with its proof, NO_SOLUTION up to 16 unknowns, else what stopped the first method.
     """
 
     tolerance: float = 1e-10
@@ -82,5 +102,143 @@ class Auto:
         return ""
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """The certified solution, or the best point of the whole chain with the reason why it is none."""
-        return Lemke(self.tolerance).solve(problem, guess)
+        """The certified solution, or the best point of the whole chain with the reason why it is none.
+
+        guess: the solution of a similar problem; its basis is tried first, matched by contact where problems have keys.
+        """
+        if isinstance(problem, ContactProblem):
+            return self._contact(problem, guess)
+        if not isinstance(problem, Lcp):
+            return problem.solve_by(self, guess)
+        first = self._first(problem, guess)
+        return first if _settled(first) else _descend(first, self._last_steps(problem))
+
+    def _first(self, problem: Lcp, guess: Solution | None) -> Solution:
+        """By the basis of the guess, else by principal pivoting where M is symmetric, and by Lemke."""
+        if not problem.symmetric:
+            return Lemke(self.tolerance).solve(problem, guess)
+        found = PrincipalPivoting(self.tolerance).solve(problem, guess)
+        return found if _settled(found) else _descend(found, [lambda: Lemke(self.tolerance).solve(problem)])
+
+    def _contact(self, problem: ContactProblem, guess: Solution | None) -> Solution:
+        """Contact with friction: by contacts if there are many, else as one LCP and its copositive form."""
+        keys = problem.unknown_keys
+        swept = None
+        if problem.delassus is None or problem.size > MANY:
+            swept = BlockGaussSeidel(self.tolerance).solve(problem, guess)
+            if swept.solved or problem.size > TOO_MANY:
+                return swept
+        lcp = problem.lcp()
+        first = self._first(lcp, aligned(guess, keys))
+        if _settled(first):
+            return replace(first, keys=keys)
+        steps: list[Step] = [lambda: self._copositive(problem, lcp)]
+        if swept is None:
+            steps.append(lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess))
+        return replace(_descend(first, [*steps, *self._last_steps(lcp)]), keys=keys)
+
+    def _copositive(self, problem: ContactProblem, lcp: Lcp) -> Solution | None:
+        """Lemke on the form of friction for which its path ends in a solution whenever theory knows one."""
+        tangent, normals = problem.tangent, len(problem.friction)
+        if not len(tangent):
+            return None
+        found = Lemke(self.tolerance).solve(problem.copositive_lcp())
+        z = np.zeros(lcp.size)
+        from_copositive(found.z, *lcp.data, problem.friction, tangent, normals, len(tangent), z)
+        return accept(
+            lcp,
+            z,
+            tolerance=self.tolerance,
+            status=found.status,
+            iterations=found.iterations,
+            route="lemke on the copositive form",
+        )
+
+    def _last_steps(self, problem: Lcp) -> list[Step]:
+        """What can be tried on any matrix, and the proof that there is nothing to be found."""
+        return [
+            lambda: MinMapNewton(self.tolerance).solve(problem),
+            lambda: self._infeasible(problem),
+            lambda: self._enumerated(problem),
+        ]
+
+    def _infeasible(self, problem: Lcp) -> Solution | None:
+        u = farkas(*problem.data)
+        if u is None:
+            return None
+        zero = np.zeros(problem.size)
+        return accept(problem, zero, tolerance=self.tolerance, route="linear program of Farkas", certificate=u)
+
+    def _enumerated(self, problem: Lcp) -> Solution | None:
+        solver = Enumeration(self.tolerance)
+        return None if solver.refuses(problem) else solver.solve(problem)
+
+
+def _settled(solution: Solution) -> bool:
+    """Whether there is nothing more to be found out."""
+    return solution.solved or solution.status in (Status.INFEASIBLE, Status.NO_SOLUTION)
+
+
+def _descend(first: Solution, steps: list[Step]) -> Solution:
+    """One step after the other until one settles the problem; else the best point, and why the first method failed."""
+    best, routes, iterations = first, [first.route], first.iterations
+    for step in steps:
+        found = step()
+        if found is None:
+            continue
+        routes.append(found.route)
+        iterations += found.iterations
+        if _settled(found) or found.residual < best.residual:
+            best = found
+        if _settled(found):
+            break
+    route = " > ".join(routes)
+    if _settled(best) or best.status is Status.INACCURATE:
+        return replace(best, route=route, iterations=iterations)
+    reason = (
+        f"{first.status.name.lower().replace('_', ' ')}: nothing of {route} found a solution or proved that none is"
+    )
+    return replace(best, status=first.status, route=route, iterations=iterations, message=reason)
+
+
+def _words(status: Status) -> str:
+    return status.name.lower().replace("_", " ")
+
+
+def solve_lcp(
+    M: npt.ArrayLike | Lcp | PosedProblem,
+    q: npt.ArrayLike | None = None,
+    *,
+    solver: LcpSolver | None = None,
+    guess: Solution | None = None,
+) -> Solution:
+    """Solve 0 <= z _|_ M z + q >= 0, or any problem of this package.
+
+    Parameters
+    ----------
+    M, q
+        Matrix (n, n) and vector (n,); or a problem alone: Lcp, MixedLcp, BoxedLcp, ContactProblem.
+    solver
+        :class:`Auto` by default.
+    guess
+        The solution of a similar problem.
+
+    Raises
+    ------
+    ModelError
+        For data that are no problem.
+    SolverError
+        If the problem was not solved; its ``solution`` holds the best point, the reason, and the proof if none exists.
+    """
+    if q is None:
+        if not (hasattr(M, "residual") and hasattr(M, "lcp")) and not isinstance(M, Lcp):
+            raise ModelError(
+                f"q is None: expected a vector, or a problem instead of M (a {type(M).__name__} was given)"
+            )
+        problem = M
+    else:
+        problem = Lcp(M, q)  # type: ignore[arg-type]
+    solution = (Auto() if solver is None else solver).solve(problem, guess)  # type: ignore[arg-type]
+    if not solution.solved:
+        raise SolverError(f"{_words(solution.status)}: {solution.message}", solution)
+    return solution

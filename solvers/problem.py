@@ -87,6 +87,7 @@ class Lcp:
     factor: FloatArray | None = None
     # What M and q show read-only: kernels would be compiled a second time for read-only arrays.
     data: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
+    _symmetric: list[bool] = field(default_factory=list, init=False, repr=False, compare=False)  # once it is known
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
@@ -114,8 +115,10 @@ class Lcp:
 
     @property
     def symmetric(self) -> bool:
-        """Whether M equals its transpose to rounding; looked at when asked."""
-        return self.factor is not None or bool(is_symmetric(self.data[0], self.size))
+        """Whether M equals its transpose to rounding; looked at when first asked."""
+        if not self._symmetric:
+            self._symmetric.append(self.factor is not None or bool(is_symmetric(self.data[0], self.size)))
+        return self._symmetric[0]
 
     @property
     def matrix_class(self) -> str:

@@ -10,7 +10,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.detection import ContactTable, contact_table
 from lcpflex.dynamics.inertia import Arrow, arrow
 from lcpflex.packed import pack
-from lcpflex.solvers.lemke import lemke_workspace
+from lcpflex.solvers.auto import auto_workspace
 
 __all__ = ["Workspace", "workspace"]
 
@@ -69,7 +69,7 @@ def workspace(
     ndof = int(dof[-1])
     width = int(np.max(np.diff(dof), initial=1))
     n_rows = n_joint + 2 * capacity + 1
-    tableau, basis = lemke_workspace(3 * capacity)
+    tableau, basis = auto_workspace(3 * capacity)
     zeros = np.zeros
     arrays = Workspace(
         dof=np.array(dof),

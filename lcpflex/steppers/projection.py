@@ -12,7 +12,7 @@ from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_veloci
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
-from lcpflex.solvers.lemke import lemke
+from lcpflex.solvers.auto import auto
 from lcpflex.steppers.tape import Tape
 
 __all__ = ["project_contacts", "project_joints"]
@@ -102,7 +102,8 @@ def project_contacts(
     for i in range(m):
         for j in range(m):
             work.M[i, j] = work.Gc[work.closed[i], work.closed[j]]
-    status, _ = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
+    symmetric, warm = m > 0, m < 0  # true and false; literals would have it compiled once more
+    status, _ = auto(work.M, work.q, m, work.z, work.tableau, work.basis, symmetric, warm)
     if status != 0:
         return False
     for i in range(m):
