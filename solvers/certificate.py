@@ -166,8 +166,9 @@ def certifies_infeasibility(M: FloatArray, q: FloatArray, u: npt.ArrayLike) -> b
     if ray.shape != q.shape or not np.isfinite(ray).all() or not ray.size or ray.max() <= 0.0:
         return False
     ray = np.maximum(ray, 0.0) / ray.max()
-    gain = float(q @ ray)
-    excess = np.maximum(M.T @ ray, 0.0)
-    column = np.abs(M).max(axis=0)
-    size = np.divide(np.abs(q).max(), column, out=np.zeros_like(column), where=column > 0.0)
-    return gain + 1e6 * float(excess @ size) < -1e-8 * float(np.abs(q) @ ray)
+    with np.errstate(all="ignore"):  # what overflows proves nothing: comparisons with NaN are false
+        gain = float(q @ ray)
+        excess = np.maximum(M.T @ ray, 0.0)
+        column = np.abs(M).max(axis=0)
+        size = np.divide(np.abs(q).max(), column, out=np.zeros_like(column), where=column > 0.0)
+        return gain + 1e6 * float(excess @ size) < -1e-8 * float(np.abs(q) @ ray)

@@ -22,7 +22,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column, subtract_four
-from lcpflex.solvers.certificate import judge, natural_residual
+from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
     NUMERICAL_FAILURE,
@@ -89,24 +89,27 @@ def _slack(M: FloatArray, q: FloatArray, n: int, z: FloatArray, basis: IntArray,
 
 
 @kernel
-def _mark_wrong(q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, size: float) -> int:
-    """basis[2n + i] = 1 where z_i of A or w_i of the rest is negative beyond rounding; how many there are."""
+def _mark_wrong(q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, size: float, singly: bool) -> int:
+    """basis[2n + i] = 1 where z_i of A or (unless singly) w_i of the rest is negative beyond rounding; how many."""
     root, w = R[n], R[n + 1]
     wrong = 0
     for i in range(n):
         if basis[i] == 1:
             right = root[i] * z[i] >= -WRONG * size
         else:
-            right = w[i] >= -WRONG * (abs(q[i]) + root[i] * size)
+            right = singly or w[i] >= -WRONG * (abs(q[i]) + root[i] * size)
         basis[2 * n + i] = 0 if right else 1
         wrong += basis[2 * n + i]
     return wrong
 
 
 @kernel
-def _exchange(M: FloatArray, n: int, R: FloatArray, basis: IntArray, m: int, wrong: int) -> int:
-    """Exchange all marked indices; returns the new order of R."""
-    if wrong * UPDATES > m:
+def _exchange(M: FloatArray, n: int, R: FloatArray, basis: IntArray, m: int) -> int:
+    """Exchange all marked indices; returns the new order of R. With m = 0 the factor is computed anew."""
+    wrong = 0
+    for i in range(n):
+        wrong += basis[2 * n + i]
+    if wrong * UPDATES >= m:
         for i in range(n):
             if basis[2 * n + i] == 1:
                 basis[i] = 1 - basis[i]
@@ -124,48 +127,6 @@ def _exchange(M: FloatArray, n: int, R: FloatArray, basis: IntArray, m: int, wro
                 join(n, R, basis, m, r, y, pivot)
                 m += 1
     return m
-
-
-@kernel
-def _exchange_blocks(
-    M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, limit: int
-) -> tuple[int, int, int]:
-    """Block exchanges from the active set basis[:n] on; (status, order of R, solves)."""
-    m = factorise(M, n, R, basis)
-    fewest, patience = n + 1, PATIENCE
-    solves = 0
-    while solves < limit:
-        size = _solve_active(M, q, n, z, R, basis, m)
-        solves += 1
-        wrong = _mark_wrong(q, n, z, R, basis, size)
-        if wrong == 0:
-            return SOLVED, m, solves
-        if wrong < fewest:
-            fewest, patience = wrong, PATIENCE
-        else:
-            patience -= 1
-        if patience < 0:
-            return NUMERICAL_FAILURE, m, solves
-        m = _exchange(M, n, R, basis, m, wrong)
-    return ITERATION_LIMIT, m, solves
-
-
-@kernel
-def _drop_negative(
-    M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, limit: int
-) -> tuple[int, int]:
-    """Shrink A until z_A >= 0, where single exchanges can start; (order of R, solves)."""
-    m = factorise(M, n, R, basis)
-    for solves in range(1, limit + 1):
-        _solve_active(M, q, n, z, R, basis, m)
-        wrong = 0
-        for i in range(n):
-            basis[2 * n + i] = 1 if not z[i] >= 0.0 else 0
-            wrong += basis[2 * n + i]
-        if wrong == 0:
-            return m, solves
-        m = _exchange(M, n, R, basis, m, wrong)
-    return m, limit
 
 
 @kernel
@@ -209,28 +170,36 @@ def _first_to_vanish(n: int, z: FloatArray, R: FloatArray, basis: IntArray, m: i
 
 
 @kernel
-def _direction(n: int, R: FloatArray, m: int) -> None:
-    """R[n + 4] = M_AA^{-1} M_Ar from the column y = R[n + 3]: z_A falls along it as z_r grows."""
-    x, y = R[n + 4], R[n + 3]
+def _write_ray(n: int, R: FloatArray, basis: IntArray, m: int, r: int) -> None:
+    """R[n + 2, :n] = u with u_r = 1, u_A = -R[n + 4]."""
+    ray, x = R[n + 2], R[n + 4]
+    for i in range(n):
+        ray[i] = 0.0
+    ray[r] = 1.0
     for j in range(m):
-        x[j] = y[j]
-    backward(R, m, x)
+        ray[basis[n + j]] = max(-x[j], 0.0)
 
 
 @kernel
 def _raise(
     M: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, m: int, r: int, limit: int
 ) -> tuple[int, int, int]:
-    """Let z_r grow until w_r = 0, taking out of A what falls to zero on the way; (status, order of R, exchanges)."""
+    """Let z_r grow until w_r = 0, taking out of A what falls to zero on the way; (status, order of R, exchanges).
+
+    z_A falls along x = M_AA^{-1} M_Ar. After RAY, R[n + 2, :n] is the direction along which q.z falls without end.
+    """
     x, y, slack = R[n + 4], R[n + 3], R[n + 1, r]
     for count in range(limit):
         pivot = new_column(M, n, R, basis, m, r, y)
-        _direction(n, R, m)
+        for j in range(m):
+            x[j] = y[j]
+        backward(R, m, x)
         place, step = _first_to_vanish(n, z, R, basis, m)
         if pivot > 0.0 and -slack <= step * pivot:
             join(n, R, basis, m, r, y, pivot)
             return SOLVED, m + 1, count + 1
         if place < 0:
+            _write_ray(n, R, basis, m, r)
             return RAY if pivot <= 0.0 else NUMERICAL_FAILURE, m, count
         for j in range(m):
             z[basis[n + j]] -= step * x[j]
@@ -243,60 +212,25 @@ def _raise(
 
 
 @kernel
-def _exchange_singly(
-    M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, limit: int
-) -> tuple[int, int, int]:
-    """Single exchanges from the active set basis[:n] on; (status, order of R, exchanges).
-
-    After RAY, R[n + 2, :n] is the direction u along which q.z falls without end.
-    """
-    m, pivots = _drop_negative(M, q, n, z, R, basis, limit)
-    while pivots < limit:
-        size = _solve_active(M, q, n, z, R, basis, m)
-        r = _most_wrong(q, n, R, basis, size)
-        if r < 0:
-            return SOLVED, m, pivots
-        status, m, more = _raise(M, n, z, R, basis, m, r, limit - pivots)
-        pivots += more
-        if status == RAY:
-            ray = R[n + 2]
-            for i in range(n):
-                ray[i] = 0.0
-            ray[r] = 1.0
-            for j in range(m):
-                ray[basis[n + j]] = max(-R[n + 4, j], 0.0)
-        if status != SOLVED:
-            return status, m, pivots
-    return ITERATION_LIMIT, m, pivots
-
-
-@kernel
-def _refine(M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, m: int) -> float:
-    """One step of iterative refinement of z_A, by w as the certificate sees it; returns the residual."""
-    x, w = R[n + 2], R[n + 1]
-    judge(M, q, z, n, w)
-    for j in range(m):
-        x[j] = w[basis[n + j]]
-    forward(R, m, x)
-    backward(R, m, x)
-    for j in range(m):
-        i = basis[n + j]
-        z[i] = max(z[i] - x[j], 0.0)
-    return natural_residual(M, q, z, n)
-
-
-@kernel
 def _finish(
     M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatArray, basis: IntArray, m: int, tolerance: float
-) -> float:
-    """Cut what is negative by rounding, refine z once if the residual asks for it; returns the residual."""
-    for j in range(m):
-        i = basis[n + j]
-        z[i] = max(z[i], 0.0)
-    residual = natural_residual(M, q, z, n)
-    if residual > tolerance:
-        residual = _refine(M, q, n, z, R, basis, m)
-    return residual
+) -> bool:
+    """Cut what is negative by rounding; refine z once, by w as the certificate sees it, if the residual asks for it."""
+    x, w = R[n + 2], R[n + 1]
+    for refined in range(2):
+        for j in range(m):
+            i = basis[n + j]
+            z[i] = max(z[i], 0.0)
+        if judge(M, q, z, n, w) <= tolerance:
+            return True
+        if refined == 0:
+            for j in range(m):
+                x[j] = w[basis[n + j]]
+            forward(R, m, x)
+            backward(R, m, x)
+            for j in range(m):
+                z[basis[n + j]] -= x[j]
+    return False
 
 
 @kernel
@@ -317,31 +251,52 @@ def principal_pivoting(
     first n entries (the last point if not solved). Work: factor, basis of ``principal_pivoting_workspace(cap)``; in:
     basis[:n] is 1 where z is basic in a similar problem, if ``warm``; out: the same of this one. After the status RAY,
     factor[n + 2, :n] is the direction of the ray. A solve on one active set or a single exchange counts as a pivot;
-    pivot_limit is for each of the two phases. SOLVED means a natural residual of ``tolerance`` or less.
+    SOLVED means a natural residual of ``tolerance`` or less.
     """
     root = factor[n]
     for i in range(n):
         root[i] = np.sqrt(max(M[i, i], 0.0))
+        basis[2 * n + i] = 0
         if not warm:
             basis[i] = 1 if q[i] < 0.0 else 0
-    status, m, pivots = _exchange_blocks(M, q, n, z, factor, basis, pivot_limit)
-    if status == SOLVED and _finish(M, q, n, z, factor, basis, m, tolerance) <= tolerance:
-        return SOLVED, pivots
-    status, m, more = _exchange_singly(M, q, n, z, factor, basis, pivot_limit)
-    if status != RAY and _finish(M, q, n, z, factor, basis, m, tolerance) <= tolerance:
-        status = SOLVED
-    elif status == SOLVED:
-        status = NUMERICAL_FAILURE
-    return status, pivots + more
+    fewest, patience, pivots = n + 1, PATIENCE, 0
+    m, singly = min(n, 0), patience < 0  # no literals: they would compile what they are given to once more
+    while pivots < pivot_limit:
+        m = _exchange(M, n, factor, basis, m)
+        size = _solve_active(M, q, n, z, factor, basis, m)
+        pivots += 1
+        wrong = _mark_wrong(q, n, z, factor, basis, size, singly)
+        if not singly and wrong > 0:
+            patience = PATIENCE if wrong < fewest else patience - 1
+            fewest = min(wrong, fewest)
+            singly = patience < 0
+            if singly:
+                wrong = _mark_wrong(q, n, z, factor, basis, size, singly)
+        if wrong > 0:
+            continue
+        r = _most_wrong(q, n, factor, basis, size) if singly else -1
+        if r >= 0:
+            status, m, more = _raise(M, n, z, factor, basis, m, r, pivot_limit - pivots)
+            pivots += more
+            if status != SOLVED:
+                return status, pivots
+        elif _finish(M, q, n, z, factor, basis, m, tolerance):
+            return SOLVED, pivots
+        elif singly:
+            return NUMERICAL_FAILURE, pivots
+        else:
+            patience = -1  # once more from here, by the safer rule and with a new factor
+            m, singly = min(n, 0), patience < 0
+    return ITERATION_LIMIT, pivots
 
 
 @dataclass(frozen=True, slots=True)
 class PrincipalPivoting:
     """Principal pivoting, for symmetric positive semidefinite matrices; the fastest solver of contact without friction.
 
-    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed in each of its two phases, None for
-    100 + 20 n. For an indefinite symmetric matrix there is no guarantee, only an honest status. Raises ModelError for
-    a tolerance or limit that is not positive.
+    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed, None for 100 + 20 n. For an indefinite
+    symmetric matrix there is no guarantee, only an honest status. Raises ModelError for a tolerance or limit that is
+    not positive.
     """
 
     tolerance: float = 1e-10
@@ -379,7 +334,7 @@ class PrincipalPivoting:
             problem,
             z,
             tolerance=self.tolerance,
-            status=Status(code),
+            status=Status.SOLVED if code == SOLVED else Status(code),
             iterations=pivots,
             route="principal pivoting",
             active=basis[:n].copy() if code == SOLVED else None,
