@@ -1,0 +1,240 @@
+"""Problems in files: the library's own npz records, LCPs as text, contact problems of FCLIB.
+
+An npz record holds, for i = 0 ... k-1, the plain arrays ``M_i`` (n, n), ``q_i`` (n,) and ``name_i`` (text). A contact
+problem adds ``A_i`` (Delassus matrix), ``b_i`` (free velocity), ``mu_i`` (friction), ``keys_i`` (JSON list) and, where
+it is known, ``factor_i``; its M and q are then those of :meth:`ContactProblem.lcp`. Nothing is pickled.
+FCLIB: Acary et al., "A collection of 3D frictional contact problems" (2014); its matrices are stored as in CSparse.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import zipfile
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+from lcpflex.solvers.friction import ContactProblem
+from lcpflex.solvers.problem import Lcp
+from lcpflex.solvers.spatial import SpatialContactProblem
+
+__all__ = ["Recorded", "load_fclib", "load_problems", "load_text_lcp", "save_problems"]
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A problem and the name under which it was stored."""
+
+    name: str
+    problem: Lcp | ContactProblem
+
+
+def save_problems(
+    path: str | os.PathLike[str], problems: Sequence[Lcp | ContactProblem], names: Sequence[str] | None = None
+) -> Path:
+    """Write problems to an npz record and return its path, with ``.npz`` added where it was missing.
+
+    The file appears whole or not at all. Raises ModelError for a folder that cannot be written to, a problem of
+    another kind, or another number of names than problems.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        target = target.with_name(target.name + ".npz")
+    if names is None:
+        names = [f"problem {i}" for i in range(len(problems))]
+    if len(names) != len(problems):
+        raise ModelError(f"names has {len(names)} entries: expected {len(problems)}, one for each problem")
+    arrays: dict[str, Any] = {}
+    for i, (problem, name) in enumerate(zip(problems, names, strict=True)):
+        arrays |= {f"{key}_{i}": value for key, value in _arrays(problem).items()}
+        arrays[f"name_{i}"] = np.array(str(name))
+    try:
+        handle, part = tempfile.mkstemp(suffix=".part", dir=target.parent)
+    except OSError as error:
+        raise ModelError(f"path: cannot write {str(target)!r}: {error}; expected a writable folder") from error
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            np.savez_compressed(stream, **arrays)
+        os.replace(part, target)
+    except OSError as error:
+        Path(part).unlink(missing_ok=True)
+        raise ModelError(f"path: cannot write {str(target)!r}: {error}") from error
+    return target
+
+
+def _arrays(problem: Lcp | ContactProblem) -> dict[str, Any]:
+    if isinstance(problem, Lcp):
+        known = {} if problem.factor is None else {"factor": problem.factor}
+        return {"M": problem.M, "q": problem.q, **known}
+    if not isinstance(problem, ContactProblem):
+        raise ModelError(f"problems holds {type(problem).__name__}: expected Lcp or ContactProblem")
+    lcp = problem.lcp()
+    arrays = {"M": lcp.M, "q": lcp.q, "A": problem.dense(), "b": problem.free, "mu": problem.friction}
+    try:
+        arrays["keys"] = np.array(json.dumps(problem.keys, default=_plain_number))
+    except TypeError as error:
+        raise ModelError(f"keys is {problem.keys!r}: expected names of text, numbers and tuples of them") from error
+    if problem.factor is not None:
+        dense = problem.factor.toarray() if hasattr(problem.factor, "toarray") else problem.factor
+        arrays["factor"] = np.asarray(dense)
+    return arrays
+
+
+def _plain_number(value: Any) -> Any:
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} is not stored")
+
+
+def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
+    """The problems of an npz record, in order; ``M_i`` and ``q_i`` alone suffice.
+
+    Raises ModelError, naming the file, the key and what was expected, for a file that is missing, damaged or does not
+    hold a problem.
+    """
+    name = str(path)
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            if not hasattr(stored, "files"):
+                raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
+            arrays = {key: stored[key] for key in stored.files}
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
+    records = []
+    while any(f"{key}_{len(records)}" in arrays for key in ("M", "q", "A", "b", "mu")):
+        records.append(_record(name, arrays, len(records)))
+    if not records and arrays:
+        raise ModelError(f"{name}: no key M_0 among {sorted(arrays)[:8]}; expected M_0, q_0, ...")
+    return records
+
+
+def _record(file: str, arrays: dict[str, Any], i: int) -> Recorded:
+    contact = any(f"{key}_{i}" in arrays for key in ("A", "b", "mu"))
+    needed = ("A", "b", "mu") if contact else ("M", "q")
+    for key in needed:
+        if f"{key}_{i}" not in arrays:
+            raise ModelError(f"{file}: key {key}_{i} is missing; expected {', '.join(f'{k}_{i}' for k in needed)}")
+    name = str(arrays.get(f"name_{i}", f"problem {i}"))
+    values = [arrays[f"{key}_{i}"] for key in needed]
+    factor = arrays.get(f"factor_{i}")
+    try:
+        if contact:
+            return Recorded(name, ContactProblem(*values, _keys(arrays.get(f"keys_{i}")), factor))
+        return Recorded(name, Lcp(*values, factor))
+    except ModelError as error:
+        raise ModelError(f"{file}: keys {', '.join(f'{k}_{i}' for k in needed)}: {error}") from error
+
+
+def _keys(text: Any) -> tuple[Hashable, ...]:
+    """Names of contacts from their JSON list, in which tuples have become lists."""
+    if text is None:
+        return ()
+    try:
+        listed = json.loads(str(text))
+    except ValueError as error:
+        raise ModelError(f"keys is {str(text)[:40]!r}: expected a JSON list") from error
+    if not isinstance(listed, list):
+        raise ModelError(f"keys is {str(text)[:40]!r}: expected a JSON list")
+    return tuple(_hashable(key) for key in listed)
+
+
+def _hashable(key: Any) -> Hashable:
+    if isinstance(key, dict):
+        raise ModelError("keys holds an object: expected text, numbers and lists of them")
+    return tuple(_hashable(part) for part in key) if isinstance(key, list) else key
+
+
+def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
+    """An LCP from numbers separated by white space; what follows # on a line is skipped.
+
+    Either n, then M row by row, then q; or n rows of n + 1 numbers, [M | q]. Raises ModelError for anything else.
+    """
+    rows: list[list[float]] = []
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError) as error:
+        raise ModelError(f"{path}: cannot be read ({error}); expected a text file") from error
+    for number, line in enumerate(lines, 1):
+        try:
+            row = [float(word) for word in line.partition("#")[0].split()]
+        except ValueError as error:
+            raise ModelError(f"{path}: line {number}: {error}; expected numbers") from error
+        if row:
+            rows.append(row)
+    if rows and all(len(row) == len(rows) + 1 for row in rows):
+        table = np.array(rows)
+        return _lcp_of(path, table[:, :-1], table[:, -1])
+    numbers = np.array([x for row in rows for x in row])
+    n = int(numbers[0]) if len(numbers) and 0 <= numbers[0] < 1e6 and numbers[0] % 1 == 0 else -1
+    if n < 0 or len(numbers) != 1 + n * n + n:
+        raise ModelError(
+            f"{path}: {len(numbers)} numbers in {len(rows)} rows; expected n, M (n x n) and q (n), or n rows of n + 1"
+        )
+    return _lcp_of(path, numbers[1 : 1 + n * n].reshape(n, n), numbers[1 + n * n :])
+
+
+def _lcp_of(path: object, M: FloatArray, q: FloatArray) -> Lcp:
+    try:
+        return Lcp(M, q)
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}") from error
+
+
+def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactProblem:
+    """The local problem of an FCLIB HDF5 file: planar ones to be solved, spatial ones to be looked at.
+
+    Needs h5py. Raises ModelError without it, for a damaged file, and for files that hold only the global form, in
+    which the motion of the bodies has not been eliminated.
+    """
+    try:
+        import h5py
+    except ImportError as error:
+        raise ModelError("FCLIB files need h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
+    try:
+        with h5py.File(path, "r") as file:
+            if "fclib_local" not in file:
+                form = "fclib_global: its mass matrix is not eliminated" if "fclib_global" in file else "no problem"
+                raise ModelError(f"{path}: holds {form}; expected the group fclib_local")
+            group = file["fclib_local"]
+            W = _matrix(group["W"])
+            q, mu = (np.asarray(group[f"vectors/{key}"], dtype=float).ravel() for key in ("q", "mu"))
+            dimension = int(np.asarray(group["spacedim"]).ravel()[0])
+        return _contact_problem(W, q, mu, dimension)
+    except ModelError as error:
+        raise error if str(error).startswith(str(path)) else ModelError(f"{path}: {error}") from error
+    except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
+        raise ModelError(f"{path}: {error}; expected /fclib_local with W, vectors/q, vectors/mu, spacedim") from error
+
+
+def _matrix(group: Any) -> FloatArray:
+    """W from its CSparse arrays: nz >= 0 triplets (columns in p), -1 compressed columns, -2 compressed rows."""
+    m, n, nz = (int(np.asarray(group[key]).ravel()[0]) for key in ("m", "n", "nz"))
+    p, i, x = (np.asarray(group[key]).ravel() for key in ("p", "i", "x"))
+    if nz >= 0:
+        return np.asarray(scipy.sparse.coo_array((x[:nz], (i[:nz], p[:nz])), shape=(m, n)).toarray(), dtype=float)
+    if nz not in (-1, -2):
+        raise ModelError(f"W/nz is {nz}: expected >= 0 (triplets), -1 (columns) or -2 (rows)")
+    kind = scipy.sparse.csc_array if nz == -1 else scipy.sparse.csr_array
+    used = int(p[-1])
+    return np.asarray(kind((x[:used], i[:used], p), shape=(m, n)).toarray(), dtype=float)
+
+
+def _contact_problem(W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int) -> Any:
+    rows = dimension * len(mu)
+    if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
+        raise ModelError(
+            f"spacedim is {dimension}, W has shape {W.shape}, q {q.shape} and mu {mu.shape}: "
+            "expected 2 or 3 rows for each coefficient"
+        )
+    if dimension == 3:
+        return SpatialContactProblem(W, q, mu)
+    order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
+    return ContactProblem(W[np.ix_(order, order)], q[order], mu)
