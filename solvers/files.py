@@ -8,6 +8,7 @@ FCLIB: Acary et al., "A collection of 3D frictional contact problems" (2014); it
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import tempfile
@@ -108,7 +109,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
             arrays = {key: stored[key] for key in stored.files}
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
-    records = []
+    records: list[Recorded] = []
     while any(f"{key}_{len(records)}" in arrays for key in ("M", "q", "A", "b", "mu")):
         records.append(_record(name, arrays, len(records)))
     if not records and arrays:
@@ -123,12 +124,17 @@ def _record(file: str, arrays: dict[str, Any], i: int) -> Recorded:
         if f"{key}_{i}" not in arrays:
             raise ModelError(f"{file}: key {key}_{i} is missing; expected {', '.join(f'{k}_{i}' for k in needed)}")
     name = str(arrays.get(f"name_{i}", f"problem {i}"))
-    values = [arrays[f"{key}_{i}"] for key in needed]
+    values = {key: arrays[f"{key}_{i}"] for key in needed}
     factor = arrays.get(f"factor_{i}")
     try:
         if contact:
-            return Recorded(name, ContactProblem(*values, _keys(arrays.get(f"keys_{i}")), factor))
-        return Recorded(name, Lcp(*values, factor))
+            return Recorded(
+                name,
+                ContactProblem(
+                    values["A"], values["b"], values["mu"], keys=_keys(arrays.get(f"keys_{i}")), factor=factor
+                ),
+            )
+        return Recorded(name, Lcp(values["M"], values["q"], factor))
     except ModelError as error:
         raise ModelError(f"{file}: keys {', '.join(f'{k}_{i}' for k in needed)}: {error}") from error
 
@@ -195,7 +201,7 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     which the motion of the bodies has not been eliminated.
     """
     try:
-        import h5py
+        h5py: Any = importlib.import_module("h5py")
     except ImportError as error:
         raise ModelError("FCLIB files need h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
     try:
@@ -227,7 +233,9 @@ def _matrix(group: Any) -> FloatArray:
     return np.asarray(kind((x[:used], i[:used], p), shape=(m, n)).toarray(), dtype=float)
 
 
-def _contact_problem(W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int) -> Any:
+def _contact_problem(
+    W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int
+) -> ContactProblem | SpatialContactProblem:
     rows = dimension * len(mu)
     if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
         raise ModelError(
