@@ -26,7 +26,7 @@ __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
 
 ALIKE = 1e-6  # relative difference up to which two certified answers count as one
 LOOSEST = 1e-2  # residual above which nothing is a solution, for solvers that do not tell their tolerance
-LONGEST = 160  # characters of a remark
+LONGEST = 110  # characters of a remark
 REFUSED, FAILED = "refused", "failed"  # in place of a status
 _HEAD = ("solver", "status", "residual", "|z - z_ref|", "same motion", "iterations", "time [us]", "remark")
 
@@ -39,9 +39,7 @@ def all_solvers(problem: Any = None) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name in lcpflex.solvers.__all__:
         kind: Any = getattr(lcpflex.solvers, name)
-        if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
-            continue
-        if not (callable(getattr(kind, "solve", None)) and callable(getattr(kind, "refuses", None))):
+        if not _is_solver(kind):
             continue
         if name == "QuadraticProgram":
             import qpsolvers
@@ -52,6 +50,11 @@ def all_solvers(problem: Any = None) -> dict[str, Any]:
     if problem is None:
         return found
     return {name: solver for name, solver in found.items() if not solver.refuses(problem)}
+
+
+def _is_solver(kind: object) -> bool:
+    promises = all(callable(getattr(kind, name, None)) for name in ("solve", "refuses"))
+    return isinstance(kind, type) and dataclasses.is_dataclass(kind) and promises
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +85,11 @@ class Row:
         return (
             self.solver,
             "-" if self.status == REFUSED else self.status,
-            _number(self.residual, ".1e"),
+            number(self.residual, ".1e"),
             "-" if self.difference is None else f"{self.difference:.1e}",
             motion,
             "-" if self.iterations is None else str(self.iterations),
-            _number(1e6 * self.time, ".1f"),
+            number(1e6 * self.time, ".1f"),
             f"another model: {self.model}" if self.model else self.remark,
         )
 
@@ -113,17 +116,11 @@ class CrossCheck:
 
     def markdown(self) -> str:
         """The rows as a table of Markdown."""
-        lines = [_HEAD, ("---",) * len(_HEAD), *(row.cells() for row in self.rows)]
-        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+        return as_markdown([_HEAD, *(row.cells() for row in self.rows)])
 
     def csv(self) -> str:
         """The rows as comma-separated values, numbers in full, time in seconds."""
-        names = [f.name for f in dataclasses.fields(Row)]
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(names)
-        writer.writerows([[getattr(row, name) for name in names] for row in self.rows])
-        return text.getvalue()
+        return as_csv(Row, self.rows)
 
 
 def cross_check(problem: Any, solvers: Mapping[str, Any] | None = None, repeats: int = 5) -> CrossCheck:
@@ -133,28 +130,32 @@ def cross_check(problem: Any, solvers: Mapping[str, Any] | None = None, repeats:
     that may compile. Raises ModelError for repeats < 1 and problems no solver takes; what a solver raises is shown in
     its row.
     """
-    _check(problem, repeats)
-    tried = {n: attempt(problem, n, s, repeats) for n, s in (all_solvers() if solvers is None else solvers).items()}
+    check_request(problem, repeats)
+    return solve_all(problem, all_solvers() if solvers is None else solvers, repeats, {})[0]
+
+
+def solve_all(
+    problem: Any, solvers: Mapping[str, Any], repeats: int, guesses: Mapping[str, Solution | None]
+) -> tuple[CrossCheck, dict[str, Solution | None]]:
+    """The comparison, and what each solver found, started from its guess if there is one."""
+    tried = {name: _attempt(problem, name, s, repeats, guesses.get(name)) for name, s in solvers.items()}
     rivals = {n: s for n, (row, s) in tried.items() if s is not None and s.solved and not (row.model or row.wrong)}
     reference = min(rivals, key=lambda n: rivals[n].residual, default="")
     rows = tuple(_compared(problem, row, s, rivals.get(reference)) for row, s in tried.values())
-    return CrossCheck(rows, reference, _verdict(problem, rows, reference))
+    return CrossCheck(rows, reference, _verdict(problem, rows, reference)), {n: s for n, (_, s) in tried.items()}
 
 
-def _check(problem: Any, repeats: int) -> None:
+def check_request(problem: Any, repeats: int) -> None:
+    """Raise ModelError for repeats < 1 and problems that no solver takes."""
     if repeats is None:
         raise ModelError("repeats is None: expected a positive integer")
     check_limit("repeats", repeats)
     if not all(hasattr(problem, name) for name in ("size", "slack", "residual")):
         kind = type(problem).__name__
-        raise ModelError(
-            f"problem is a {kind}, which no solver takes: expected Lcp, ContactProblem, MixedLcp, BoxedLcp"
-        )
+        raise ModelError(f"problem is a {kind}, which no solver takes: expected Lcp, ContactProblem, or a posed one")
 
 
-def attempt(
-    problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None = None
-) -> tuple[Row, Solution | None]:
+def _attempt(problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None) -> tuple[Row, Solution | None]:
     """The row of one solver, not yet compared, and its solution if it returned one."""
     try:
         reason = solver.refuses(problem)
@@ -248,7 +249,8 @@ def _first_line(text: str) -> str:
     return line if len(line) <= LONGEST else line[: LONGEST - 3] + "..."
 
 
-def _number(value: float, form: str) -> str:
+def number(value: float, form: str) -> str:
+    """The number, or a dash if there is none."""
     return format(value, form) if np.isfinite(value) else "-"
 
 
@@ -256,3 +258,19 @@ def aligned(lines: Sequence[Sequence[str]]) -> str:
     """Columns of text, two blanks apart."""
     widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
     return "\n".join("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip() for line in lines)
+
+
+def as_markdown(lines: Sequence[Sequence[str]]) -> str:
+    """A table of Markdown; the first line is its head."""
+    ruled = [lines[0], ("---",) * len(lines[0]), *lines[1:]]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in ruled)
+
+
+def as_csv(kind: Any, rows: Sequence[object]) -> str:
+    """The fields of the rows, all of the dataclass ``kind``, as comma-separated values below their names."""
+    names = [f.name for f in dataclasses.fields(kind)]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([[getattr(row, name) for name in names] for row in rows])
+    return text.getvalue()

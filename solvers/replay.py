@@ -1,0 +1,178 @@
+"""Many recorded problems before many solvers: sums, failures, wrong claims, and the performance profile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+from lcpflex.solvers import cross_check as one
+from lcpflex.solvers.cross_check import CrossCheck, Row
+from lcpflex.solvers.problem import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["Replay", "ReplayRow", "replay"]
+
+SHOWN = 12  # findings that the table tells
+_HEAD = (
+    "solver", "solved", "refused", "failed", "wrong", "other motion", "worst residual", "iterations", "time [ms]",
+    "remark",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayRow:
+    """What one solver made of all problems: how many of them it solved, refused, failed at, claimed wrongly.
+
+    other_motion: solved with another w than the reference of the problem. residual: the worst of those solved.
+    iterations, time [s]: sums over all problems tried, each with the median time of its repeats. remark: the reason of
+    the first failure or refusal. model: what the solver solves instead, if it does.
+    """
+
+    solver: str
+    solved: int
+    refused: int
+    failed: int
+    wrong: int
+    other_motion: int
+    residual: float
+    iterations: int
+    time: float
+    remark: str = ""
+    model: str = ""
+
+    def cells(self) -> tuple[str, ...]:
+        """The row as text, in the order of the table."""
+        counts = (self.solved, self.refused, self.failed, self.wrong, self.other_motion)
+        tried = self.refused < sum(counts[:4])
+        sums = (str(self.iterations), f"{1e3 * self.time:.2f}") if tried else ("-", "-")
+        remark = f"another model: {self.model}" if self.model else self.remark
+        return (self.solver, *map(str, counts), one.number(self.residual, ".1e"), *sums, remark)
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """The rows of all solvers over many problems.
+
+    names (problems,). times (solvers, problems) [s]: the median time of each solve; inf where the solver refused the
+    problem, did not solve it, claimed wrongly, or solves another model. findings: what deserves a look, a sentence for
+    each problem on which a claim was wrong or certified solutions differ.
+    """
+
+    rows: tuple[ReplayRow, ...]
+    names: tuple[str, ...]
+    times: FloatArray
+    findings: tuple[str, ...] = ()
+
+    @property
+    def contradictory(self) -> bool:
+        """Whether any claim was wrong: a point that is no solution, or a proof that there is none where one exists."""
+        return any(row.wrong for row in self.rows)
+
+    @property
+    def verdict(self) -> str:
+        """In words: who claimed wrongly, and where certified solutions differ."""
+        wrong = [row.solver for row in self.rows if row.wrong]
+        words = f"wrong claims by {', '.join(wrong)}" if wrong else "no wrong claim"
+        if not self.findings:
+            words += ", and all who solved a problem agree"
+        count = f"{len(self.names)} problem" + "s" * (len(self.names) != 1)
+        left = len(self.findings) - SHOWN
+        return "\n".join(
+            [f"{count}: {words}", *self.findings[:SHOWN], *([f"... and on {left} more problems"] if left > 0 else [])]
+        )
+
+    def table(self) -> str:
+        """Aligned text, with the verdict below."""
+        return f"{one.aligned([_HEAD, *(row.cells() for row in self.rows)])}\n\n{self.verdict}"
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def markdown(self) -> str:
+        """The rows as a table of Markdown."""
+        return one.as_markdown([_HEAD, *(row.cells() for row in self.rows)])
+
+    def csv(self) -> str:
+        """The rows as comma-separated values, numbers in full, time in seconds."""
+        return one.as_csv(ReplayRow, self.rows)
+
+    def plot(self, axes: Axes | None = None) -> Figure:
+        """Performance profile: see :func:`lcpflex.solvers.profile.draw_profile`; without solvers of another model."""
+        from lcpflex.solvers.profile import draw_profile
+
+        own = [i for i, row in enumerate(self.rows) if not row.model]
+        return draw_profile([self.rows[i].solver for i in own], self.times[own], axes)
+
+
+def replay(
+    problems: Iterable[Any],
+    solvers: Mapping[str, Any] | None = None,
+    repeats: int = 3,
+    warm: bool = False,
+    progress: Callable[[int, int], object] | None = None,
+) -> Replay:
+    """Solve all ``problems`` by every solver and add up.
+
+    problems: those :func:`cross_check` takes, or :class:`lcpflex.solvers.files.Recorded`. solvers: by name, all of
+    :func:`all_solvers` if left out. repeats: solves of which the median time counts, after one that may compile.
+    warm: each solver starts from its own solution of the problem before, as in a simulation; else from nothing.
+    progress: called with the numbers of problems done and in all. Raises ModelError if there is no problem or no
+    solver, and as :func:`cross_check` does.
+    """
+    named = [(str(getattr(p, "name", f"problem {i}")), getattr(p, "problem", p)) for i, p in enumerate(problems)]
+    solvers = one.all_solvers() if solvers is None else solvers
+    for what, given in (("problems", named), ("solvers", solvers)):
+        if not given:
+            raise ModelError(f"{what} is empty: expected at least one")
+    for _, problem in named:
+        one.check_request(problem, repeats)
+    guesses: dict[str, Solution | None] = {}
+    checks: list[CrossCheck] = []
+    for done, (_, problem) in enumerate(named, 1):
+        check, found = one.solve_all(problem, solvers, repeats, guesses)
+        checks.append(check)
+        if warm:
+            guesses |= {name: solution for name, solution in found.items() if solution is not None and solution.solved}
+        if progress is not None:
+            progress(done, len(named))
+    columns = list(zip(*(check.rows for check in checks), strict=True))
+    findings = (f"{name}: {check.verdict}" for (name, _), check in zip(named, checks, strict=True) if _is_odd(check))
+    times = np.array([[_counted(row) for row in rows] for rows in columns])
+    return Replay(tuple(_sum(rows) for rows in columns), tuple(name for name, _ in named), times, tuple(findings))
+
+
+def _is_odd(check: CrossCheck) -> bool:
+    return check.contradictory or any(row.same_motion is False for row in check.rows)
+
+
+def _counted(row: Row) -> float:
+    """The time of a solve that counts in the profile, else inf."""
+    return row.time if row.solved and not (row.wrong or row.model) else np.inf
+
+
+def _sum(rows: Sequence[Row]) -> ReplayRow:
+    """One solver's rows of many problems in one."""
+    solved = [row for row in rows if row.solved and not row.wrong]
+    refused = sum(row.status == one.REFUSED for row in rows)
+    wrong = sum(row.wrong for row in rows)
+    return ReplayRow(
+        rows[0].solver,
+        solved=len(solved),
+        refused=refused,
+        failed=len(rows) - len(solved) - refused - wrong,
+        wrong=wrong,
+        other_motion=sum(row.same_motion is False for row in rows),
+        residual=max((row.residual for row in solved), default=float("nan")),
+        iterations=sum(row.iterations or 0 for row in rows),
+        time=float(np.nansum([row.time for row in rows])),
+        remark=next((row.remark for row in rows if row.remark), ""),
+        model=next((row.model for row in rows if row.model), ""),
+    )
