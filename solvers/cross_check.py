@@ -27,6 +27,7 @@ __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
 ALIKE = 1e-6  # relative difference up to which two certified answers count as one
 LOOSEST = 1e-2  # residual above which nothing is a solution, for solvers that do not tell their tolerance
 LONGEST = 110  # characters of a remark
+PROOFS = ("INFEASIBLE", "NO_SOLUTION")
 REFUSED, FAILED = "refused", "failed"  # in place of a status
 _HEAD = ("solver", "status", "residual", "|z - z_ref|", "same motion", "iterations", "time [us]", "remark")
 
@@ -194,7 +195,7 @@ def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | N
     if found is None or best is None or row.model or row.wrong:
         return row
     if not found.solved:
-        return dataclasses.replace(row, wrong=row.status in ("INFEASIBLE", "NO_SOLUTION"))
+        return dataclasses.replace(row, wrong=row.status in PROOFS)
     difference = float(np.abs(found.z - best.z).max(initial=0.0))
     return dataclasses.replace(
         row, difference=difference, same_motion=_same(problem, _motion(problem, found), _motion(problem, best))
@@ -228,16 +229,16 @@ def _verdict(problem: Any, rows: Sequence[Row], reference: str) -> str:
     wrong = [row.solver for row in rows if row.wrong]
     if wrong:
         return f"wrong claim by {', '.join(wrong)}"
-    proofs = [row.solver for row in rows if row.status in ("INFEASIBLE", "NO_SOLUTION")]
+    proofs = [row.solver for row in rows if row.status in PROOFS]
     if not reference:
         return f"no solution exists, says {', '.join(proofs)}" if proofs else "no solver solved it"
     solved = [row for row in rows if row.same_motion is not None]
     others = [row.solver for row in solved if not row.same_motion]
     kind = "the contact velocities" if hasattr(problem, "velocity") else "w"
     if others and _is_unique(problem):
-        return f"{', '.join(others)}: {kind} differs from that of {reference} though it is unique: less accurate"
+        return f"{', '.join(others)}: differs from {reference} in {kind}, though unique: less accurate"
     if others:
-        return f"{', '.join(others)}: another solution than {reference}, both certified: {kind} is not unique"
+        return f"{', '.join(others)}: another solution than {reference}, both certified; {kind} may differ"
     if len(solved) == 1:
         return f"only {reference} solved it"
     return f"all {len(solved)} solvers that solved it agree in {kind}"

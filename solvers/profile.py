@@ -1,8 +1,8 @@
 """Performance profiles: how often a solver is within a factor of the fastest, over many problems at once.
 
-rho_s(tau) = |{p : t_ps <= tau min_s t_ps}| / n_p, with t_ps = inf where solver s did not solve problem p
-(Dolan & More, "Benchmarking optimization software with performance profiles", Math. Program. 91, 2002). At tau = 1 it
-is the share of problems on which s is fastest, for large tau the share it solves.
+rho_s(tau) = |{p : t_ps <= tau min_s t_ps}| / n_p, with t_ps = inf where solver s neither solved problem p
+nor proved that nothing does (Dolan & More, "Benchmarking optimization software with performance profiles", Math.
+Program. 91, 2002). At tau = 1 it is the share of problems on which s is fastest, for large tau the share it solves.
 """
 
 from __future__ import annotations
@@ -85,9 +85,10 @@ def _area(ratios: FloatArray, largest: float) -> float:
 
 
 def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, place: int, count: int) -> None:
-    # Lines often lie on top of each other: each shows its marker where no other line has one.
-    spots = largest ** ((place + 0.5 + count * np.arange(2)) / (2 * count))
     solved = np.sort(ratios[np.isfinite(ratios)])
+    # Lines often lie on top of each other: each shows its marker on its rise and beyond where no other line has one.
+    height = (place + 0.5) / count
+    spots = np.array([solved[int(height * len(solved))], largest ** (0.4 + 0.6 * height)])
     tau = np.unique(np.concatenate([[1.0, largest], solved, spots]))
     share = np.searchsorted(solved, tau, side="right") / len(ratios)
     axes.step(
@@ -98,7 +99,7 @@ def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, place:
         color=_COLOURS[place % len(_COLOURS)],
         linestyle=_STROKES[place % len(_STROKES)],
         marker=_MARKERS[place % len(_MARKERS)],
-        markevery=[int(k) for k in np.searchsorted(tau, spots) if share[k] > 0.0],
+        markevery=[int(k) for k in np.unique(np.searchsorted(tau, spots)) if share[k] > 0.0],
         markersize=6.5,
         linewidth=1.8,
         zorder=3.0 + count - place,

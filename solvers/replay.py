@@ -22,14 +22,15 @@ __all__ = ["Replay", "ReplayRow", "replay"]
 
 SHOWN = 12  # findings that the table tells
 _HEAD = (
-    "solver", "solved", "refused", "failed", "wrong", "other motion", "worst residual", "iterations", "time [ms]",
-    "remark",
+    "solver", "solved", "proved none", "refused", "failed", "wrong", "other motion", "worst residual", "iterations",
+    "time [ms]", "remark",
 )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class ReplayRow:
-    """What one solver made of all problems: how many of them it solved, refused, failed at, claimed wrongly.
+    """What one solver made of all problems: how many of them it solved, proved to have no solution, refused, failed at,
+    claimed wrongly.
 
     other_motion: solved with another w than the reference of the problem. residual: the worst of those solved.
     iterations, time [s]: sums over all problems tried, each with the median time of its repeats. remark: the reason of
@@ -38,6 +39,7 @@ class ReplayRow:
 
     solver: str
     solved: int
+    proved: int
     refused: int
     failed: int
     wrong: int
@@ -50,8 +52,8 @@ class ReplayRow:
 
     def cells(self) -> tuple[str, ...]:
         """The row as text, in the order of the table."""
-        counts = (self.solved, self.refused, self.failed, self.wrong, self.other_motion)
-        tried = self.refused < sum(counts[:4])
+        counts = (self.solved, self.proved, self.refused, self.failed, self.wrong, self.other_motion)
+        tried = self.refused < sum(counts[:5])
         sums = (str(self.iterations), f"{1e3 * self.time:.2f}") if tried else ("-", "-")
         remark = f"another model: {self.model}" if self.model else self.remark
         return (self.solver, *map(str, counts), one.number(self.residual, ".1e"), *sums, remark)
@@ -62,8 +64,8 @@ class Replay:
     """The rows of all solvers over many problems.
 
     names (problems,). times (solvers, problems) [s]: the median time of each solve; inf where the solver refused the
-    problem, did not solve it, claimed wrongly, or solves another model. findings: what deserves a look, a sentence for
-    each problem on which a claim was wrong or certified solutions differ.
+    problem, neither solved it nor proved that nothing does, claimed wrongly, or solves another model. findings: what
+    deserves a look, a sentence for each problem on which a claim was wrong or certified solutions differ.
     """
 
     rows: tuple[ReplayRow, ...]
@@ -155,24 +157,26 @@ def _is_odd(check: CrossCheck) -> bool:
 
 def _counted(row: Row) -> float:
     """The time of a solve that counts in the profile, else inf."""
-    return row.time if row.solved and not (row.wrong or row.model) else np.inf
+    return row.time if (row.solved or row.status in one.PROOFS) and not (row.wrong or row.model) else np.inf
 
 
 def _sum(rows: Sequence[Row]) -> ReplayRow:
     """One solver's rows of many problems in one."""
     solved = [row for row in rows if row.solved and not row.wrong]
     refused = sum(row.status == one.REFUSED for row in rows)
+    proved = sum(row.status in one.PROOFS and not row.wrong for row in rows)
     wrong = sum(row.wrong for row in rows)
     return ReplayRow(
         rows[0].solver,
         solved=len(solved),
+        proved=proved,
         refused=refused,
-        failed=len(rows) - len(solved) - refused - wrong,
+        failed=len(rows) - len(solved) - proved - refused - wrong,
         wrong=wrong,
         other_motion=sum(row.same_motion is False for row in rows),
         residual=max((row.residual for row in solved), default=float("nan")),
         iterations=sum(row.iterations or 0 for row in rows),
         time=float(np.nansum([row.time for row in rows])),
-        remark=next((row.remark for row in rows if row.remark), ""),
+        remark=next((row.remark for row in rows if row.remark and row.status not in one.PROOFS), ""),
         model=next((row.model for row in rows if row.model), ""),
     )
