@@ -13,6 +13,7 @@ import json
 import os
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,9 @@ from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.spatial import SpatialContactProblem
 
 __all__ = ["Recorded", "load_fclib", "load_problems", "load_text_lcp", "save_problems"]
+
+# What numpy and zipfile raise for bytes that are not those once written.
+_DAMAGED = (OSError, ValueError, EOFError, MemoryError, RuntimeError, SyntaxError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,11 +107,12 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
     """
     name = str(path)
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with Path(path).open("rb") as stream:  # which numpy leaves open where the file is damaged
+            stored = np.load(stream, allow_pickle=False)
             if not hasattr(stored, "files"):
                 raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
             arrays = {key: stored[key] for key in stored.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except _DAMAGED as error:
         raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
     records: list[Recorded] = []
     while any(f"{key}_{len(records)}" in arrays for key in ("M", "q", "A", "b", "mu")):
