@@ -118,5 +118,13 @@ def _set_out(axes: Axes, largest: float, without: Sequence[str]) -> None:
     title = "solved, best first"
     if without:
         title += "\n(nothing: " + ",\n".join(without) + ")"
-    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0, frameon=False, title=title,
-                alignment="left", handlelength=4.0)  # fmt: skip
+    axes.legend(
+        handles=axes.get_legend_handles_labels()[0],
+        loc="upper left",
+        bbox_to_anchor=(1.02, 1.0),
+        borderaxespad=0.0,
+        frameon=False,
+        title=title,
+        alignment="left",
+        handlelength=4.0,
+    )
