@@ -57,7 +57,7 @@ def draw_profile(names: Sequence[str], times: npt.ArrayLike, axes: Axes | None =
     """Draw the profiles of ``times`` (solvers, problems) [s] over tau, the axis logarithmic to base 2.
 
     The key beside the chart lists the solvers from the best (largest area below the line) to the worst, with the share
-    they solved; those that solved nothing are named below it. axes: draw into these. Raises ModelError as
+    they solved; those that solved nothing are named at its end. axes: draw into these. Raises ModelError as
     :func:`performance_profile` does, and for another number of names than rows.
     """
     from matplotlib.figure import Figure
@@ -74,7 +74,7 @@ def draw_profile(names: Sequence[str], times: npt.ArrayLike, axes: Axes | None =
     areas = [_area(row, largest) for row in ratios]
     order = [int(s) for s in np.argsort(-np.array(areas), kind="stable") if np.isfinite(ratios[s]).any()]
     for place, s in enumerate(order):
-        _draw_line(axes, ratios[s], largest, names[s], place, len(order))
+        _draw_line(axes, ratios[s], largest, names[s], s, (place + 0.5) / len(order))
     _set_out(axes, largest, [names[s] for s in range(len(names)) if s not in order])
     return axes.get_figure(root=True)  # type: ignore[return-value]
 
@@ -84,10 +84,10 @@ def _area(ratios: FloatArray, largest: float) -> float:
     return float(np.log(largest / np.minimum(ratios, largest)).mean())
 
 
-def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, place: int, count: int) -> None:
+def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, look: int, height: float) -> None:
+    """The line of one solver. look: number of its style, the same in every chart of these solvers."""
     solved = np.sort(ratios[np.isfinite(ratios)])
     # Lines often lie on top of each other: each shows its marker on its rise and beyond where no other line has one.
-    height = (place + 0.5) / count
     spots = np.array([solved[int(height * len(solved))], largest ** (0.4 + 0.6 * height)])
     tau = np.unique(np.concatenate([[1.0, largest], solved, spots]))
     share = np.searchsorted(solved, tau, side="right") / len(ratios)
@@ -96,18 +96,20 @@ def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, place:
         share,
         where="post",
         label=f"{name}, {100.0 * share[-1]:.0f} %",
-        color=_COLOURS[place % len(_COLOURS)],
-        linestyle=_STROKES[place % len(_STROKES)],
-        marker=_MARKERS[place % len(_MARKERS)],
+        color=_COLOURS[look % len(_COLOURS)],
+        linestyle=_STROKES[look % len(_STROKES)],
+        marker=_MARKERS[look % len(_MARKERS)],
         markevery=[int(k) for k in np.unique(np.searchsorted(tau, spots)) if share[k] > 0.0],
         markersize=6.5,
         linewidth=1.8,
-        zorder=3.0 + count - place,
+        zorder=4.0 - height,
         clip_on=False,
     )
 
 
 def _set_out(axes: Axes, largest: float, without: Sequence[str]) -> None:
+    from matplotlib.lines import Line2D
+
     axes.set_xscale("log", base=2)
     axes.set(xlim=(1.0, largest), ylim=(0.0, 1.02))
     axes.set_xlabel(r"time, in multiples $\tau$ of the fastest solver's")
@@ -115,16 +117,16 @@ def _set_out(axes: Axes, largest: float, without: Sequence[str]) -> None:
     axes.yaxis.set_major_formatter(lambda value, _: f"{100.0 * value:.0f} %")
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.grid(True, linewidth=0.4, alpha=0.5)
-    title = "solved, best first"
+    handles = axes.get_legend_handles_labels()[0]
     if without:
-        title += "\n(nothing: " + ",\n".join(without) + ")"
+        handles.append(Line2D([], [], linestyle="none", label="nothing:\n" + ",\n".join(without)))
     axes.legend(
-        handles=axes.get_legend_handles_labels()[0],
+        handles=handles,
         loc="upper left",
         bbox_to_anchor=(1.02, 1.0),
         borderaxespad=0.0,
         frameon=False,
-        title=title,
+        title="solved, best first",
         alignment="left",
         handlelength=4.0,
     )

@@ -324,8 +324,12 @@ class TestProfile:
         (axes,) = draw_profile(
             ["b", "c", "a", "none"], np.vstack([self.times[[0, 2]], self.times[:1] / 2, _NEVER])
         ).axes
-        assert [text.get_text() for text in axes.get_legend().get_texts()] == ["a, 75 %", "b, 75 %", "c, 25 %"]
-        assert "none" in axes.get_legend().get_title().get_text()
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == [
+            "a, 75 %",
+            "b, 75 %",
+            "c, 25 %",
+            "nothing:\nnone",
+        ]
 
     def test_lines_are_the_profile(self):
         (axes,) = draw_profile(["a", "b", "c"], self.times).axes
@@ -342,7 +346,15 @@ class TestProfile:
     def test_nobody_solved_anything(self):
         (axes,) = draw_profile(["a", "b"], np.full((2, 3), np.inf)).axes
         assert not axes.lines
-        assert "a" in axes.get_legend().get_title().get_text()
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == ["nothing:\na,\nb"]
+
+    def test_a_solver_looks_the_same_in_all_charts(self):
+        (first,), (second,) = (draw_profile(["a", "b", "c"], times).axes for times in (self.times, self.times[::-1]))
+
+        def looks(axes):
+            return {line.get_label()[0]: (line.get_color(), line.get_marker()) for line in axes.lines}
+
+        assert looks(first) == looks(second)
 
     def test_names(self):
         with pytest.raises(ModelError, match="names has 1 entries: expected 3"):
