@@ -166,16 +166,21 @@ def _hashable(key: Any) -> Hashable:
 def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
     """An LCP from numbers separated by white space; what follows # on a line is skipped.
 
-    Either n, then M row by row, then q; or n rows of n + 1 numbers, [M | q]. Raises ModelError for anything else.
+    One of: n, then M row by row, then q; n rows of n + 1 numbers, [M | q]; or the form that Siconos writes and its
+    test data have, n, 0 (dense storage), n, n, n, n, then M *column by column*, then q, then any remarks. Raises
+    ModelError for anything else.
     """
-    rows: list[list[float]] = []
     try:
         lines = Path(path).read_text(encoding="utf-8").splitlines()
     except (OSError, ValueError) as error:
         raise ModelError(f"{path}: cannot be read ({error}); expected a text file") from error
-    for number, line in enumerate(lines, 1):
+    words = [line.partition("#")[0].split() for line in lines]
+    if (found := _siconos(path, words)) is not None:
+        return found
+    rows: list[list[float]] = []
+    for number, line in enumerate(words, 1):
         try:
-            row = [float(word) for word in line.partition("#")[0].split()]
+            row = [float(word) for word in line]
         except ValueError as error:
             raise ModelError(f"{path}: line {number}: {error}; expected numbers") from error
         if row:
@@ -187,9 +192,27 @@ def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
     n = int(numbers[0]) if len(numbers) and 0 <= numbers[0] < 1e6 and numbers[0] % 1 == 0 else -1
     if n < 0 or len(numbers) != 1 + n * n + n:
         raise ModelError(
-            f"{path}: {len(numbers)} numbers in {len(rows)} rows; expected n, M (n x n) and q (n), or n rows of n + 1"
+            f"{path}: {len(numbers)} numbers in {len(rows)} rows; expected n, M (n x n) and q (n), n rows of n + 1, "
+            "or the dense storage of Siconos"
         )
     return _lcp_of(path, numbers[1 : 1 + n * n].reshape(n, n), numbers[1 + n * n :])
+
+
+def _siconos(path: object, words: list[list[str]]) -> Lcp | None:
+    """The LCP if the file begins as those of Siconos do, which no other form can: they have fewer numbers."""
+    flat = [word for line in words for word in line]
+    first = next((line for line in words if line), [])
+    if len(first) != 1 or not first[0].isdecimal() or len(first[0]) > 6:
+        return None
+    n = int(first[0])
+    end = 6 + n * n + n
+    if flat[:6] != [str(k) for k in (n, 0, n, n, n, n)] or len(flat) < end:
+        return None
+    try:
+        numbers = np.array([float(word) for word in flat[6:end]])
+    except ValueError as error:
+        raise ModelError(f"{path}: {error}; expected {n * n} numbers of M and {n} of q after the header") from error
+    return _lcp_of(path, numbers[: n * n].reshape(n, n).T, numbers[n * n :])
 
 
 def _lcp_of(path: object, M: FloatArray, q: FloatArray) -> Lcp:

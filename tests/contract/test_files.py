@@ -193,6 +193,30 @@ class TestText:
             load_text_lcp(tmp_path / "x.dat")
         assert "x.dat" in str(refusal.value)
 
+    def test_the_form_of_siconos_is_column_by_column(self, tmp_path):
+        (tmp_path / "x.dat").write_text("2\n0\n2\n2\n2\t2\n4 -1\n3 5 \n-1 -2\n\nRemark 4.1.14\nof 2009\n")
+        problem = load_text_lcp(tmp_path / "x.dat")
+        np.testing.assert_array_equal(problem.M, [[4.0, 3.0], [-1.0, 5.0]])
+        np.testing.assert_array_equal(problem.q, [-1.0, -2.0])
+
+    def test_the_forms_are_told_apart(self, tmp_path):
+        """A plain file may begin as Siconos' do."""
+        (tmp_path / "x.dat").write_text("2\n0 2\n2 2\n2 7\n")
+        problem = load_text_lcp(tmp_path / "x.dat")
+        np.testing.assert_array_equal(problem.M, [[0.0, 2.0], [2.0, 2.0]])
+        np.testing.assert_array_equal(problem.q, [2.0, 7.0])
+
+    @pytest.mark.parametrize("text", ["2\n1\n2\n2\n1\n1\n1\n2\n2\n", "2\n0\n2\n2\n2 2\n1 1\n1 1\n-1"])
+    def test_other_storages_and_cut_files_of_siconos(self, tmp_path, text):
+        (tmp_path / "x.dat").write_text(text)
+        with pytest.raises(ModelError, match="dense storage of Siconos"):
+            load_text_lcp(tmp_path / "x.dat")
+
+    def test_words_among_the_numbers_of_siconos(self, tmp_path):
+        (tmp_path / "x.dat").write_text("2\n0\n2\n2\n2 2\n1 1\n1 one\n-1 -1\n")
+        with pytest.raises(ModelError, match=r"one.*expected 4 numbers of M and 2 of q"):
+            load_text_lcp(tmp_path / "x.dat")
+
     def test_binary_and_missing_files(self, tmp_path):
         (tmp_path / "x.dat").write_bytes(b"\xff\xfe\x00\x80")
         for name in ("x.dat", "none.dat"):
