@@ -11,7 +11,6 @@ from __future__ import annotations
 import importlib
 import json
 import os
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Hashable, Sequence
@@ -61,17 +60,14 @@ def save_problems(
     for i, (problem, name) in enumerate(zip(problems, names, strict=True)):
         arrays |= {f"{key}_{i}": value for key, value in _arrays(problem).items()}
         arrays[f"name_{i}"] = np.array(str(name))
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")
     try:
-        handle, part = tempfile.mkstemp(suffix=".part", dir=target.parent)
-    except OSError as error:
-        raise ModelError(f"path: cannot write {str(target)!r}: {error}; expected a writable folder") from error
-    try:
-        with os.fdopen(handle, "wb") as stream:
+        with part.open("wb") as stream:  # not of tempfile, whose files nobody else may read
             np.savez_compressed(stream, **arrays)
         os.replace(part, target)
     except OSError as error:
-        Path(part).unlink(missing_ok=True)
-        raise ModelError(f"path: cannot write {str(target)!r}: {error}") from error
+        part.unlink(missing_ok=True)
+        raise ModelError(f"path: cannot write {str(target)!r}: {error}; expected a writable folder") from error
     return target
 
 

@@ -68,6 +68,10 @@ class TestRecords:
         np.testing.assert_array_equal(first.problem.M, M)
         assert (empty.problem.size, empty.name) == (0, "problem 1")
 
+    def test_others_may_read_a_record_as_any_new_file(self, tmp_path):
+        (tmp_path / "plain").touch()
+        assert save_problems(tmp_path / "x", []).stat().st_mode == (tmp_path / "plain").stat().st_mode
+
     def test_no_problems_are_a_record_too(self, tmp_path):
         assert load_problems(save_problems(tmp_path / "x", [])) == []
 
