@@ -31,6 +31,8 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 10000},
     "piqp": {"eps_abs": 1e-12, "eps_rel": 0.0},
 }
+NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
+FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
 POLISHING = 5  # corrections on the active set: one to three suffice when the backend came near
 
 
@@ -73,24 +75,23 @@ class QuadraticProgram:
             raise ModelError(reason)
         if not problem.size or (problem.q >= 0.0).all():
             return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route="q >= 0")
+        with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
+            return self._solve(problem, guess)
+
+    def _solve(self, problem: Lcp, guess: Solution | None) -> Solution:
+        """The backend's point on the scaled problem, polished and judged."""
         # In units in which each diagonal entry is 1: light and heavy bodies then look alike to the backend.
         diagonal = np.abs(np.diag(problem.M))
         scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        M = 0.5 * (problem.M + problem.M.T) * np.outer(scale, scale)
+        M = (0.5 * problem.M + 0.5 * problem.M.T) * scale[:, None] * scale
         load = float(np.abs(scale * problem.q).max())
         q = scale * problem.q / load
+        if reason := _not_convex(M, q):
+            return self._failure(problem, reason)
         start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
-        raw, iterations, message = self._run(M, q, start)
+        raw, iterations, message = self._run(M, q, _usable(start))
         if not np.isfinite(raw).all():
-            return accept(
-                problem,
-                np.zeros(problem.size),
-                tolerance=self.tolerance,
-                status=Status.NUMERICAL_FAILURE,
-                iterations=iterations,
-                route=self.backend,
-                message=message or f"{self.backend} returned no point",
-            )
+            return self._failure(problem, message or f"{self.backend} returned no point", iterations)
         direction = scale * np.maximum(raw, 0.0)  # of an unbounded program: the point has run away along a certificate
         polished = _polish(M, q, np.maximum(raw, 0.0))
         candidates = [scale * load * np.maximum(z, 0.0) for z in (raw, polished)]
@@ -105,6 +106,18 @@ class QuadraticProgram:
             route=self.backend + ("", " + active set")[best],
             message="" if min(residuals) <= self.tolerance else message,
             certificate=direction,
+        )
+
+    def _failure(self, problem: Lcp, message: str, iterations: int = 0) -> Solution:
+        """The origin, with the reason why there is no better point."""
+        return accept(
+            problem,
+            np.zeros(problem.size),
+            tolerance=self.tolerance,
+            status=Status.NUMERICAL_FAILURE,
+            iterations=iterations,
+            route=self.backend,
+            message=message,
         )
 
     def _run(self, M: FloatArray, q: FloatArray, start: FloatArray | None) -> tuple[FloatArray, int, str]:
@@ -128,6 +141,24 @@ class QuadraticProgram:
         x = np.full(n, math.nan) if found.x is None else np.asarray(found.x, dtype=float).reshape(n)
         said = found.extras.get("status", "no solution found")
         return x, iterations, "" if found.found else f"{self.backend}: {said}"
+
+
+def _not_convex(M: FloatArray, q: FloatArray) -> str:
+    """Why a backend must not be given the scaled problem; empty if it may."""
+    if not (np.isfinite(M).all() and np.isfinite(q).all()):
+        return "the numbers of the problem overflow when they are scaled"
+    try:
+        np.linalg.cholesky(M + NEGATIVE * np.eye(len(M)))
+    except np.linalg.LinAlgError:
+        return "M is indefinite: its quadratic program is not convex, and no backend solves those; use Lemke()"
+    return ""
+
+
+def _usable(start: FloatArray | None) -> FloatArray | None:
+    """The guess, unless a backend would lose its way from there."""
+    if start is None or not np.isfinite(start).all() or np.abs(start).max(initial=0.0) > FARTHEST:
+        return None
+    return start
 
 
 def _polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
