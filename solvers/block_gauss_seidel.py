@@ -13,7 +13,6 @@ Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,6 +38,7 @@ PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
 CORRECTIONS = 6  # of the forces on fixed states
 REGULAR = 1e-9  # of their equations, relative to the diagonal: redundant contacts make them singular
 RUNAWAY = 1e14  # growth of the forces that ends the iteration
+FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 
 
 @kernel
@@ -216,8 +216,10 @@ class _Iteration:
             self.lcp = problem.lcp()
         self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
         start = aligned(guess, problem.unknown_keys)
-        if start is not None and start.z.shape == (problem.size,) and math.isfinite(float(start.z.sum())):
-            self.forces = np.concatenate(problem.forces(np.maximum(start.z, 0.0)))
+        if start is not None and start.z.shape == (problem.size,):
+            z = np.maximum(start.z, 0.0)
+            if self.judge.residual(z) <= FAR:
+                self.forces = np.concatenate(problem.forces(z))
         if self.dense is None:
             J = scipy.sparse.csr_array(problem.factor)
             self.J: Any = J
