@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
-__all__ = ["QuadraticProgram"]
+__all__ = ["QuadraticProgram", "equilibrium", "polish"]
 
 # Settings close to what the backend can reach in double precision; a backend that is not listed runs with its own.
 SETTINGS: dict[str, dict[str, Any]] = {
@@ -34,6 +35,9 @@ SETTINGS: dict[str, dict[str, Any]] = {
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
 FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
 POLISHING = 5  # corrections on the active set: one to three suffice when the backend came near
+EXCHANGES = 40  # solves for exchanging wrong signs after that
+EXACT = 1e-14  # |min(z, w)| in scaled units that needs no more of this
+RANK = 1e-12  # eigenvalue of M_AA, relative to the largest, below which contacts are redundant
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +97,7 @@ class QuadraticProgram:
         if not np.isfinite(raw).all():
             return self._failure(problem, message or f"{self.backend} returned no point", iterations)
         direction = scale * np.maximum(raw, 0.0)  # of an unbounded program: the point has run away along a certificate
-        polished = _polish(M, q, np.maximum(raw, 0.0))
+        polished = polish(M, q, np.maximum(raw, 0.0))
         candidates = [scale * load * np.maximum(z, 0.0) for z in (raw, polished)]
         residuals = [problem.residual(z) for z in candidates]
         best = int(np.argmin(residuals))
@@ -161,25 +165,45 @@ def _usable(start: FloatArray | None) -> FloatArray | None:
     return start
 
 
-def _polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
-    """Solve on the active set z > w of a near-solution; the least change of z where M_AA is singular.
+def polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
+    """Solve on the active set z > w of a near-solution, for a few corrections of that set.
 
-    M (n, n), q (n,) scaled to entries near 1; z (n,) >= 0. Redundant contacts share their load as the backend left it.
+    M (n, n), q (n,): symmetric positive semidefinite, with a diagonal near 1; z (n,) >= 0. Redundant contacts share
+    their load as z does: the equations are solved with the least change of z. Where that is not enough, because M_AA
+    is nearly singular or the set is far off, wrong signs are exchanged (:func:`block_pivots`).
     """
     best, least = z, _violation(M, q, z)
     for _ in range(POLISHING):
         active = np.flatnonzero(z > M @ z + q)
-        trial = np.zeros_like(z)
-        trial[active] = z[active]
-        if active.size:
-            block = M[np.ix_(active, active)]
-            for _ in range(2):  # the second pass takes out the rounding of the first
-                trial[active] -= np.linalg.lstsq(block, (M @ trial + q)[active], rcond=1e-12)[0]
-        violation = _violation(M, q, np.maximum(trial, 0.0))
+        z = equilibrium(M, q, z, active)
+        violation = _violation(M, q, np.maximum(z, 0.0))
         if violation < least:
-            best, least = np.maximum(trial, 0.0), violation
-        z = trial
+            best, least = np.maximum(z, 0.0), violation
+        elif violation > 0.5 * least:
+            break
+    if least > EXACT * (1.0 + float(np.abs(best).max(initial=0.0))):
+        n = len(q)
+        pivoted, basis = np.zeros(n), np.zeros(2 * n, dtype=np.int64)
+        basis[:n] = best > M @ best + q
+        solves, _ = block_pivots(np.ascontiguousarray(M), q, n, pivoted, np.empty((n + 1, n + 1)), basis, EXCHANGES)
+        if solves > 0 and _violation(M, q, pivoted) < least:
+            return pivoted
     return best
+
+
+def equilibrium(M: FloatArray, q: FloatArray, z: FloatArray, active: IntArray) -> FloatArray:
+    """w = 0 on the active set and z = 0 elsewhere, by the least change of z (n,)."""
+    trial = np.zeros_like(z)
+    trial[active] = z[active]
+    block = M[np.ix_(active, active)]
+    if not active.size or not np.isfinite(block).all():
+        return trial
+    values, vectors = np.linalg.eigh(block)
+    kept = values > RANK * values[-1]
+    inverse = vectors[:, kept] / values[kept]
+    for _ in range(2):  # the second pass takes out the rounding of the first
+        trial[active] -= inverse @ (vectors[:, kept].T @ (M @ trial + q)[active])
+    return trial
 
 
 def _violation(M: FloatArray, q: FloatArray, z: FloatArray) -> float:
