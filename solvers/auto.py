@@ -195,9 +195,7 @@ def _descend(first: Solution, steps: list[Step]) -> Solution:
     route = " > ".join(routes)
     if _settled(best) or best.status is Status.INACCURATE:
         return replace(best, route=route, iterations=iterations)
-    reason = (
-        f"{first.status.name.lower().replace('_', ' ')}: nothing of {route} found a solution or proved that none is"
-    )
+    reason = f"{_words(first.status)}: nothing of {route} found a solution or proved that none is"
     return replace(best, status=first.status, route=route, iterations=iterations, message=reason)
 
 
@@ -240,5 +238,7 @@ def solve_lcp(
         problem = Lcp(M, q)  # type: ignore[arg-type]
     solution = (Auto() if solver is None else solver).solve(problem, guess)  # type: ignore[arg-type]
     if not solution.solved:
-        raise SolverError(f"{_words(solution.status)}: {solution.message}", solution)
+        status = _words(solution.status)
+        told = solution.message.startswith(status)  # most messages name it themselves
+        raise SolverError(solution.message if told else f"{status}: {solution.message}", solution)
     return solution
