@@ -28,7 +28,7 @@ def masses(friction, slide, keys=(), order=None) -> ContactProblem:
 class Coupled:
     """Contacts a to j of bodies in general position, with a solution that is known because it was chosen first.
 
-    The problem is definite and its coefficients moderate: there is no other solution. Contacts a, b, c stick, d, e slide forth, f back, the others are open.
+    Contacts a, b, c stick, d, e slide forth, f back, the others are open.
     """
 
     names = "abcdefghij"
