@@ -2,7 +2,11 @@
 
 With M symmetric and positive semidefinite, 0 <= z _|_ M z + q >= 0 is the optimality condition of
 
-    min 1/2 z.M z + q.z   subject to z >= 0.
+    min 1/2 z.M z + q.z   subject to z >= 0                              (its box form, the dual of)
+    min 1/2 |v|^2         subject to J v + q >= 0, where M = J J^T       (the velocity form: v = J^T z)
+
+z is the multiplier of the latter, which a backend delivers too; both optima add up to zero, |v|^2 + q.z = z.w = 0. The
+velocity form is posed where the factor J is known: its objective is the best conditioned there is.
 
 Backends stop near 1e-8, some at 1e-4. What they find out reliably is which unknowns are positive: that set is read
 off, and the linear equations on it are solved, which gives full accuracy. Nothing is believed: the result passes the
@@ -13,25 +17,29 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.solvers.certificate import certifies_infeasibility
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
-__all__ = ["QuadraticProgram", "equilibrium", "polish"]
+__all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 
 # Settings close to what the backend can reach in double precision; a backend that is not listed runs with its own.
 SETTINGS: dict[str, dict[str, Any]] = {
     "clarabel": {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
     "osqp": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000},
-    "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 10000},
+    "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 1000},
     "piqp": {"eps_abs": 1e-12, "eps_rel": 0.0},
 }
+DEFINITE_ONLY = ("quadprog",)  # backends that fail for a singular M, and are given a velocity form in any case
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
 FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
 POLISHING = 5  # corrections on the active set: one to three suffice when the backend came near
@@ -45,9 +53,9 @@ class QuadraticProgram:
     """A quadratic-programming solver for frictionless contact (symmetric matrices).
 
     backend: name of a solver known to qpsolvers and installed ("clarabel" and "osqp" come with lcpflex); tolerance:
-    largest accepted residual [-]. Raises ModelError for a backend that is not installed (the message lists those
-    that are) and, in :meth:`solve`, for an unsymmetric matrix, such as that of Coulomb friction, which is not the
-    gradient of any function; :class:`lcpflex.solvers.Lemke` solves those.
+    largest accepted residual [-]. The message of a solution states its duality gap. Raises ModelError for a backend
+    that is not installed (the message lists those that are) and, in :meth:`solve`, for an unsymmetric matrix, such as
+    that of Coulomb friction, which is not the gradient of any function; :class:`lcpflex.solvers.Lemke` solves those.
     """
 
     backend: str = "clarabel"
@@ -91,48 +99,86 @@ class QuadraticProgram:
         load = float(np.abs(scale * problem.q).max())
         q = scale * problem.q / load
         if reason := _not_convex(M, q):
-            return self._failure(problem, reason)
+            return self._judged(problem, np.zeros(len(q)), self.backend, 0, reason)
+        J = None if problem.factor is None else scale[:, None] * problem.factor
         start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
-        raw, iterations, message = self._run(M, q, _usable(start))
-        if not np.isfinite(raw).all():
-            return self._failure(problem, message or f"{self.backend} returned no point", iterations)
-        direction = scale * np.maximum(raw, 0.0)  # of an unbounded program: the point has run away along a certificate
-        polished = polish(M, q, np.maximum(raw, 0.0))
-        candidates = [scale * load * np.maximum(z, 0.0) for z in (raw, polished)]
-        residuals = [problem.residual(z) for z in candidates]
-        best = int(np.argmin(residuals))
+        best, residual, route, iterations = np.zeros(len(q)), math.inf, self.backend, 0
+        for form in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
+            answer = self._ask(M, q, form, _usable(start))
+            iterations += answer.iterations
+            for z, how in self._points(M, q, answer):
+                trial = scale * load * z
+                if problem.residual(trial) < residual:
+                    best, residual, route = trial, problem.residual(trial), self.backend + answer.form + how
+                if residual <= self.tolerance and how:
+                    return self._judged(problem, best, route, iterations, answer.said)
+            for ray in self._rays(M, q, answer):
+                if certifies_infeasibility(*problem.data, scale * ray):
+                    return self._judged(problem, best, route, iterations, answer.said, scale * ray)
+        return self._judged(problem, best, route, iterations, answer.said)
+
+    def _judged(
+        self,
+        problem: Lcp,
+        z: FloatArray,
+        route: str,
+        iterations: int,
+        said: str,
+        certificate: FloatArray | None = None,
+    ) -> Solution:
+        """The point, with the duality gap or what the backend said."""
+        solved = problem.residual(z) <= self.tolerance
         return accept(
             problem,
-            candidates[best],
+            z,
             tolerance=self.tolerance,
-            status=Status.SOLVED if not message else Status.NUMERICAL_FAILURE,
+            status=Status.NUMERICAL_FAILURE if said else Status.SOLVED,
             iterations=iterations,
-            route=self.backend + ("", " + active set")[best],
-            message="" if min(residuals) <= self.tolerance else message,
-            certificate=direction,
+            route=route,
+            message=f"duality gap {duality_gap(problem, z):.1e}" if solved else said,
+            certificate=certificate,
         )
 
-    def _failure(self, problem: Lcp, message: str, iterations: int = 0) -> Solution:
-        """The origin, with the reason why there is no better point."""
-        return accept(
-            problem,
-            np.zeros(problem.size),
-            tolerance=self.tolerance,
-            status=Status.NUMERICAL_FAILURE,
-            iterations=iterations,
-            route=self.backend,
-            message=message,
-        )
+    def _points(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[tuple[FloatArray, str]]:
+        """The backend's z, then solutions on the active sets that its z, and its z and w, show."""
+        if not np.isfinite(answer.z).all():
+            return
+        z = np.maximum(answer.z, 0.0)
+        yield z, ""
+        yield polish(M, q, z), ", active set"
+        if np.isfinite(answer.w).all():
+            yield polish(M, q, z, answer.w), ", active set"
 
-    def _run(self, M: FloatArray, q: FloatArray, start: FloatArray | None) -> tuple[FloatArray, int, str]:
-        """The backend's point (NaN if it has none), its iterations and, if it does not claim success, what it says."""
+    def _rays(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[FloatArray]:
+        """Directions u >= 0 that may have M u = 0 and q.u < 0, which proves that there is no solution.
+
+        The backend's own, the point that ran away, and the solution of min 1/2 u.M u + 1/2 (q.u + 1)^2, u >= 0, which
+        every backend can find and which is such a direction, with the minimum 0, if there is one.
+        """
+        for ray in (answer.ray, answer.z):
+            if np.isfinite(ray).all():
+                yield np.maximum(ray, 0.0)
+        norm = float(q @ q)
+        nearest = self._ask(M + np.outer(q, q) / norm, q / norm, None, None)
+        for ray, _ in self._points(M + np.outer(q, q) / norm, q / norm, nearest):
+            yield ray
+
+    def _ask(self, M: FloatArray, q: FloatArray, J: FloatArray | None, start: FloatArray | None) -> _Answer:
+        """What the backend answers to the problem in its velocity form if J is known, else in its box form."""
         import qpsolvers
         import scipy.sparse
 
         n = len(q)
-        sparse = self.backend in qpsolvers.sparse_solvers
-        P = scipy.sparse.csc_matrix(M) if sparse else M
-        program = qpsolvers.Problem(P, q, lb=np.zeros(n))
+        if J is None and self.backend in DEFINITE_ONLY:
+            values, vectors = np.linalg.eigh(M)
+            J = vectors * np.sqrt(np.maximum(values, 0.0))
+        stored = scipy.sparse.csc_matrix if self.backend in qpsolvers.sparse_solvers else np.asarray
+        if J is None:
+            program = qpsolvers.Problem(stored(M), q, lb=np.zeros(n))
+        else:
+            k = J.shape[1]
+            program = qpsolvers.Problem(stored(np.eye(k)), np.zeros(k), stored(-J), q)
+            start = None if start is None else J.T @ start
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # "solution may be inaccurate": the residual tells how much
             try:
@@ -140,11 +186,61 @@ class QuadraticProgram:
                     program, solver=self.backend, initvals=start, **SETTINGS.get(self.backend, {})
                 )
             except Exception as error:  # each backend has exceptions of its own; what it says is passed on
-                return np.full(n, math.nan), 0, f"{self.backend}: {type(error).__name__} {error}"
-        iterations = int(found.extras.get("iterations", found.extras.get("iter", 0)) or 0)
-        x = np.full(n, math.nan) if found.x is None else np.asarray(found.x, dtype=float).reshape(n)
-        said = found.extras.get("status", "no solution found")
-        return x, iterations, "" if found.found else f"{self.backend}: {said}"
+                return _Answer.none(n, f"{self.backend}: {type(error).__name__} {error}")
+        extras = found.extras
+        info = extras.get("info", None)
+        said = extras.get("status", getattr(info, "status", "no solution found"))
+        said = "" if found.found else f"{self.backend}: {said}"
+        count = getattr(info, "iter", 0)
+        iterations = int(count) if isinstance(count, int) else 0
+        if J is None:
+            z, w = _vector(found.x, n), -_vector(found.z_box, n)
+            return _Answer(z, w, _vector(extras.get("dual_inf_cert"), n), iterations, said)
+        z, v = _vector(found.z, n), _vector(found.x, J.shape[1])
+        return _Answer(z, J @ v + q, _vector(extras.get("prim_inf_cert"), n), iterations, said, " (velocity form)")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Answer:
+    """What a backend delivers, NaN where it has nothing: z and w (n,), a ray (n,), and why it failed if it did."""
+
+    z: FloatArray
+    w: FloatArray
+    ray: FloatArray
+    iterations: int
+    said: str
+    form: str = ""
+
+    @classmethod
+    def none(cls, n: int, said: str) -> _Answer:
+        """No point at all."""
+        nothing = np.full(n, math.nan)
+        return cls(nothing, nothing, nothing, 0, said)
+
+
+def duality_gap(problem: Lcp, z: npt.ArrayLike) -> float:
+    """What the optima of the two programs lack of adding up to zero, relative: |z.w| / (|z|.|M z| + |z|.|q|).
+
+    z (n,); dimensionless, 0 for a solution and for z = 0, inf for a z that holds NaN or inf. Raises ModelError if z has
+    another shape.
+    """
+    if not math.isfinite(problem.residual(z)):
+        return math.inf
+    point = np.asarray(z, dtype=float)
+    with np.errstate(all="ignore"):
+        force = problem.M @ point
+        size = float(np.abs(point) @ (np.abs(force) + np.abs(problem.q)))
+        gap = abs(float(point @ (force + problem.q)))
+    if not (math.isfinite(size) and math.isfinite(gap)):
+        return math.inf
+    return gap / size if size > 0.0 else 0.0
+
+
+def _vector(value: Any, n: int) -> FloatArray:
+    """A backend's vector (n,) if it is one, else NaN."""
+    if value is None or np.size(value) != n:
+        return np.full(n, math.nan)
+    return np.array(value, dtype=float).reshape(n)
 
 
 def _not_convex(M: FloatArray, q: FloatArray) -> str:
@@ -165,17 +261,18 @@ def _usable(start: FloatArray | None) -> FloatArray | None:
     return start
 
 
-def polish(M: FloatArray, q: FloatArray, z: FloatArray) -> FloatArray:
+def polish(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray | None = None) -> FloatArray:
     """Solve on the active set z > w of a near-solution, for a few corrections of that set.
 
-    M (n, n), q (n,): symmetric positive semidefinite, with a diagonal near 1; z (n,) >= 0. Redundant contacts share
-    their load as z does: the equations are solved with the least change of z. Where that is not enough, because M_AA
-    is nearly singular or the set is far off, wrong signs are exchanged (:func:`block_pivots`).
+    M (n, n), q (n,): symmetric positive semidefinite, with a diagonal near 1; z (n,) >= 0; w (n,): M z + q if left out.
+    Redundant contacts share their load as z does: the equations are solved with the least change of z. Where that is
+    not enough, because M_AA is nearly singular or the set is far off, wrong signs are exchanged
+    (:func:`lcpflex.solvers.pivoting.block_pivots`).
     """
     best, least = z, _violation(M, q, z)
     for _ in range(POLISHING):
-        active = np.flatnonzero(z > M @ z + q)
-        z = equilibrium(M, q, z, active)
+        z = equilibrium(M, q, z, np.flatnonzero(z > (M @ z + q if w is None else w)))
+        w = None
         violation = _violation(M, q, np.maximum(z, 0.0))
         if violation < least:
             best, least = np.maximum(z, 0.0), violation
