@@ -97,11 +97,13 @@ def _package_cache(function: Callable[..., Any]) -> Any:
 def kernel(function: F) -> F:
     """Compile ``function`` with numba at its first call (``nopython``, cached on disk, no fastmath).
 
-    The plain Python source stays reachable as ``function.py_func``.
+    Numbers divided by zero are inf or NaN, as in numpy: a branch for each division would keep loops from being
+    vectorised, and what is not finite is judged once, where a result is. The plain Python source stays reachable as
+    ``function.py_func``.
     """
     import numba
 
-    dispatcher = numba.njit(_nrt=False)(function)
+    dispatcher = numba.njit(_nrt=False, error_model="numpy", no_cfunc_wrapper=True)(function)
     try:
         dispatcher._cache = _package_cache(function)
     except (
