@@ -16,26 +16,9 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 
-__all__ = ["backward", "factorise", "forward", "join", "leave", "new_column", "subtract_four"]
+__all__ = ["backward", "factorise", "forward", "join", "leave", "new_column"]
 
 DEPENDENT = 1e-13  # a pivot below this fraction of the diagonal it came from is rounding
-
-
-@kernel
-def subtract_four(
-    row: FloatArray,
-    a: FloatArray,
-    b: FloatArray,
-    c: FloatArray,
-    d: FloatArray,
-    fa: float,
-    fb: float,
-    fc: float,
-    fd: float,
-) -> None:
-    """row -= fa a + fb b + fc c + fd d: four at once, so that ``row`` is loaded and stored a quarter as often."""
-    for j in range(len(row)):
-        row[j] -= (fa * a[j] + fb * b[j]) + (fc * c[j] + fd * d[j])
 
 
 @kernel
@@ -55,18 +38,18 @@ def factorise(M: FloatArray, n: int, R: FloatArray, basis: IntArray) -> int:
         source, row = M[k], R[i]
         for j in range(i, m):
             row[j] = source[basis[n + j]]
-        tail = row[i:m]
         for p in range(0, i, 4):
-            # Beyond the last row its like is taken with the factor zero.
-            p1, p2, p3 = min(p + 1, i - 1), min(p + 2, i - 1), min(p + 3, i - 1)
-            f1 = R[p1, i] if p + 1 < i else 0.0
-            f2 = R[p2, i] if p + 2 < i else 0.0
-            f3 = R[p3, i] if p + 3 < i else 0.0
-            subtract_four(tail, R[p, i:m], R[p1, i:m], R[p2, i:m], R[p3, i:m], R[p, i], f1, f2, f3)
-        if tail[0] > DEPENDENT * abs(M[k, k]):
-            inverse = 1.0 / np.sqrt(tail[0])
-            for j in range(len(tail)):
-                tail[j] *= inverse
+            # Four at once, so that the row is loaded and stored a quarter as often; beyond the last row its like is
+            # taken with the factor zero.
+            a, b, c, d = R[p], R[min(p + 1, i - 1)], R[min(p + 2, i - 1)], R[min(p + 3, i - 1)]
+            fa, fb = a[i], b[i] if p + 1 < i else 0.0
+            fc, fd = c[i] if p + 2 < i else 0.0, d[i] if p + 3 < i else 0.0
+            for j in range(i, m):
+                row[j] -= (fa * a[j] + fb * b[j]) + (fc * c[j] + fd * d[j])
+        if row[i] > DEPENDENT * abs(M[k, k]):
+            inverse = 1.0 / np.sqrt(row[i])
+            for j in range(i, m):
+                row[j] *= inverse
             i += 1
         else:
             m -= 1
@@ -82,12 +65,12 @@ def forward(R: FloatArray, m: int, x: FloatArray) -> float:
     """x = R^{-T} x in place; returns x.x."""
     total = 0.0
     for k in range(m):
-        row, rest = R[k, k:m], x[k:m]
-        value = rest[0] / row[0]
+        row = R[k]
+        value = x[k] / row[k]
         total += value * value
-        for j in range(len(rest)):
-            rest[j] -= value * row[j]
-        rest[0] = value
+        for j in range(k + 1, m):
+            x[j] -= value * row[j]
+        x[k] = value
     return total
 
 
@@ -95,18 +78,17 @@ def forward(R: FloatArray, m: int, x: FloatArray) -> float:
 def backward(R: FloatArray, m: int, x: FloatArray) -> None:
     """x = R^{-1} x in place; four sums side by side."""
     for k in range(m - 1, -1, -1):
-        row, rest = R[k, k + 1 : m], x[k + 1 : m]
-        size = len(rest)
+        row = R[k]
         s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
-        whole = size - size % 4
-        for j in range(0, whole, 4):
-            s0 += row[j] * rest[j]
-            s1 += row[j + 1] * rest[j + 1]
-            s2 += row[j + 2] * rest[j + 2]
-            s3 += row[j + 3] * rest[j + 3]
-        for j in range(whole, size):
-            s0 += row[j] * rest[j]
-        x[k] = (x[k] - ((s0 + s1) + (s2 + s3))) / R[k, k]
+        whole = m - (m - k - 1) % 4
+        for j in range(k + 1, whole, 4):
+            s0 += row[j] * x[j]
+            s1 += row[j + 1] * x[j + 1]
+            s2 += row[j + 2] * x[j + 2]
+            s3 += row[j + 3] * x[j + 3]
+        for j in range(whole, m):
+            s0 += row[j] * x[j]
+        x[k] = (x[k] - ((s0 + s1) + (s2 + s3))) / row[k]
 
 
 @kernel
@@ -136,15 +118,15 @@ def leave(n: int, R: FloatArray, basis: IntArray, m: int, p: int, carry: FloatAr
     for j in range(p, m - 1):
         basis[n + j] = basis[n + j + 1]
     for k in range(p):
-        row, rest = R[k, p : m - 1], R[k, p + 1 : m]
-        for j in range(len(row)):
-            row[j] = rest[j]
+        row = R[k]
+        for j in range(p, m - 1):
+            row[j] = row[j + 1]
     for j in range(p + 1, m):
         carry[j] = R[p, j]
     for k in range(p, m - 1):
-        row, below, rest = R[k, k : m - 1], R[k + 1, k + 1 : m], carry[k + 1 : m]
-        length = np.hypot(below[0], rest[0])
-        c, s = below[0] / length, rest[0] / length
-        for j in range(len(row)):
-            row[j] = c * below[j] + s * rest[j]
-            rest[j] = c * rest[j] - s * below[j]
+        row, below = R[k], R[k + 1]
+        length = np.hypot(below[k + 1], carry[k + 1])
+        c, s = below[k + 1] / length, carry[k + 1] / length
+        for j in range(k + 1, m):
+            row[j - 1] = c * below[j] + s * carry[j]
+            carry[j] = c * carry[j] - s * below[j]

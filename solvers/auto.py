@@ -18,7 +18,6 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
 from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
-from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.enumeration import Enumeration, farkas
 from lcpflex.solvers.friction import ContactProblem, aligned, from_copositive
 from lcpflex.solvers.lemke import Lemke, lemke
@@ -35,6 +34,7 @@ from lcpflex.solvers.problem import (
     accept,
     check_tolerance,
 )
+from lcpflex.solvers.tableau import EXTRA
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
 
@@ -69,8 +69,8 @@ def auto(
         if status == SOLVED:
             return status, done
     elif warm:
-        done = block_pivots(M, q, n, z, table, basis, FLIPS)
-        if done > 0 and natural_residual(M, q, z, n) <= TARGET:
+        done, residual = block_pivots(M, q, n, z, table, basis, FLIPS)
+        if done > 0 and residual <= TARGET:
             return SOLVED, done
     status, pivots = lemke(M, q, n, z, table, basis, 1000 + 50 * n)
     return status, max(done, 0) + pivots
@@ -78,7 +78,7 @@ def auto(
 
 def auto_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (table, basis) of :func:`auto` for problems of up to ``capacity`` unknowns."""
-    return np.zeros((capacity + 5, capacity + 5)), np.zeros(3 * capacity + 1, dtype=np.int64)
+    return np.zeros((capacity + EXTRA, capacity + 1)), np.zeros(4 * capacity + 2, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True)

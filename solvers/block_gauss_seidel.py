@@ -255,7 +255,7 @@ class _Iteration:
             z, basis = np.zeros(self.lcp.size), self.basis()
             table, work = lemke_workspace(self.lcp.size)
             work[: len(basis)] = basis
-            if block_pivots(*self.lcp.data, self.lcp.size, z, table, work, EXCHANGES) > 0:
+            if block_pivots(*self.lcp.data, self.lcp.size, z, table, work, EXCHANGES)[0] > 0:
                 return z, work[: len(basis)].copy()
         return self._corrected(), None
 

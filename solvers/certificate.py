@@ -18,6 +18,7 @@ __all__ = [
     "judge",
     "natural_residual",
     "residual_parts",
+    "row_parts",
 ]
 
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
@@ -26,7 +27,7 @@ SYMMETRY = 1e-10  # largest |M - M^T| of a symmetric matrix, relative to max|M|
 
 
 @kernel
-def _row_parts(row: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
+def row_parts(row: FloatArray, z: FloatArray, n: int) -> tuple[float, float, float]:
     """row . z, sum |row_j z_j| and max |row_j|; four of each side by side, or one would wait for its last addition."""
     w0, w1, w2, w3 = 0.0, 0.0, 0.0, 0.0
     t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
@@ -65,7 +66,7 @@ def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple
     """
     worst, size, load = 0.0, 0.0, 0.0
     for i in range(n):
-        product, terms, row = _row_parts(M[i], z, n)
+        product, terms, row = row_parts(M[i], z, n)
         slack = product + q[i]
         load = max(load, abs(q[i]))
         terms += abs(q[i])
@@ -105,7 +106,7 @@ def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) ->
     worst, size, load = 0.0, 0.0, 0.0
     finite = True
     for i in range(n):
-        product, terms, row = _row_parts(M[i], z, n)
+        product, terms, row = row_parts(M[i], z, n)
         slack = product + q[i]
         w[i] = slack
         load = max(load, abs(q[i]))

@@ -112,7 +112,7 @@ def projected_gauss_seidel(
         if best <= tolerance:
             return SOLVED, sweeps, False
         candidate = table[n + 1]
-        if block_pivots(M, q, n, candidate, table, basis, EXCHANGES) > 0:
+        if block_pivots(M, q, n, candidate, table, basis, EXCHANGES)[0] > 0:
             residual = natural_residual(M, q, candidate, n)
             if residual < best:
                 best = residual

@@ -12,12 +12,13 @@ residual test is tried again with another perturbation, scaling and covering vec
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -32,204 +33,235 @@ from lcpflex.solvers.problem import (
     check_limit,
     check_tolerance,
 )
+from lcpflex.solvers.tableau import (
+    CANDIDATE,
+    COLUMNS,
+    DIRECTION,
+    EXTRA,
+    ROWS,
+    SCALE,
+    SHIFTED,
+    SLIP,
+    TRUE,
+    WAITING,
+    enter,
+    exchange,
+    flush,
+    leaving_row,
+)
 
-__all__ = ["Lemke", "lemke", "lemke_workspace"]
+__all__ = ["Lemke", "attempt", "lemke", "lemke_workspace"]
 
 GOLDEN = 0.6180339887498949
-PIVOT = 1e-11  # smaller entries of the scaled tableau are rounding, never pivots
-SLIP = 1e-13  # how far a basic variable may pass zero in favour of a larger pivot
 GOOD = 1e-12  # residual that needs no repair
 TARGET = 1e-10  # residual at which the ladder of retries ends
 REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
 RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
-ATTEMPTS = 8
+ATTEMPTS = 10
 
 
 def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
     """Work arrays (table, basis) of :func:`lemke` for problems of up to ``capacity`` unknowns.
 
-    table (capacity + 3, capacity + 3): the tableau, then three rows for the scaling, the candidate and the ray;
-    basis (2 capacity + 1,): labels of the rows and columns of the tableau.
+    table (capacity + 13, capacity + 1): the tableau, then the rows that ``tableau`` names;
+    basis (4 capacity + 2,): labels of the rows and columns of the tableau, and the columns of the labels.
     """
-    return np.zeros((capacity + 3, capacity + 3)), np.zeros(2 * capacity + 1, dtype=np.int64)
+    return np.empty((capacity + EXTRA, capacity + 1)), np.empty(4 * capacity + 2, dtype=np.int64)
 
 
 @kernel
-def _scale(M: FloatArray, n: int, equilibrate: bool, table: FloatArray) -> None:
-    """table[n, :n] = s such that the largest entry of each row and column of s_i M_ij s_j is near 1 (Ruiz)."""
-    largest = 0.0
-    for i in range(n):
-        for j in range(i + 1):
-            size = max(abs(M[i, j]), abs(M[j, i]))
-            table[i, j] = size
-            table[j, i] = size
-            largest = max(largest, size)
-    scale = table[n]
-    start = 1.0 / np.sqrt(largest) if largest > 0.0 else 1.0
-    for i in range(n):
-        scale[i] = start
-    if equilibrate:
-        for _ in range(2):
-            for i in range(n):
-                row, peak = table[i], 0.0
-                for j in range(n):
-                    peak = max(peak, row[j] * scale[j])
-                peak *= scale[i]
-                if peak > 0.0:
-                    scale[i] /= np.sqrt(peak)
-
-
-@kernel
-def _exchange(table: FloatArray, n: int, r: int, s: int) -> None:
-    """Exchange the basic variable of row r with the nonbasic one of column s in x_B = b + T x_N.
-
-    T is table[:n, :n + 1]; b, with and without perturbation, are the next two columns.
-    """
-    pivot_row = table[r]
-    inverse = 1.0 / pivot_row[s]
-    for j in range(n + 3):
-        pivot_row[j] *= -inverse
-    pivot_row[s] = inverse
-    for i in range(n):
-        row = table[i]
-        factor = row[s]
-        if i != r and factor != 0.0:
-            row[s] = 0.0
-            for j in range(n + 3):
-                row[j] += factor * pivot_row[j]
-
-
-@kernel
-def _leaving_row(table: FloatArray, basis: IntArray, n: int, s: int) -> int:
-    """Row whose variable first falls to zero as column s grows, -1 if none does.
-
-    Two passes (Harris): the longest step that leaves every variable above -SLIP, then the largest pivot within that
-    step; z0 wins every tie, for its leaving ends the path.
-    """
-    step = np.inf
-    for i in range(n):
-        slope = -table[i, s]
-        if slope > PIVOT:
-            step = min(step, (max(table[i, n + 1], 0.0) + SLIP) / slope)
-    chosen, best = -1, 0.0
-    if step < np.inf:
+def _scale(M: FloatArray, n: int, sweeps: int, table: FloatArray) -> None:
+    """s, in its row of the table, such that the rows and columns of s_i M_ij s_j have maxima near 1 (Ruiz 2001)."""
+    scale, rows, columns = table[n + SCALE], table[n + DIRECTION], table[n + CANDIDATE]
+    for j in range(n):
+        scale[j] = 1.0
+    for _ in range(max(sweeps, 1)):
+        for j in range(n):
+            columns[j] = 0.0
+        largest = 0.0
         for i in range(n):
-            slope = -table[i, s]
-            if slope > PIVOT and table[i, n + 1] <= step * slope:
-                if basis[i] == 2 * n:
-                    return i
-                if slope > best:
-                    chosen, best = i, slope
+            row, own = M[i], scale[i]
+            for j in range(n):
+                columns[j] = max(columns[j], abs(row[j]) * own)
+            rows[i] = _peak(row, scale, n)
+            largest = max(largest, rows[i])
+        for i in range(n):
+            peak = largest if sweeps == 0 else scale[i] * max(columns[i], rows[i])
+            if peak > 0.0:
+                scale[i] /= np.sqrt(peak)
+
+
+@kernel
+def _peak(row: FloatArray, scale: FloatArray, n: int) -> float:
+    """max |row_j| scale_j; four side by side, or each would wait for the one before."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 4
+    for j in range(0, whole, 4):
+        a = max(a, abs(row[j]) * scale[j])
+        b = max(b, abs(row[j + 1]) * scale[j + 1])
+        c = max(c, abs(row[j + 2]) * scale[j + 2])
+        d = max(d, abs(row[j + 3]) * scale[j + 3])
+    for j in range(whole, n):
+        a = max(a, abs(row[j]) * scale[j])
+    return max(max(a, b), max(c, d))
+
+
+@kernel
+def _start(
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, cover: int, size: float, load: float
+) -> int:
+    """Fill the tableau with the scaled problem; the row in which z0 enters. Labels: w_i is i, z_i n + i, z0 2 n.
+
+    cover: number of the vector c, ones for 0; size: of the perturbation, relative to |q|; load: |q| as scaled.
+    """
+    scale, true, shifted, c = table[n + SCALE], table[n + TRUE], table[n + SHIFTED], table[n + COLUMNS]
+    for i in range(n):
+        row, source, factor = table[i], M[i], scale[i]
+        for j in range(n):
+            row[j] = factor * source[j] * scale[j]
+        row[n] = 0.0
+        true[i] = factor * q[i] / load
+        shifted[i] = true[i] + size * (0.5 + _spread(i, cover + 1))
+        c[i] = 1.0 if cover == 0 else 0.5 + _spread(i, cover + 3)
+    for k in range(2 * n + 1):
+        basis[k] = k
+    for k in range(n + 1):
+        basis[3 * n + 1 + k] = k  # column of the label n + k
+    return _lowest(n, shifted, c)
+
+
+@kernel
+def _spread(i: int, k: int) -> float:
+    """Fraction in [0, 1): multiples of the golden ratio are spread evenly and never repeat."""
+    value = (i + 1) * GOLDEN * k
+    return value - math.floor(value)
+
+
+@kernel
+def _lowest(n: int, b: FloatArray, c: FloatArray) -> int:
+    """Row that needs the largest z0 to become nonnegative."""
+    chosen, lowest = 0, np.inf
+    for i in range(n):
+        if b[i] < lowest * c[i]:
+            chosen, lowest = i, b[i] / c[i]
     return chosen
 
 
 @kernel
 def _path(
-    M: FloatArray,
-    q: FloatArray,
-    n: int,
-    table: FloatArray,
-    basis: IntArray,
-    attempt: int,
-    perturbation: float,
-    pivot_limit: int,
+    table: FloatArray, basis: IntArray, n: int, r: int, perturbation: float, load: float, pivot_limit: int
 ) -> tuple[int, int]:
-    """Follow one almost complementary path; (status, pivots). The scaling is in table[n, :n].
+    """Complementary pivots from z0 in the last column, entering in row r, until z0 leaves; (status, pivots).
 
-    Out: the candidate z in table[n + 1, :n], the direction of a ray in table[n + 2, :n], basis[:n] = 1 where z is
-    basic.
+    Out: the candidate z and the direction of a ray in their rows of the table; basis[:n] = 1 where z is basic.
     """
-    scale = table[n]
-    load = 0.0
-    for i in range(n):
-        load = max(load, abs(q[i]) * scale[i])
-    start, lowest = 0, np.inf
-    for i in range(n):
-        row = table[i]
-        for j in range(n):
-            row[j] = scale[i] * M[i, j] * scale[j]
-        # Sequences k GOLDEN mod 1 are spread evenly and never repeat: no two perturbations or covers are equal.
-        spread = ((i + 1) * GOLDEN * (attempt + 1)) % 1.0
-        row[n] = 1.0 if attempt == 0 else 0.5 + ((i + 1) * GOLDEN * (attempt + 3)) % 1.0
-        row[n + 2] = scale[i] * q[i] / load
-        row[n + 1] = row[n + 2] + perturbation * (0.5 + spread)
-        basis[i] = i  # w_i is labelled i, z_i n + i, z0 2n
-        basis[n + i] = n + i
-        if row[n + 1] / row[n] < lowest:
-            start, lowest = i, row[n + 1] / row[n]
-    basis[2 * n] = 2 * n
-    status, pivots, s = _drive_out(table, basis, n, start, n, pivot_limit)
-    for _ in range(RESTARTS):
-        if status != SOLVED:
-            break
+    true, shifted = table[n + TRUE], table[n + SHIFTED]
+    pivots, restarts, status, s, waiting = 0, 0, ITERATION_LIMIT, n, min(n, 0)  # a literal would compile callees twice
+    while pivots < pivot_limit:
+        waiting = exchange(table, n, r, s, waiting)
+        pivots += 1
+        left = basis[r]
+        basis[r], basis[n + s] = basis[n + s], left
+        if left != 2 * n:
+            if waiting == WAITING:
+                flush(table, n)
+                waiting -= WAITING
+            basis[2 * n + 1 + left] = s
+            s = basis[2 * n + 1 + (left + n if left < n else left - n)]
+            enter(table, n, s, waiting)
+            r = leaving_row(table, basis, n, waiting)
+            if r < 0:
+                status = RAY if restarts == 0 else NUMERICAL_FAILURE
+                break
+            continue
         deepest, size = 0.0, 0.0
         for i in range(n):
-            size = max(size, abs(table[i, n + 2]))
-            deepest = max(deepest, -table[i, n + 2])
-        if deepest <= SLIP * size:
+            size = max(size, abs(true[i]))
+            deepest = max(deepest, -true[i])
+        if deepest <= SLIP * size or restarts == RESTARTS:
+            status = SOLVED
             break
         # The perturbation was not small for this problem: go on from here, with one small beside what is missing.
-        start, lowest = 0, np.inf
+        restarts += 1
+        for k in range(waiting, WAITING):
+            for j in range(n + 1):
+                table[n + COLUMNS + k, j] = 0.0
+                table[n + ROWS + k, j] = 0.0
+        flush(table, n)
+        waiting -= waiting
         for i in range(n):
-            table[i, s] = 1.0
-            table[i, n + 1] = table[i, n + 2] + deepest * perturbation * (0.5 + ((i + 1) * GOLDEN) % 1.0)
-            if table[i, n + 1] < lowest:
-                start, lowest = i, table[i, n + 1]
-        status, more, s = _drive_out(table, basis, n, start, s, pivot_limit - pivots)
-        pivots += more
-        if status == RAY:
-            status = NUMERICAL_FAILURE
-    _read_off(table, basis, n, s, load, status)
+            table[i, s] = 0.0
+            table[n + COLUMNS, i] = 1.0
+            shifted[i] = true[i] + deepest * perturbation * (0.5 + _spread(i, restarts))
+        r = _lowest(n, shifted, table[n + COLUMNS])
+    _read_off(table, basis, n, s, waiting, load, status)
     return status, pivots
 
 
 @kernel
-def _drive_out(table: FloatArray, basis: IntArray, n: int, r: int, s: int, pivot_limit: int) -> tuple[int, int, int]:
-    """Complementary pivots from z0 in column s, entering in row r, until z0 leaves; (status, pivots, last column)."""
-    pivots = 0
-    while pivots < pivot_limit:
-        _exchange(table, n, r, s)
-        pivots += 1
-        left = basis[r]
-        basis[r], basis[n + s] = basis[n + s], left
-        if left == 2 * n:
-            return SOLVED, pivots, s
-        partner = left + n if left < n else left - n
-        s = 0
-        while basis[n + s] != partner:
-            s += 1
-        r = _leaving_row(table, basis, n, s)
-        if r < 0:
-            return RAY, pivots, s
-    return ITERATION_LIMIT, pivots, s
-
-
-@kernel
-def _read_off(table: FloatArray, basis: IntArray, n: int, s: int, load: float, status: int) -> None:
+def _read_off(table: FloatArray, basis: IntArray, n: int, s: int, waiting: int, load: float, status: int) -> None:
     """Candidate (and ray) from the final tableau, in the units of the original problem."""
-    scale, candidate, ray = table[n], table[n + 1], table[n + 2]
+    scale, candidate, ray = table[n + SCALE], table[n + CANDIDATE], table[n + DIRECTION]
+    true, entered = table[n + TRUE], table[n + COLUMNS + waiting]
     for i in range(n):
         candidate[i] = 0.0
-        if status == RAY:
-            ray[i] = 0.0
+        ray[i] = 0.0
     for i in range(n):
         k = basis[i] - n
         if 0 <= k < n:
-            candidate[k] = max(table[i, n + 2], 0.0) * load * scale[k]
+            candidate[k] = max(true[i], 0.0) * load * scale[k]
             if status == RAY:
-                ray[k] = max(table[i, s], 0.0) * scale[k]
+                ray[k] = max(entered[i], 0.0) * scale[k]
     k = basis[n + s] - n
     if status == RAY and 0 <= k < n:
         ray[k] = scale[k]
     for i in range(n):
-        basis[n + i] = 0  # labels of columns are not needed any more: collect the flags there
+        basis[n + i] = 0  # labels below n are still to be read: the flags are collected behind them
     for i in range(n):
-        k = basis[i] - n
-        if 0 <= k < n:
-            # a label of a later row may sit where the flag goes, so flags are written to the second half first
-            basis[n + k] = 1
+        if n <= basis[i] < 2 * n:
+            basis[basis[i]] = 1
     for i in range(n):
         basis[i] = basis[n + i]
+
+
+@kernel
+def attempt(
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, number: int, pivot_limit: int
+) -> tuple[int, int, float]:
+    """One path, with the scaling, perturbation and cover of that number; (status, pivots, residual of its end).
+
+    M, q, n, table, basis, pivot_limit as of :func:`lemke`. Out: the candidate in table[n + CANDIDATE, :n], basis[:n].
+    Attempt 0 must come first, and later ones in order, for most keep the scaling of the one before.
+    """
+    trivial = True
+    for i in range(n):
+        table[n + CANDIDATE, i] = 0.0
+        basis[i] = 0
+        if not q[i] >= 0.0:
+            trivial = False
+    if trivial:
+        return SOLVED, 0, 0.0
+    if number in (0, 2, 3, 8):  # no scaling shows what scaling spoilt; far more sweeps serve stacks of 1 : 1e8
+        _scale(M, n, 0 if number == 2 else 10 if number == 8 else 2, table)
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]) * table[n + SCALE, i])
+    if not 0.0 < load < np.inf:
+        for i in range(n):
+            table[n + CANDIDATE, i] = 0.0
+        return NUMERICAL_FAILURE, 0, np.inf
+    perturbation = 1e-8
+    if number in (1, 5):
+        perturbation = 1e-6
+    elif number in (3, 6, 8):
+        perturbation = 1e-4
+    elif number == 4:
+        perturbation = 1e-11
+    elif number == 9:
+        perturbation = 1e-5
+    r = _start(M, q, n, table, basis, number, perturbation, load)
+    status, pivots = _path(table, basis, n, r, perturbation, load, pivot_limit)
+    return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
 
 
 @kernel
@@ -240,32 +272,16 @@ def lemke(
 
     M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,),
     first n entries (the best point found if not solved). Work: table, basis of ``lemke_workspace(cap)``; afterwards
-    basis[:n] is 1 where z is basic if solved, and table[n + 2, :n] the direction of the ray after RAY.
+    basis[:n] is 1 where z is basic if solved, and table[n + DIRECTION, :n] the direction of the ray after RAY.
     pivot_limit: for each path. SOLVED here means a natural residual of 1e-10 or less.
     """
-    trivial = True
     for i in range(n):
         z[i] = 0.0
-        basis[i] = 0
-        if not q[i] >= 0.0:
-            trivial = False
-    if trivial:
-        return SOLVED, 0
     best, status, total = np.inf, ITERATION_LIMIT, 0
-    candidate = table[n + 1]
-    for attempt in range(ATTEMPTS):
-        if attempt in (0, 2, 3):  # the scaling changes
-            _scale(M, n, attempt != 2, table)
-        perturbation = 1e-8
-        if attempt in (1, 5):
-            perturbation = 1e-6
-        elif attempt in (3, 6):
-            perturbation = 1e-4
-        elif attempt == 4:
-            perturbation = 1e-11
-        ended, pivots = _path(M, q, n, table, basis, attempt, perturbation, pivot_limit)
+    candidate = table[n + CANDIDATE]
+    for number in range(ATTEMPTS):
+        ended, pivots, residual = attempt(M, q, n, table, basis, number, pivot_limit)
         total += pivots
-        residual = natural_residual(M, q, candidate, n)
         if residual > GOOD and ended != RAY:
             # Repair from the basis where the path ended; from nothing if it hit the limit (Murty's matrices).
             if ended == ITERATION_LIMIT:
@@ -276,8 +292,9 @@ def lemke(
                 best = residual
                 for i in range(n):
                     z[i] = candidate[i]
-            if block_pivots(M, q, n, candidate, table, basis, limit) > 0:
-                residual = natural_residual(M, q, candidate, n)
+            solves, repaired = block_pivots(M, q, n, candidate, table, basis, limit)
+            if solves > 0:
+                residual = repaired
         if residual < best:
             best = residual
             for i in range(n):
@@ -319,9 +336,9 @@ class Lemke:
         z = np.zeros(n)
         table, basis = lemke_workspace(n)
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
-            basis[:n] = guess.active
-            solves = block_pivots(M, q, n, z, table, basis, REPAIRS)
-            if solves > 0 and problem.residual(z) <= self.tolerance:
+            basis[:n] = guess.active == 1
+            solves, residual = block_pivots(M, q, n, z, table, basis, REPAIRS)
+            if solves > 0 and residual <= self.tolerance:
                 return accept(
                     problem,
                     z,
@@ -331,7 +348,11 @@ class Lemke:
                     active=basis[:n].copy(),
                 )
         limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
-        code, pivots = lemke(M, q, n, z, table, basis, limit)
+        code, pivots, residual = attempt(M, q, n, table, basis, 0, limit)
+        if residual <= GOOD:
+            code, z = SOLVED, table[n + CANDIDATE, :n]
+        else:  # called by itself, for the ladder of further attempts takes time to compile and is seldom needed
+            code, pivots = lemke(M, q, n, z, table, basis, limit)
         status = Status(code)
         return accept(
             problem,
@@ -341,5 +362,5 @@ class Lemke:
             iterations=pivots,
             route="lemke",
             active=basis[:n].copy() if status is Status.SOLVED else None,
-            certificate=table[n + 2, :n].copy() if status is Status.RAY else None,
+            certificate=table[n + DIRECTION, :n].copy() if status is Status.RAY else None,
         )

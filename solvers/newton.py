@@ -44,7 +44,7 @@ def newton_workspace(capacity: int) -> tuple[FloatArray, FloatArray, IntArray]:
     return (
         np.zeros((6, capacity)),
         np.zeros((2 * capacity + 3, capacity + 3)),
-        np.zeros(2 * capacity + 1, dtype=np.int64),
+        np.zeros(3 * capacity, dtype=np.int64),
     )
 
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
-from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column, subtract_four
+from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -37,7 +37,13 @@ from lcpflex.solvers.problem import (
     check_tolerance,
 )
 
-__all__ = ["PrincipalPivoting", "principal_pivoting", "principal_pivoting_workspace"]
+__all__ = [
+    "PrincipalPivoting",
+    "block_exchanges",
+    "principal_pivoting",
+    "principal_pivoting_workspace",
+    "single_exchanges",
+]
 
 WRONG = 1e-14  # a sign counts as wrong beyond this fraction of the terms it is made of
 SLIP = 1e-14  # how far a variable may pass zero in favour of a larger entry of the direction, relative to all
@@ -76,16 +82,17 @@ def _solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, R: FloatA
 @kernel
 def _slack(M: FloatArray, q: FloatArray, n: int, z: FloatArray, basis: IntArray, m: int, w: FloatArray) -> None:
     """w = q + M z for a z that is zero outside of A; rows of M serve as columns."""
-    total = w[:n]
     for i in range(n):
-        total[i] = q[i]
+        w[i] = q[i]
     for p in range(0, m, 4):
         a, b = basis[n + p], basis[n + min(p + 1, m - 1)]
         c, d = basis[n + min(p + 2, m - 1)], basis[n + min(p + 3, m - 1)]
         zb = z[b] if p + 1 < m else 0.0
         zc = z[c] if p + 2 < m else 0.0
         zd = z[d] if p + 3 < m else 0.0
-        subtract_four(total, M[a], M[b], M[c], M[d], -z[a], -zb, -zc, -zd)
+        za, ra, rb, rc, rd = z[a], M[a], M[b], M[c], M[d]
+        for i in range(n):
+            w[i] += (za * ra[i] + zb * rb[i]) + (zc * rc[i] + zd * rd[i])
 
 
 @kernel
@@ -234,6 +241,73 @@ def _finish(
 
 
 @kernel
+def block_exchanges(
+    M: FloatArray,
+    q: FloatArray,
+    n: int,
+    z: FloatArray,
+    factor: FloatArray,
+    basis: IntArray,
+    warm: bool,
+    tolerance: float,
+    pivot_limit: int,
+) -> tuple[int, int]:
+    """The first phase, which solves nearly all problems by itself; arguments as of :func:`principal_pivoting`.
+
+    The status is SOLVED, NUMERICAL_FAILURE if signs are right but the residual is not, else ITERATION_LIMIT.
+    """
+    root = factor[n]
+    for i in range(n):
+        root[i] = np.sqrt(max(M[i, i], 0.0))
+        basis[2 * n + i] = 0
+        if not warm:
+            basis[i] = 1 if q[i] < 0.0 else 0
+    fewest, patience, pivots = n + 1, PATIENCE, 0
+    m, singly = min(n, 0), patience < 0  # no literals: they would compile what they are given to once more
+    while pivots < pivot_limit and patience >= 0:
+        m = _exchange(M, n, factor, basis, m)
+        size = _solve_active(M, q, n, z, factor, basis, m)
+        pivots += 1
+        wrong = _mark_wrong(q, n, z, factor, basis, size, singly)
+        if wrong == 0:
+            return SOLVED if _finish(M, q, n, z, factor, basis, m, tolerance) else NUMERICAL_FAILURE, pivots
+        patience = PATIENCE if wrong < fewest else patience - 1
+        fewest = min(wrong, fewest)
+    return ITERATION_LIMIT, pivots
+
+
+@kernel
+def single_exchanges(
+    M: FloatArray,
+    q: FloatArray,
+    n: int,
+    z: FloatArray,
+    factor: FloatArray,
+    basis: IntArray,
+    tolerance: float,
+    pivot_limit: int,
+) -> tuple[int, int]:
+    """The second phase, from where the first one ended; arguments as of :func:`principal_pivoting`."""
+    for i in range(n):
+        basis[2 * n + i] = 0
+    m, singly, pivots = min(n, 0), n >= 0, 0
+    while pivots < pivot_limit:
+        m = _exchange(M, n, factor, basis, m)
+        size = _solve_active(M, q, n, z, factor, basis, m)
+        pivots += 1
+        if _mark_wrong(q, n, z, factor, basis, size, singly) > 0:
+            continue
+        r = _most_wrong(q, n, factor, basis, size)
+        if r < 0:
+            return SOLVED if _finish(M, q, n, z, factor, basis, m, tolerance) else NUMERICAL_FAILURE, pivots
+        status, m, more = _raise(M, n, z, factor, basis, m, r, pivot_limit - pivots)
+        pivots += more
+        if status != SOLVED:
+            return status, pivots
+    return ITERATION_LIMIT, pivots
+
+
+@kernel
 def principal_pivoting(
     M: FloatArray,
     q: FloatArray,
@@ -253,41 +327,11 @@ def principal_pivoting(
     factor[n + 2, :n] is the direction of the ray. A solve on one active set or a single exchange counts as a pivot;
     SOLVED means a natural residual of ``tolerance`` or less.
     """
-    root = factor[n]
-    for i in range(n):
-        root[i] = np.sqrt(max(M[i, i], 0.0))
-        basis[2 * n + i] = 0
-        if not warm:
-            basis[i] = 1 if q[i] < 0.0 else 0
-    fewest, patience, pivots = n + 1, PATIENCE, 0
-    m, singly = min(n, 0), patience < 0  # no literals: they would compile what they are given to once more
-    while pivots < pivot_limit:
-        m = _exchange(M, n, factor, basis, m)
-        size = _solve_active(M, q, n, z, factor, basis, m)
-        pivots += 1
-        wrong = _mark_wrong(q, n, z, factor, basis, size, singly)
-        if not singly and wrong > 0:
-            patience = PATIENCE if wrong < fewest else patience - 1
-            fewest = min(wrong, fewest)
-            singly = patience < 0
-            if singly:
-                wrong = _mark_wrong(q, n, z, factor, basis, size, singly)
-        if wrong > 0:
-            continue
-        r = _most_wrong(q, n, factor, basis, size) if singly else -1
-        if r >= 0:
-            status, m, more = _raise(M, n, z, factor, basis, m, r, pivot_limit - pivots)
-            pivots += more
-            if status != SOLVED:
-                return status, pivots
-        elif _finish(M, q, n, z, factor, basis, m, tolerance):
-            return SOLVED, pivots
-        elif singly:
-            return NUMERICAL_FAILURE, pivots
-        else:
-            patience = -1  # once more from here, by the safer rule and with a new factor
-            m, singly = min(n, 0), patience < 0
-    return ITERATION_LIMIT, pivots
+    status, pivots = block_exchanges(M, q, n, z, factor, basis, warm, tolerance, pivot_limit)
+    if status == SOLVED:
+        return status, pivots
+    status, more = single_exchanges(M, q, n, z, factor, basis, tolerance, pivot_limit - pivots)
+    return status, pivots + more
 
 
 @dataclass(frozen=True, slots=True)
@@ -326,10 +370,13 @@ class PrincipalPivoting:
         factor, basis = principal_pivoting_workspace(n)
         warm = False
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
-            basis[:n] = guess.active
+            basis[:n] = guess.active == 1
             warm = True
         limit = 100 + 20 * n if self.pivot_limit is None else self.pivot_limit
-        code, pivots = principal_pivoting(M, q, n, z, factor, basis, warm, self.tolerance, limit)
+        code, pivots = block_exchanges(M, q, n, z, factor, basis, warm, self.tolerance, limit)
+        if code != SOLVED:  # called by itself, for it takes time to compile and is seldom needed
+            code, more = single_exchanges(M, q, n, z, factor, basis, self.tolerance, limit - pivots)
+            pivots += more
         return accept(
             problem,
             z,
