@@ -260,6 +260,21 @@ class TestMixed:
         assert solution.z == pytest.approx([-2.6 / copies] * copies + [2.0], rel=1e-12)
         assert solution.w == pytest.approx(np.zeros(copies + 1), abs=1e-12)
 
+    @pytest.mark.parametrize("seed", range(6))
+    def test_contacts_of_a_body_that_joints_hold(self, seed):
+        # Nothing moves, whatever presses: no rounding of the elimination may pass for a push that nothing resists.
+        rng = np.random.default_rng(seed)
+        joints = np.array([[2.0, 0.0, -2.0], [-2.0, -1.0, 1.0], [-1.0, 0.0, 0.0]])
+        rows = np.vstack([joints, rng.integers(-2, 3, (4, 3))])
+        velocity = rng.integers(-2, 3, 3).astype(float)
+        problem = MixedLcp(rows @ rows.T, rows @ velocity, [0, 1, 2])
+        solution = Auto().solve(problem)
+        assert not problem.lcp().M.any()
+        assert not problem.lcp().q.any()
+        assert solution.status is Status.SOLVED
+        assert solution.z[3:].tolist() == [0.0] * 4
+        assert velocity + rows.T @ solution.z == pytest.approx(np.zeros(3), abs=1e-12)
+
     def test_rows_that_contradict_each_other(self):
         solution = Auto().solve(MixedLcp(np.ones((2, 2)), [1.0, -1.0], [0, 1]))
         assert not solution.solved
