@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import lcpflex as lf
 from lcpflex.solvers.files import load_problems
-from lcpflex.solvers.replay import Replay, replay
+from lcpflex.solvers.replays import Replay, replay
 
 
 def tower(friction: float) -> lf.Scene:

@@ -144,8 +144,8 @@ def _cross_check(request: argparse.Namespace) -> int:
     """One problem: who solves it, and how well. Many: the sums of each solver."""
     from tqdm import tqdm
 
-    from lcpflex.solvers.cross_check import cross_check
-    from lcpflex.solvers.replay import replay
+    from lcpflex.solvers.comparison import cross_check
+    from lcpflex.solvers.replays import replay
 
     if request.plot is not None:
         _checked_folder(request.plot.parent)
@@ -191,7 +191,7 @@ def _problems(path: Path, index: int | None) -> list[Any]:
 
 def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
     """The solvers asked for, or all; a name without its backend stands for all of them."""
-    from lcpflex.solvers.cross_check import all_solvers
+    from lcpflex.solvers.comparison import all_solvers
 
     known = all_solvers()
     if names is None:

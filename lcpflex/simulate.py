@@ -161,6 +161,11 @@ def _check_solver(stepper: Stepper, system: System) -> None:
     from lcpflex.solvers.quadratic_program import QuadraticProgram
 
     solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
+    if other := getattr(solver, "model", ""):
+        raise ModelError(
+            f"solver: {solver!r} was given, expected one of Coulomb's law such as Auto(): "
+            f"it solves another model ({other})"
+        )
     if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
         raise ModelError(
             f"solver: {solver!r} was given for contacts with friction (up to {friction.max():g}), expected Lemke(): "

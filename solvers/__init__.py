@@ -16,7 +16,10 @@ if __name__ != "lcpflex.solvers":
 if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto, solve_lcp
     from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
+    from lcpflex.solvers.comparison import CrossCheck, all_solvers, cross_check
+    from lcpflex.solvers.cone import ConvexFriction
     from lcpflex.solvers.enumeration import Enumeration
+    from lcpflex.solvers.files import load_fclib, load_problems, load_text_lcp, save_problems
     from lcpflex.solvers.friction import ContactProblem
     from lcpflex.solvers.gauss_seidel import GaussSeidel
     from lcpflex.solvers.lemke import Lemke
@@ -25,12 +28,16 @@ if TYPE_CHECKING:
     from lcpflex.solvers.principal_pivoting import PrincipalPivoting
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.solvers.replays import Replay, replay
+    from lcpflex.solvers.spatial import SpatialContactProblem
 
 __all__ = [
     "Auto",
     "BlockGaussSeidel",
     "BoxedLcp",
     "ContactProblem",
+    "ConvexFriction",
+    "CrossCheck",
     "Enumeration",
     "GaussSeidel",
     "Lcp",
@@ -39,9 +46,18 @@ __all__ = [
     "MixedLcp",
     "PrincipalPivoting",
     "QuadraticProgram",
+    "Replay",
     "Solution",
+    "SpatialContactProblem",
     "Status",
     "accept",
+    "all_solvers",
+    "cross_check",
+    "load_fclib",
+    "load_problems",
+    "load_text_lcp",
+    "replay",
+    "save_problems",
     "solve_lcp",
 ]
 
@@ -50,6 +66,8 @@ _HOME = {
     "BlockGaussSeidel": "block_gauss_seidel",
     "BoxedLcp": "mixed",
     "ContactProblem": "friction",
+    "ConvexFriction": "cone",
+    "CrossCheck": "comparison",
     "Enumeration": "enumeration",
     "GaussSeidel": "gauss_seidel",
     "Lcp": "problem",
@@ -58,9 +76,18 @@ _HOME = {
     "MixedLcp": "mixed",
     "PrincipalPivoting": "principal_pivoting",
     "QuadraticProgram": "quadratic_program",
+    "Replay": "replays",
     "Solution": "problem",
+    "SpatialContactProblem": "spatial",
     "Status": "problem",
     "accept": "problem",
+    "all_solvers": "comparison",
+    "cross_check": "comparison",
+    "load_fclib": "files",
+    "load_problems": "files",
+    "load_text_lcp": "files",
+    "replay": "replays",
+    "save_problems": "files",
     "solve_lcp": "auto",
 }
 

@@ -21,7 +21,7 @@ from lcpflex.dynamics.impulse import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
-from lcpflex.solvers import ContactProblem, Lcp
+from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
 from lcpflex.steppers.moreau_jean import SOLVER_FAILED, MoreauJeanRun
 
@@ -207,3 +207,9 @@ class TestRecordProblems:
         path = tmp_path / "events.npz"
         lf.simulate(case.build(), 0.02, lf.EventDriven(), record_problems=lf.RecordProblems(path))
         assert load_problems(path)
+
+
+def test_a_solver_of_another_model_is_refused() -> None:
+    case = scenes()["stack"]
+    with pytest.raises(lf.ModelError, match="solves another model"):
+        lf.simulate(case.build(), 0.1, replace(case.stepper, solver=ConvexFriction()))

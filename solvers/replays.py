@@ -10,8 +10,8 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
-from lcpflex.solvers import cross_check as one
-from lcpflex.solvers.cross_check import CrossCheck, Row
+from lcpflex.solvers import comparison as one
+from lcpflex.solvers.comparison import CrossCheck, Row
 from lcpflex.solvers.problem import Solution
 
 if TYPE_CHECKING:
