@@ -25,6 +25,7 @@ from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, as
 __all__ = ["BoxedLcp", "MixedLcp"]
 
 DEPENDENT = 1e-12  # singular value, relative, below which a bilateral row depends on others
+CANCELLED = 1e-13  # part of its terms below which a sum is rounding
 OUTSIDE = 1e-9  # part of a column that is left over where it is outside of the range of the bilateral rows
 
 
@@ -228,7 +229,7 @@ def _reduce(problem: BoxedLcp) -> _Reduction:
     A, b = M[np.ix_(B, B)], q[B]
     gain, offset, contradiction = _eliminated(M[np.ix_(F, F)], M[np.ix_(F, B)], q[F])
     if gain is not None:
-        A, b = A + M[np.ix_(B, F)] @ gain, b + M[np.ix_(B, F)] @ offset
+        A, b = _sum(A, M[np.ix_(B, F)], gain), _sum(b, M[np.ix_(B, F)], offset)
         if np.allclose(problem.M, problem.M.T, rtol=1e-12, atol=0.0):
             A = 0.5 * (A + A.T)
     upper = np.flatnonzero(two_sided[B])
@@ -250,6 +251,16 @@ def _reduce(problem: BoxedLcp) -> _Reduction:
     return _Reduction(Lcp(full, load), base, sign, bounded, two_sided, gain, offset, contradiction)
 
 
+def _sum(A: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
+    """A + left @ right without its rounding."""
+    return _cleared(A + left @ right, np.abs(A) + np.abs(left) @ np.abs(right))
+
+
+def _cleared(total: FloatArray, terms: FloatArray) -> FloatArray:
+    """The sums, 0 where nothing but rounding of their terms is left: it would pass for a push that nothing resists."""
+    return np.asarray(np.where(np.abs(total) > CANCELLED * terms, total, 0.0))
+
+
 def _eliminated(MFF: FloatArray, MFB: FloatArray, qF: FloatArray) -> tuple[FloatArray | None, FloatArray, float]:
     """z_F = offset + gain x_B from M_FF z_F + M_FB x_B + q_F = 0, the shortest where rows are redundant.
 
@@ -262,11 +273,13 @@ def _eliminated(MFF: FloatArray, MFB: FloatArray, qF: FloatArray) -> tuple[Float
     for _ in range(2):  # of the rounding of the inverse
         gain -= inverse @ (MFB + MFF @ gain)
         offset -= inverse @ (qF + MFF @ offset)
+    size = np.abs(inverse)
+    gain, offset = _cleared(gain, size @ np.abs(MFB)), _cleared(offset, size @ np.abs(qF))
     left = np.abs(MFB + MFF @ gain).max(initial=0.0)
     if left > OUTSIDE * np.abs(MFB).max(initial=0.0):
         return None, offset, 0.0
-    size = np.abs(qF).max(initial=0.0)
-    return gain, offset, float(np.abs(qF + MFF @ offset).max(initial=0.0) / size) if size > 0.0 else 0.0
+    load = np.abs(qF).max(initial=0.0)
+    return gain, offset, float(np.abs(qF + MFF @ offset).max(initial=0.0) / load) if load > 0.0 else 0.0
 
 
 def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, guess: Solution | None) -> Solution:
