@@ -36,7 +36,10 @@ def enumeration_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
 
 @kernel
 def _load(M: FloatArray, q: FloatArray, n: int, code: int, table: FloatArray, order: IntArray) -> int:
-    """The block M_AA with -q_A in the last column, each row scaled to 1; returns its order. A is the bits of code."""
+    """The block M_AA with -q_A in the last column, rows and columns scaled to 1; its order. A is the bits of code.
+
+    table[n + 2, i]: what the column of unknown i was multiplied by.
+    """
     m = 0
     for i in range(n):
         if (code >> i) & 1:
@@ -52,6 +55,14 @@ def _load(M: FloatArray, q: FloatArray, n: int, code: int, table: FloatArray, or
         for c in range(m):
             table[k, c] *= lift
         table[k, m] = -q[i] * lift
+    for c in range(m):
+        largest = 0.0
+        for k in range(m):
+            largest = max(largest, abs(table[k, c]))
+        lift = 1.0 / largest if largest > 0.0 else 1.0
+        for k in range(m):
+            table[k, c] *= lift
+        table[n + 2, order[c]] = lift
     return m
 
 
@@ -90,6 +101,8 @@ def _substitute(table: FloatArray, order: IntArray, m: int, n: int, z: FloatArra
         for c in range(k + 1, m):
             value -= table[k, c] * z[order[c]]
         z[order[k]] = value / table[k, k]
+    for k in range(m):
+        z[order[k]] *= table[n + 2, order[k]]
 
 
 @kernel
