@@ -21,7 +21,7 @@ import scipy.sparse
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, check_finite, finite_array
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, check_finite, finite_array
 
 __all__ = [
     "ContactProblem",
@@ -31,6 +31,7 @@ __all__ = [
     "split_friction_solution",
 ]
 
+APART = 1e-6  # relative distance of two solutions
 BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 
 
@@ -259,9 +260,24 @@ class ContactProblem:
         return Lcp(M, q, factor)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
-        keys = self.unknown_keys
-        return replace(solver.solve(self.lcp(), aligned(guess, keys)), keys=keys)
+        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts.
+
+        Solutions are told apart by their forces: xi_L of an open contact is any speed that leaves xi_R >= 0.
+        """
+        keys, lcp = self.unknown_keys, self.lcp()
+        found = solver.solve(lcp, aligned(guess, keys))
+        if found.status is Status.NOT_UNIQUE:
+            found = self._told_apart(lcp, found, getattr(solver, "tolerance", 1e-10))
+        return replace(found, keys=keys)
+
+    def _told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
+        points: list[FloatArray] = []
+        for z in (self.unknowns(*self.forces(z)) for z in found.solutions):
+            if all(np.abs(z - p).max() > APART * max(np.abs(z).max(), np.abs(p).max()) for p in points):
+                points.append(z)
+        several = tuple(points) if len(points) > 1 else ()
+        told = accept(lcp, points[0], tolerance=tolerance, route=found.route, solutions=several)
+        return replace(told, active=found.active, iterations=found.iterations) if told.solved else found
 
     def copositive_lcp(self) -> Lcp:
         """Unknowns [lambda_N (n_N), beta_+, beta_-, sigma (n_H each)]: see :func:`assemble_copositive_lcp`."""
