@@ -241,8 +241,9 @@ def attempt(
             trivial = False
     if trivial:
         return SOLVED, 0, 0.0
-    if number in (0, 2, 3, 8):  # no scaling shows what scaling spoilt; far more sweeps serve stacks of 1 : 1e8
-        _scale(M, n, 0 if number == 2 else 10 if number == 8 else 2, table)
+    if number in (0, 1, 2, 3, 8):
+        # None shows what scaling spoilt; many sweeps serve stacks with mass ratios near 1e8.
+        _scale(M, n, 0 if number == 2 else 10 if number == 8 else 2 if number > 0 else 1, table)
     load = 0.0
     for i in range(n):
         load = max(load, abs(q[i]) * table[n + SCALE, i])

@@ -6,11 +6,19 @@ load changes from minute to minute.
 
 from __future__ import annotations
 
+import json
+import os
 import statistics
+import subprocess
+import time
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+
+from lcpflex.solvers import ContactProblem
 
 REPORT = pytest.StashKey[list[str]]()
 
@@ -50,6 +58,72 @@ def interleave(benchmark: Any, report: Callable[[str], None]) -> Interleave:
             report(f"{name:42s} {1e6 * median:11.2f} us {ratio}")
         benchmark.extra_info["microseconds"] = {name: 1e6 * median for name, median in medians.items()}
         return medians
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def scattered() -> Callable[[int, int], ContactProblem]:
+    """Contacts at random points of as many random planar bodies and the ground, each with a friction of its own."""
+
+    def make(contacts: int, seed: int) -> ContactProblem:
+        rng = np.random.default_rng([seed, contacts])
+        bodies = max(2, contacts)
+        mass, size = rng.uniform(0.5, 2.0, bodies), rng.uniform(0.2, 1.0, bodies)
+        root = np.sqrt(np.column_stack([1.0 / mass, 1.0 / mass, 6.0 / (mass * size**2)])).ravel()
+        rows = np.zeros((2 * contacts, 3 * bodies))
+        for k in range(contacts):
+            angle, other = rng.uniform(0.0, 2.0 * np.pi), int(rng.integers(bodies))
+            for body, sign in {k % bodies: 1.0, other: -1.0}.items():
+                if (sign < 0.0 and rng.random() < 0.3) or (sign > 0.0 and body == other):
+                    continue  # against the ground
+                x, y = size[body] * rng.uniform(-1.0, 1.0, 2)
+                for row, turn in ((k, 0.0), (contacts + k, 0.5 * np.pi)):
+                    c, s = np.cos(angle + turn), np.sin(angle + turn)
+                    rows[row, 3 * body : 3 * body + 3] = sign * np.array([c, s, x * s - y * c])
+        factor = rows * root
+        delassus = factor @ factor.T + 1e-8 * np.eye(2 * contacts)
+        return ContactProblem(delassus, rows @ rng.standard_normal(3 * bodies), rng.uniform(0.1, 1.0, contacts))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def per_call() -> Callable[[Callable[[], object], float], float]:
+    """Seconds of one call: least of five loops of about ``span`` seconds each, which leaves out what others took."""
+
+    def measure(call: Callable[[], object], span: float = 2e-3) -> float:
+        began = time.perf_counter()
+        call()
+        repeats = max(1, int(span / max(time.perf_counter() - began, 1e-7)))
+        least = np.inf
+        for _ in range(5):
+            began = time.perf_counter()
+            for _ in range(repeats):
+                call()
+            least = min(least, (time.perf_counter() - began) / repeats)
+        return least
+
+    return measure
+
+
+@pytest.fixture(scope="session")
+def siconos_solver(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., list[dict[str, Any]]]:
+    """Runs a solver of Siconos in the interpreter that has it: seconds per call, and the points it found."""
+    python = os.environ.get("SICONOS_PYTHON", "/usr/bin/python3")
+    peer = Path(__file__).parent / "peers" / "siconos_solvers.py"
+    try:
+        subprocess.run([python, "-c", "import siconos.numerics"], check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip(f"no siconos in {python} (Debian: apt install python3-siconos; or set SICONOS_PYTHON)")
+
+    def run(solver: str, tolerance: float, **arrays: Any) -> list[dict[str, Any]]:
+        path = tmp_path_factory.mktemp("siconos") / "problems.npz"
+        np.savez(path, **arrays)
+        command = [python, str(peer), solver, str(tolerance), str(path)]
+        shown = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        found: list[dict[str, Any]] = json.loads(shown.splitlines()[-1])
+        return found
 
     return run
 
