@@ -90,7 +90,10 @@ def projected_gauss_seidel(
     point to begin from, >= 0; out, the best point found. point (cap,), table, basis of ``lemke_workspace(cap)``: work;
     basis[:n] is 1 where z is basic if solved.
     """
-    best, sweeps, next_look = np.inf, 0, FIRST_LOOK
+    best, sweeps, next_look = natural_residual(M, q, z, n), 0, FIRST_LOOK
+    if best <= tolerance:
+        _active_set(M, q, n, z, basis)
+        return SOLVED, sweeps, False
     start = 1.0
     for i in range(n):
         point[i] = z[i]
