@@ -1,0 +1,369 @@
+"""Gauss-Seidel by rows and by contacts: local laws in closed form, both forms of the data, warm starts, memory."""
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse
+
+from lcpflex.errors import ModelError
+from lcpflex.solvers import BlockGaussSeidel, ContactProblem, GaussSeidel, Lcp, Lemke, Status
+from lcpflex.solvers.block_gauss_seidel import (
+    BACK,
+    FORTH,
+    OPEN,
+    STICKING,
+    solve_contact,
+    sweep_delassus,
+    sweep_factor,
+)
+from lcpflex.solvers.gauss_seidel import _sweep as sweep_rows
+
+
+def definite(n: int, seed: int) -> tuple[Lcp, np.ndarray]:
+    """A symmetric definite problem with a solution chosen first: half of the unknowns basic."""
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((n, n))
+    M = A @ A.T / n + np.eye(n)
+    basic = rng.random(n) < 0.5
+    z, w = np.where(basic, rng.uniform(0.5, 2.0, n), 0.0), np.where(basic, 0.0, rng.uniform(0.5, 2.0, n))
+    return Lcp(M, w - M @ z), z
+
+
+def chain(n: int) -> Lcp:
+    """A column of n equal masses on a floor, all with 1 m/s downwards: slow for any iteration."""
+    J = np.eye(n) - np.eye(n, k=-1)
+    return Lcp(J @ J.T, -(J @ np.ones(n)))
+
+
+def row_of_blocks(n: int, seed: int = 0) -> tuple[ContactProblem, np.ndarray, np.ndarray]:
+    """n blocks of 1 to 3 kg between rough walls of each other, sparse; its forces (normal, tangential) chosen first.
+
+    Contact k holds bodies k - 1 and k together, the first one body 0 and the world; J has four entries a row at most.
+    """
+    rng = np.random.default_rng(seed)
+    body = np.arange(n)
+    root = rng.uniform(1.0, 3.0, n) ** -0.5
+    angle = rng.uniform(-0.3, 0.3, n)
+    rows, columns, values = [], [], []
+    for first, (c, s) in ((0, (np.cos(angle), np.sin(angle))), (n, (-np.sin(angle), np.cos(angle)))):
+        for coordinate, part in ((0, c), (1, s)):
+            rows += [first + body, first + body[1:]]
+            columns += [2 * body + coordinate, 2 * body[:-1] + coordinate]
+            values += [part * root, -part[1:] * root[:-1]]
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    J = scipy.sparse.csr_array(entries, shape=(2 * n, 2 * n))
+    friction = rng.uniform(0.2, 0.8, n)
+    kind = np.arange(n) % 4
+    normal = np.where(kind != OPEN, rng.uniform(0.5, 1.5, n), 0.0)
+    share = np.select([kind == STICKING, kind == FORTH, kind == BACK], [rng.uniform(-0.8, 0.8, n), -1.0, 1.0], 0.0)
+    tangential = share * friction * normal
+    slip = np.select([kind == FORTH, kind == BACK, kind == OPEN], [1.0, -1.0, 0.5], 0.0)
+    velocity = np.concatenate([np.where(kind == OPEN, 1.0, 0.0), slip])
+    free = velocity - J @ (J.T @ np.concatenate([normal, tangential]))
+    return ContactProblem(None, free, friction, factor=J), normal, tangential
+
+
+class TestRows:
+    @pytest.mark.parametrize("n", [1, 2, 7, 30])
+    @pytest.mark.parametrize("relaxation", [0.5, 1.0, 1.5])
+    def test_definite_problems(self, n, relaxation):
+        problem, z = definite(n, n)
+        solution = GaussSeidel(relaxation=relaxation).solve(problem)
+        assert solution.status is Status.SOLVED
+        assert solution.z == pytest.approx(z, abs=1e-9)
+        assert solution.route.startswith("Gauss-Seidel")
+
+    def test_one_sweep_by_hand(self):
+        # z1 = 5 / 2; w2 = 1 * 5 / 2 - 6 = -7 / 2 and z2 = 7 / 4.
+        M, q, z = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0]), np.zeros(2)
+        assert sweep_rows(M, q, 2, 1.0, z) == 2.5
+        assert z.tolist() == [2.5, 1.75]
+
+    @pytest.mark.parametrize(("omega", "z1", "z2"), [(0.5, 1.25, 1.1875), (1.5, 3.75, 1.6875)])
+    def test_relaxed_sweep_by_hand(self, omega, z1, z2):
+        # z1 = omega 5 / 2, then z2 = omega (6 - z1) / 2.
+        M, q, z = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, -6.0]), np.zeros(2)
+        sweep_rows(M, q, 2, omega, z)
+        assert z.tolist() == [z1, z2]
+
+    def test_a_sweep_projects(self):
+        M, q, z = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-5.0, 1.0]), np.array([0.0, 9.0])
+        assert sweep_rows(M, q, 2, 1.0, z) == 0.0
+        assert z.tolist() == [0.0, 0.0]
+
+    def test_a_zero_diagonal_is_divided_by_the_largest_entry_of_its_row(self):
+        # Row 1: z1 = 0 - (4 * 0 - 8) / 4 = 2. A row of zeros is left alone.
+        M, q = np.array([[0.0, 4.0, 0.0], [-4.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([-8.0, 3.0, 5.0])
+        z = np.zeros(3)
+        assert sweep_rows(M, q, 3, 1.0, z) == 5.0
+        assert z.tolist() == [2.0, 5.0, 0.0]
+
+    def test_a_skew_matrix_without_any_diagonal(self):
+        # 0 <= z1 _|_ z2 - 1 >= 0, 0 <= z2 _|_ 2 - z1 >= 0: z = (2, 1).
+        solution = GaussSeidel().solve(Lcp([[0.0, 1.0], [-1.0, 0.0]], [-1.0, 2.0]))
+        assert solution.solved
+        assert solution.z == pytest.approx([2.0, 1.0], rel=1e-12)
+
+    def test_a_row_of_zeros(self):
+        assert GaussSeidel().solve(Lcp([[0.0, 0.0], [0.0, 2.0]], [1.0, -2.0])).z.tolist() == [0.0, 1.0]
+        assert not GaussSeidel().solve(Lcp([[0.0, 0.0], [0.0, 2.0]], [-1.0, -2.0])).solved
+
+    def test_over_relaxation_pays_in_a_column_of_masses(self):
+        # Errors fall by cos^2(pi / 25) = 0.984 a sweep, with the best omega = 2 / (1 + sin(pi / 25)) by omega - 1.
+        problem, n = chain(12), 12
+        errors = []
+        for omega in (1.0, 2.0 / (1.0 + np.sin(np.pi / 25.0))):
+            z = np.zeros(n)
+            for _ in range(100):
+                sweep_rows(*problem.data, n, omega, z)
+            errors.append(np.abs(z - np.arange(n, 0, -1.0)).max())
+        assert errors[0] > 0.1 * 0.984**100 * n
+        assert errors[1] < 1e-6 * errors[0]
+
+    def test_block_pivoting_ends_the_crawl(self):
+        solution = GaussSeidel().solve(chain(60))
+        assert solution.route == "Gauss-Seidel, finished by block pivoting"
+        assert solution.z == pytest.approx(np.arange(60, 0, -1.0), rel=1e-10)
+        assert solution.active.tolist() == [1] * 60
+
+    def test_a_warm_start_takes_fewer_sweeps(self):
+        problem, z = definite(40, 3)
+        far, near = (self.sweeps_until(problem, z, start) for start in (np.zeros(40), z + 1e-6))
+        assert near < 0.75 * far
+
+    @staticmethod
+    def sweeps_until(problem, z, point):
+        for count in range(1, 1000):
+            sweep_rows(*problem.data, len(z), 1.0, point)
+            if np.abs(point - z).max() < 1e-9:
+                return count
+        raise AssertionError("no convergence")
+
+    def test_the_limit_is_reported(self):
+        # A body between closing jaws: each sweep presses it harder from both sides, and nothing is ever solved.
+        problem = Lcp([[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0])
+        for limit in (1, 3, 50):
+            solution = GaussSeidel(sweep_limit=limit).solve(problem)
+            assert solution.status is Status.ITERATION_LIMIT
+            assert solution.iterations == limit
+            assert solution.residual == problem.residual(solution.z)
+            assert solution.active is None
+
+    def test_divergence_is_a_failure_and_no_overflow(self):
+        solution = GaussSeidel().solve(Lcp([[1.0, -4.0], [-4.0, 1.0]], [-1.0, -1.0]))  # z = -1/3 only: none >= 0
+        assert solution.status is Status.NUMERICAL_FAILURE
+        assert solution.z.tolist() == [0.0, 0.0]  # nothing better was seen than where it began
+        assert solution.residual == 1.0
+
+    def test_a_solution_needs_no_sweep(self):
+        problem, z = definite(10, 2)
+        solution = GaussSeidel().solve(problem)
+        again = GaussSeidel().solve(problem, solution)
+        assert again.iterations == 0
+        assert again.z.tobytes() == solution.z.tobytes()
+        assert again.active.tolist() == (z > 0.0).astype(int).tolist()
+
+    @pytest.mark.parametrize("relaxation", [0.0, 2.0, -1.0, np.nan, 3.0])
+    def test_refuses_a_relaxation_that_cannot_converge(self, relaxation):
+        with pytest.raises(ModelError, match="relaxation"):
+            GaussSeidel(relaxation=relaxation)
+
+
+class TestOneContact:
+    """v_N = a p + b t + r_N, v_T = c p + d t + r_T, with the answers on paper."""
+
+    @pytest.mark.parametrize(
+        ("arguments", "p", "t", "state"),
+        [
+            ((1.0, 0.0, 0.0, 1.0, 2.0, 5.0, 0.5), 0.0, 0.0, OPEN),
+            ((1.0, 0.0, 0.0, 1.0, 0.0, -5.0, 0.5), 0.0, 0.0, OPEN),  # grazing
+            ((1.0, 0.0, 0.0, 1.0, -2.0, 0.5, 0.5), 2.0, -0.5, STICKING),
+            ((1.0, 0.0, 0.0, 1.0, -2.0, 1.0, 0.5), 2.0, -1.0, STICKING),  # on the edge of the cone
+            ((1.0, 0.0, 0.0, 1.0, -2.0, 3.0, 0.5), 2.0, -1.0, FORTH),
+            ((1.0, 0.0, 0.0, 1.0, -2.0, -3.0, 0.5), 2.0, 1.0, BACK),
+            ((2.0, 0.0, 0.0, 8.0, -4.0, 2.0, 0.5), 2.0, -0.25, STICKING),  # t = -r_T / d
+            ((2.0, 1.0, 1.0, 3.0, -5.0, -5.0, 10.0), 2.0, 1.0, STICKING),  # the solution of [2 1; 1 3] x = (5, 5)
+            ((2.0, 1.0, 1.0, 3.0, -5.0, 20.0, 0.5), 10 / 3, -5 / 3, FORTH),  # p = 5 / (2 - 1 / 2)
+            ((2.0, 1.0, 1.0, 3.0, -5.0, -20.0, 0.5), 2.0, 1.0, BACK),  # p = 5 / (2 + 1 / 2)
+            ((2.0, 1.0, 1.0, 3.0, -5.0, 20.0, 0.0), 2.5, 0.0, FORTH),
+        ],
+    )
+    def test_by_hand(self, arguments, p, t, state):
+        found = solve_contact(*arguments)
+        assert found[:2] == pytest.approx((p, t), rel=1e-14, abs=1e-15)
+        assert found[2] == state
+
+    @pytest.mark.parametrize("mu", [0.1, 0.5, 1.0])
+    def test_coulombs_law(self, mu):
+        rng = np.random.default_rng(3)
+        seen = set()
+        for _ in range(300):
+            a, d = rng.uniform(0.5, 2.0, 2)
+            b = rng.uniform(-0.4, 0.4) * min(a, d)  # a - mu |b| > 0: one solution
+            r_n, r_t = rng.uniform(-2.0, 1.0), rng.uniform(-3.0, 3.0)
+            p, t, state = solve_contact(a, b, b, d, r_n, r_t, mu)
+            v_n, v_t = a * p + b * t + r_n, b * p + d * t + r_t
+            assert p >= 0.0
+            assert min(p, v_n) == pytest.approx(0.0, abs=1e-13)
+            assert abs(t) <= mu * p * (1 + 1e-14)
+            if state == STICKING:
+                assert v_t == pytest.approx(0.0, abs=1e-13)
+            elif state != OPEN:
+                assert t == pytest.approx(-mu * p * np.sign(v_t), abs=1e-14)
+                assert (v_t > 0.0) == (state == FORTH)
+            seen.add(state)
+        assert seen == {OPEN, STICKING, FORTH, BACK}
+
+    def test_normal_and_tangent_that_move_together(self):
+        # v_T = v_N: p + t = 1 with |t| <= mu p; one such point is as good as another.
+        p, t, _ = solve_contact(1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 0.5)
+        assert p + t == pytest.approx(1.0, rel=1e-14)
+        assert abs(t) <= 0.5 * p * (1 + 1e-14)
+
+    def test_painleve_without_any_state_stops_the_approach(self):
+        # a - mu |b| < 0 and stuck forces out of the cone: no state fits. Finite and never pulling.
+        p, t, _ = solve_contact(1.0, 3.0, 3.0, 10.0, -1.0, 30.0, 0.5)
+        assert np.isfinite([p, t]).all()
+        assert p >= 0.0
+        assert abs(t) <= 0.5 * p + 1e-15
+
+    def test_massless_direction(self):
+        assert solve_contact(0.0, 0.0, 0.0, 0.0, -1.0, 1.0, 0.5)[:2] == (0.0, 0.0)
+
+
+class TestSweeps:
+    @pytest.mark.parametrize("smooth", [False, True], ids=["rough", "every third smooth"])
+    def test_the_factor_does_what_the_matrix_does(self, smooth):
+        rng = np.random.default_rng(7)
+        n = 6
+        friction = np.where(np.arange(n) % 3 == 2, 0.0, 0.5) if smooth else np.full(n, 0.5)
+        m = n + np.count_nonzero(friction)
+        J = np.where(rng.random((m, 14)) < 0.5, rng.standard_normal((m, 14)), 0.0)
+        J[np.arange(m), np.arange(m)] += 1.0
+        free = rng.standard_normal(m) - 0.5
+        G = J @ J.T
+        tangent_of = np.full(n, -1, dtype=np.int64)
+        tangent_of[friction > 0] = np.arange(n, m)
+        compressed = scipy.sparse.csr_array(J)
+        rows = compressed.indptr.astype(np.int64), compressed.indices.astype(np.int64), compressed.data
+        normals, tangents = J[:n], np.where(tangent_of[:, None] < 0, 0.0, J[tangent_of])
+        block = np.column_stack([(normals**2).sum(1), (normals * tangents).sum(1), (tangents**2).sum(1)])
+        for sweeps in (1, 3, 10):
+            forces, states = np.zeros((2, m)), np.zeros((2, n), dtype=np.int64)
+            u = np.zeros(14)
+            common = free, friction, tangent_of
+            dense = sweep_delassus(G, *common, forces[0], states[0], sweeps, 0.0)
+            sparse = sweep_factor(*rows, block, *common, u, forces[1], states[1], sweeps, 0.0)
+            assert dense[0] == sparse[0] == sweeps
+            assert sparse[1] == pytest.approx(dense[1], rel=1e-8, abs=1e-13)
+            assert forces[1] == pytest.approx(forces[0], abs=1e-12)
+            assert states[1].tolist() == states[0].tolist()
+            assert u == pytest.approx(J.T @ forces[1], abs=1e-12)  # kept up to date
+            assert forces[0].any()
+
+    def test_uncoupled_contacts_take_one_sweep(self):
+        free = np.array([-1.0, -1.0, 2.0, 0.2, 3.0, 0.0])
+        forces, states = np.zeros(6), np.zeros(3, dtype=np.int64)
+        made, change = sweep_delassus(np.eye(6), free, np.full(3, 0.5), np.arange(3, 6), forces, states, 1, 0.0)
+        assert (made, change) == (1, 1.0)
+        assert forces.tolist() == [1.0, 1.0, 0.0, -0.2, -0.5, 0.0]
+        assert states.tolist() == [STICKING, FORTH, OPEN]
+        assert sweep_delassus(np.eye(6), free, np.full(3, 0.5), np.arange(3, 6), forces, states, 9, 0.0) == (1, 0.0)
+
+
+class TestContacts:
+    @pytest.mark.parametrize("n", [1, 5, 40])
+    def test_forces_that_were_chosen_first(self, n):
+        sparse, normal, tangential = row_of_blocks(n)
+        dense = replace(sparse, delassus=sparse.dense(), factor=None)
+        for problem in (sparse, dense):
+            solution = BlockGaussSeidel().solve(problem)
+            found = problem.forces(solution.z)
+            assert solution.status is Status.SOLVED
+            assert found[0] == pytest.approx(normal, abs=1e-8)
+            assert found[1] == pytest.approx(tangential, abs=1e-8)
+
+    def test_the_basis_found_is_one_for_others(self):
+        sparse, *_ = row_of_blocks(30)
+        problem = replace(sparse, delassus=sparse.dense(), factor=None)
+        solution = BlockGaussSeidel().solve(problem)
+        assert solution.active is not None
+        warm = Lemke().solve(problem, solution)
+        assert warm.route == "basis of the guess"
+        assert warm.iterations == 1
+
+    @pytest.mark.parametrize("form", ["dense", "factor"])
+    def test_a_warm_start_takes_fewer_sweeps(self, form):
+        before, *_ = row_of_blocks(1000)
+        if form == "dense":
+            before, *_ = row_of_blocks(60)
+            before = replace(before, delassus=before.dense(), factor=None)
+        first = BlockGaussSeidel().solve(before)
+        after = replace(before, free=before.free * (1.0 + 1e-9))
+        cold, warm = BlockGaussSeidel().solve(after), BlockGaussSeidel().solve(after, first)
+        assert cold.solved
+        assert warm.solved
+        assert warm.iterations <= cold.iterations
+        assert BlockGaussSeidel().solve(before, first).iterations < cold.iterations
+        assert warm.z == pytest.approx(cold.z, abs=1e-7)
+
+    def test_a_warm_start_is_matched_by_contact(self):
+        problem, normal, tangential = row_of_blocks(200)
+        first = BlockGaussSeidel().solve(problem)
+        order = np.random.default_rng(1).permutation(200)
+        J = scipy.sparse.csr_array(problem.factor)[np.concatenate([order, 200 + order])]
+        free = problem.free[np.concatenate([order, 200 + order])]
+        shuffled = ContactProblem(None, free, problem.friction[order], tuple(order.tolist()), J)
+        cold, warm = BlockGaussSeidel().solve(shuffled), BlockGaussSeidel().solve(shuffled, first)
+        assert warm.iterations < cold.iterations
+        assert shuffled.forces(warm.z)[0] == pytest.approx(normal[order], abs=1e-8)
+        assert shuffled.forces(warm.z)[1] == pytest.approx(tangential[order], abs=1e-8)
+
+    @pytest.mark.parametrize("size", [1e3, 1e9, 1e200])
+    @pytest.mark.parametrize("form", ["dense", "factor"])
+    def test_a_guess_far_away_does_no_harm(self, form, size):
+        problem, normal, _ = row_of_blocks(20)
+        if form == "dense":
+            problem = replace(problem, delassus=problem.dense(), factor=None)
+        cold = BlockGaussSeidel().solve(problem)
+        warm = BlockGaussSeidel().solve(problem, replace(cold, z=np.full(problem.size, size)))
+        assert warm.solved
+        assert problem.forces(warm.z)[0] == pytest.approx(normal, abs=1e-8)
+
+    def test_a_symmetric_lcp_is_contact_without_friction(self):
+        problem, z = definite(20, 5)
+        solution = BlockGaussSeidel().solve(problem)
+        assert solution.solved
+        assert solution.z == pytest.approx(z, abs=1e-9)
+        with pytest.raises(ModelError, match="unsymmetric"):
+            BlockGaussSeidel().solve(Lcp([[1.0, 2.0], [0.0, 1.0]], [-1.0, -1.0]))
+
+    def test_the_limit_is_reported(self):
+        problem, *_ = row_of_blocks(1000)
+        solution = BlockGaussSeidel(sweep_limit=1).solve(problem)
+        assert solution.iterations == 1
+        assert solution.status is Status.ITERATION_LIMIT
+        assert solution.residual == problem.residual(solution.z)
+        assert 0.0 < solution.residual < problem.residual(np.zeros(problem.size))
+
+
+class TestThousandContacts:
+    def test_memory_is_linear_in_the_contacts(self):
+        def peak(n):
+            problem, normal, _ = row_of_blocks(n)
+            BlockGaussSeidel(sweep_limit=8).solve(problem)  # compiles, and fills caches
+            tracemalloc.start()
+            try:
+                solution = BlockGaussSeidel().solve(problem)
+                largest = tracemalloc.get_traced_memory()[1]
+            finally:
+                tracemalloc.stop()
+            assert solution.solved
+            assert problem.forces(solution.z)[0] == pytest.approx(normal, abs=1e-7)
+            return largest
+
+        small, large = peak(500), peak(1000)
+        assert large / small < 2.5
+        assert large < 2000**2 * 8 / 4  # a quarter of the Delassus matrix that is never formed
