@@ -183,7 +183,7 @@ class ConvexFriction:
     ) -> tuple[FloatArray, bool]:
         """The best point seen while the edges that carry force are corrected, and whether it is another one than x."""
         best, least = x, relaxed.residual(program.forces(x))
-        trials = [program.on_active_edges] * POLISHING + [program.pivoted]
+        trials = [program.on_active_edges] * POLISHING + [program.on_each_edge]
         polished = False
         for count, trial in enumerate(trials):
             if count == POLISHING and least <= self.tolerance:
@@ -324,8 +324,8 @@ class _Program:
         block, load = columns.T @ M @ columns, columns.T @ self.c
         return columns @ equilibrium(block, load, start, np.arange(len(start)))
 
-    def pivoted(self, M: FloatArray, x: FloatArray) -> FloatArray:
-        """The same with exchanges of single edges, for a set that is far off."""
+    def on_each_edge(self, M: FloatArray, x: FloatArray) -> FloatArray:
+        """The same with the edges as unknowns, of which a contact may lose one at a time: for a set that is far off."""
         return self.turned(polish(*self.on_edges(M), np.maximum(self.turned(x), 0.0)))
 
     def forces(self, x: FloatArray) -> FloatArray:

@@ -27,7 +27,6 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.certificate import certifies_infeasibility
-from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
@@ -42,9 +41,8 @@ SETTINGS: dict[str, dict[str, Any]] = {
 DEFINITE_ONLY = ("quadprog",)  # backends that fail for a singular M, and are given a velocity form in any case
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
 FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
-POLISHING = 5  # corrections on the active set: one to three suffice when the backend came near
-EXCHANGES = 40  # solves for exchanging wrong signs after that
-EXACT = 1e-14  # |min(z, w)| in scaled units that needs no more of this
+POLISHING = 10  # corrections on the active set: one to three suffice when the backend came near
+EXACT = 1e-14  # w on the active set that is rounding, relative to the terms it is made of
 RANK = 1e-12  # eigenvalue of M_AA, relative to the largest, below which contacts are redundant
 
 
@@ -152,15 +150,17 @@ class QuadraticProgram:
     def _rays(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[FloatArray]:
         """Directions u >= 0 that may have M u = 0 and q.u < 0, which proves that there is no solution.
 
-        The backend's own, the point that ran away, and the solution of min 1/2 u.M u + 1/2 (q.u + 1)^2, u >= 0, which
-        every backend can find and which is such a direction, with the minimum 0, if there is one.
+        The backend's own and the point that ran away, made exact as near-solutions of min 1/2 u.M u + 1/2 (q.u + 1)^2,
+        u >= 0; then what the backend finds for that program, which always has a solution, with the minimum 0 if there
+        is such a direction.
         """
-        for ray in (answer.ray, answer.z):
-            if np.isfinite(ray).all():
-                yield np.maximum(ray, 0.0)
         norm = float(q @ q)
-        nearest = self._ask(M + np.outer(q, q) / norm, q / norm, None, None)
-        for ray, _ in self._points(M + np.outer(q, q) / norm, q / norm, nearest):
+        extended, pull = M + np.outer(q, q) / norm, q / norm
+        for ray in (answer.ray, answer.z):
+            gain = -float(q @ np.maximum(ray, 0.0))
+            if math.isfinite(gain) and gain > 0.0:
+                yield polish(extended, pull, np.maximum(ray, 0.0) * (norm / gain))
+        for ray, _ in self._points(extended, pull, self._ask(extended, pull, None, None)):
             yield ray
 
     def _ask(self, M: FloatArray, q: FloatArray, J: FloatArray | None, start: FloatArray | None) -> _Answer:
@@ -265,26 +265,17 @@ def polish(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray | None = N
     """Solve on the active set z > w of a near-solution, for a few corrections of that set.
 
     M (n, n), q (n,): symmetric positive semidefinite, with a diagonal near 1; z (n,) >= 0; w (n,): M z + q if left out.
-    Redundant contacts share their load as z does: the equations are solved with the least change of z. Where that is
-    not enough, because M_AA is nearly singular or the set is far off, wrong signs are exchanged
-    (:func:`lcpflex.solvers.pivoting.block_pivots`).
+    Redundant contacts share their load as z does: the equations are solved with the least change of z.
     """
-    best, least = z, _violation(M, q, z)
+    best, least, solved = z, _violation(M, q, z), None
     for _ in range(POLISHING):
-        z = equilibrium(M, q, z, np.flatnonzero(z > (M @ z + q if w is None else w)))
-        w = None
+        active = np.flatnonzero(z > (M @ z + q if w is None else w))
+        if solved is not None and np.array_equal(active, solved):
+            break
+        z, w, solved = _yielding(M, q, equilibrium(M, q, z, active), active), None, active
         violation = _violation(M, q, np.maximum(z, 0.0))
         if violation < least:
             best, least = np.maximum(z, 0.0), violation
-        elif violation > 0.5 * least:
-            break
-    if least > EXACT * (1.0 + float(np.abs(best).max(initial=0.0))):
-        n = len(q)
-        pivoted, basis = np.zeros(n), np.zeros(2 * n, dtype=np.int64)
-        basis[:n] = best > M @ best + q
-        solves, _ = block_pivots(np.ascontiguousarray(M), q, n, pivoted, np.empty((n + 1, n + 1)), basis, EXCHANGES)
-        if solves > 0 and _violation(M, q, pivoted) < least:
-            return pivoted
     return best
 
 
@@ -301,6 +292,25 @@ def equilibrium(M: FloatArray, q: FloatArray, z: FloatArray, active: IntArray) -
     for _ in range(2):  # the second pass takes out the rounding of the first
         trial[active] -= inverse @ (vectors[:, kept].T @ (M @ trial + q)[active])
     return trial
+
+
+def _yielding(M: FloatArray, q: FloatArray, z: FloatArray, active: IntArray) -> FloatArray:
+    """z, unless w = 0 contradicts itself on the active set: then further, until one unknown of it is zero.
+
+    What is left of w on A after least squares is a direction in which M_AA z stays and the objective falls.
+    """
+    rest = np.zeros_like(z)
+    rest[active] = (M @ z + q)[active]
+    if not np.abs(rest).max(initial=0.0) > EXACT * (1.0 + np.abs(z).sum()):
+        return z
+    falling = np.flatnonzero((rest > 0.0) & (z > 0.0))
+    if not falling.size:
+        return z
+    steps = z[falling] / rest[falling]
+    first = int(np.argmin(steps))
+    z = z - steps[first] * rest
+    z[falling[first]] = 0.0
+    return z
 
 
 def _violation(M: FloatArray, q: FloatArray, z: FloatArray) -> float:
