@@ -334,9 +334,9 @@ class Lemke:
             return problem.solve_by(self, guess)
         n = problem.size
         M, q = problem.data
-        z = np.zeros(n)
         table, basis = lemke_workspace(n)
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
+            z = np.zeros(n)
             basis[:n] = guess.active == 1
             solves, residual = block_pivots(M, q, n, z, table, basis, REPAIRS)
             if solves > 0 and residual <= self.tolerance:
@@ -350,11 +350,11 @@ class Lemke:
                 )
         limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
         code, pivots, residual = attempt(M, q, n, table, basis, 0, limit)
-        if residual <= GOOD:
-            code, z = SOLVED, table[n + CANDIDATE, :n]
-        else:  # called by itself, for the ladder of further attempts takes time to compile and is seldom needed
+        z = table[n + CANDIDATE, :n]
+        if residual > GOOD:  # called by itself, for the ladder of attempts takes time to compile and is seldom needed
+            z = np.zeros(n)
             code, pivots = lemke(M, q, n, z, table, basis, limit)
-        status = Status(code)
+        status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status(code)
         return accept(
             problem,
             z,
