@@ -183,15 +183,15 @@ class ConvexFriction:
     ) -> tuple[FloatArray, bool]:
         """The best point seen while the edges that carry force are corrected, and whether it is another one than x."""
         best, least = x, relaxed.residual(program.forces(x))
-        trials = [program.on_active_edges] * POLISHING + [program.on_each_edge]
         polished = False
-        for count, trial in enumerate(trials):
-            if count == POLISHING and least <= self.tolerance:
-                break
-            x = trial(M, x if count < POLISHING else best)
+        for trial in [program.on_active_edges] * POLISHING + [program.on_each_edge]:
+            x = trial(M, x)
             residual = relaxed.residual(program.forces(x))
+            settled = residual > 0.1 * least
             if residual < least:
                 best, least, polished = x, residual, True
+            if settled and least <= self.tolerance:
+                break
         return best, polished
 
     def _judged(self, relaxed: ConvexContactProblem, z: FloatArray, route: str, iterations: int, said: str) -> Solution:

@@ -103,9 +103,15 @@ def test_relaxed_law_holds_at_every_point(seed, form):
     assert abs(solution.z @ v) <= 1e-8 * force * speed
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", [*range(10), 39, 80, 120, 282])
 def test_masses_of_many_magnitudes(seed):
-    assert ConvexFriction(1e-8).solve(pile(seed, "factor", heavy=4.0)).solved
+    for form in ("delassus", "factor"):
+        assert ConvexFriction().solve(pile(seed, form, heavy=4.0)).solved
+
+
+@pytest.mark.parametrize("seed", [4, 6, 21, 24, 45])
+def test_cones_that_are_nearly_a_line(seed):
+    assert ConvexFriction().solve(pile(seed, "delassus", mu=(1e-7, 1e-5))).solved
 
 
 def test_all_forms_give_the_same_velocity():
@@ -160,6 +166,13 @@ class TestResidual:
             self.relaxed.residual([1.0, 2.0, 3.0])
         with pytest.raises(ModelError, match="contact is a Lcp"):
             ConvexContactProblem(Lcp([[1.0]], [1.0]))
+
+    def test_lift_is_that_of_pressed_contacts(self):
+        # Two mass points: one lies, one flies off with 5 m/s; then the first slides, and is lifted by 1 m/s.
+        still = ContactProblem(np.eye(4), [-1.0, 5.0, 0.0, 0.0], [0.5, 0.5])
+        assert ConvexContactProblem(still).lift([1.0, 0.0, 0.0, 0.0]) == 0.0
+        slides = ContactProblem(np.eye(4), [-1.0, 5.0, 3.0, 0.0], [0.5, 0.5])
+        assert ConvexContactProblem(slides).lift([2.0, 0.0, -1.0, 0.0]) == 1.0
 
 
 class TestHonesty:

@@ -180,6 +180,31 @@ class TestWhatBackendsAreAsked:
         problem = Lcp(J @ J.T, -np.ones(6), J * (1.0 + 1e-9))
         assert QuadraticProgram().solve(problem).solved
 
+    @pytest.mark.parametrize("backend", ["clarabel", "osqp"])
+    @pytest.mark.parametrize("known_factor", [False, True])
+    def test_the_proof_is_read_off_the_first_answer(self, backend, known_factor, backend_says):
+        solve_problem = qpsolvers.solve_problem
+        asked = backend_says(lambda program: solve_problem(program, solver=backend))
+        solution = QuadraticProgram(backend).solve(
+            Lcp(SQUEEZE @ SQUEEZE.T, [-1.0, -0.5], SQUEEZE if known_factor else None)
+        )
+        assert solution.status is Status.INFEASIBLE
+        assert len(asked) == 1
+
+    def test_box_form_where_the_velocity_form_fails(self, backend_says):
+        solve_problem = qpsolvers.solve_problem
+
+        def answer(program):
+            if program.G is not None:
+                return says(program, None, found=False)
+            return solve_problem(program, solver="osqp")
+
+        asked = backend_says(answer)
+        solution = QuadraticProgram("osqp").solve(Lcp(self.factor @ self.factor.T, self.q, self.factor))
+        assert solution.solved
+        assert solution.route == "osqp, active set"
+        assert [program.G is None for program, _ in asked][-1]
+
 
 class TestNothingIsBelieved:
     problem = Lcp([[2.0, 1.0], [1.0, 2.0]], [-5.0, -6.0])
@@ -191,6 +216,13 @@ class TestNothingIsBelieved:
         assert solution.solved
         assert solution.z == pytest.approx([4 / 3, 7 / 3], rel=1e-14)
         assert solution.route == "clarabel, active set"
+
+    def test_the_set_may_show_in_one_of_the_two_answers_only(self, backend_says, monkeypatch):
+        # J = I: v = z, w = v + q. The multipliers are useless, the velocities are good.
+        monkeypatch.setattr("lcpflex.solvers.quadratic_program.POLISHING", 1)
+        problem = Lcp(np.eye(3), [-1.0, 0.5, -0.5], np.eye(3))
+        backend_says(lambda program: says(program, np.array([1.0, 0.0, 0.5]), z=np.array([1e-3, 2.0, 1e-3])))
+        assert QuadraticProgram().solve(problem).z == pytest.approx([1.0, 0.0, 0.5])
 
     @pytest.mark.parametrize("shift", [1e-3, 0.0])
     def test_a_wrong_point_is_not_solved_because_it_was_found(self, backend_says, monkeypatch, shift):
