@@ -135,7 +135,10 @@ class Auto:
         steps: list[Step] = [lambda: self._copositive(problem, lcp)]
         if swept is None:
             steps.append(lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess))
-        return replace(_descend(first, [*steps, *self._last_steps(lcp)]), keys=keys)
+        found = _descend(first, [*steps, *self._last_steps(lcp)])
+        if found.status is Status.NOT_UNIQUE:
+            found = problem.told_apart(lcp, found, self.tolerance)
+        return replace(found, keys=keys)
 
     def _copositive(self, problem: ContactProblem, lcp: Lcp) -> Solution | None:
         """Lemke on the form of friction for which its path ends in a solution whenever theory knows one."""

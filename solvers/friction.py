@@ -260,17 +260,15 @@ class ContactProblem:
         return Lcp(M, q, factor)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts.
-
-        Solutions are told apart by their forces: xi_L of an open contact is any speed that leaves xi_R >= 0.
-        """
+        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
         keys, lcp = self.unknown_keys, self.lcp()
         found = solver.solve(lcp, aligned(guess, keys))
         if found.status is Status.NOT_UNIQUE:
-            found = self._told_apart(lcp, found, getattr(solver, "tolerance", 1e-10))
+            found = self.told_apart(lcp, found, getattr(solver, "tolerance", 1e-10))
         return replace(found, keys=keys)
 
-    def _told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
+    def told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
+        """Of several solutions those of different forces: xi_L of an open contact is any speed with xi_R >= 0."""
         points: list[FloatArray] = []
         for z in (self.unknowns(*self.forces(z)) for z in found.solutions):
             if all(np.abs(z - p).max() > APART * max(np.abs(z).max(), np.abs(p).max()) for p in points):
