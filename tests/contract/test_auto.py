@@ -106,6 +106,17 @@ class TestWhoSolvesWhat:
         assert solution.route == route
         assert solution.z == pytest.approx(z, abs=1e-13)
 
+    def test_what_enumeration_finds_for_contacts_is_told_apart_by_forces(self):
+        # Only one contact presses, p = 5/2 and t = 2 at rest; the other lifts off with a speed split in many ways.
+        G = [[2.0, 2.0, -4.0, 1.0], [2.0, -4.0, 3.0, 3.0], [-4.0, 3.0, 6.0, -1.0], [1.0, 3.0, -1.0, -4.0]]
+        problem = ContactProblem(G, [3.0, -1.0, -2.0, -1.0], [1.0, 1.0])
+        solution = Auto().solve(problem)
+        assert solution.status is Status.SOLVED
+        assert solution.route.endswith("enumeration")
+        assert np.concatenate(problem.forces(solution.z)) == pytest.approx([2.5, 0.0, 2.0, 0.0], abs=1e-13)
+        # v = G (5/2, 0, 2, 0) + free
+        assert problem.velocity([2.5, 0.0, 2.0, 0.0]) == pytest.approx([0.0, 10.0, 0.0, -0.5], abs=1e-13)
+
     def test_the_kernel_takes_the_way_of_the_class(self):
         # One call for both kinds of matrix: from nothing, and from the basis of the last call.
         for M in (np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([[2.0, 1.0], [-1.0, 2.0]])):
