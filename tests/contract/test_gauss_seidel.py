@@ -9,7 +9,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import BlockGaussSeidel, ContactProblem, GaussSeidel, Lcp, Lemke, Status
-from lcpflex.solvers.block_gauss_seidel import (
+from lcpflex.solvers.contact_sweeps import (
     BACK,
     FORTH,
     OPEN,
