@@ -184,8 +184,8 @@ class ConvexFriction:
         """The best point seen while the edges that carry force are corrected, and whether it is another one than x."""
         best, least = x, relaxed.residual(program.forces(x))
         polished = False
-        for trial in [program.on_active_edges] * POLISHING + [program.on_each_edge]:
-            x = trial(M, x)
+        for count in range(POLISHING + 1):
+            x = program.on_active_edges(M, x) if count < POLISHING else program.on_each_edge(M, best)
             residual = relaxed.residual(program.forces(x))
             settled = residual > 0.1 * least
             if residual < least:

@@ -218,11 +218,15 @@ class TestNothingIsBelieved:
         assert solution.route == "clarabel, active set"
 
     def test_the_set_may_show_in_one_of_the_two_answers_only(self, backend_says, monkeypatch):
-        # J = I: v = z, w = v + q. The multipliers are useless, the velocities are good.
+        # z = (1, 0) and w = (0, 0.4): the multipliers are useless, the velocities are good.
         monkeypatch.setattr("lcpflex.solvers.quadratic_program.POLISHING", 1)
-        problem = Lcp(np.eye(3), [-1.0, 0.5, -0.5], np.eye(3))
-        backend_says(lambda program: says(program, np.array([1.0, 0.0, 0.5]), z=np.array([1e-3, 2.0, 1e-3])))
-        assert QuadraticProgram().solve(problem).z == pytest.approx([1.0, 0.0, 0.5])
+        M = np.array([[1.0, 0.9], [0.9, 1.0]])
+        J = np.linalg.cholesky(M)
+        backend_says(lambda program: says(program, J[0], z=np.array([0.1, 0.2])))
+        solution = QuadraticProgram().solve(Lcp(M, [-1.0, -0.5], J))
+        assert solution.solved
+        assert solution.z == pytest.approx([1.0, 0.0])
+        assert solution.route == "clarabel (velocity form), active set"
 
     @pytest.mark.parametrize("shift", [1e-3, 0.0])
     def test_a_wrong_point_is_not_solved_because_it_was_found(self, backend_says, monkeypatch, shift):
