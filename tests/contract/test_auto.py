@@ -329,12 +329,22 @@ class TestManyContacts:
         assert normal == pytest.approx(mass, rel=1e-12)
         assert tangential == pytest.approx(-np.sign(slide) * mass * np.minimum(friction, 0.3), rel=1e-12)
 
+    @pytest.mark.parametrize(("unknowns", "first"), [(MANY, "lemke"), (MANY + 3, "block Gauss-Seidel")])
+    def test_where_many_begin(self, unknowns, first):
+        n = unknowns // 3
+        problem = masses(np.full(n, 0.4), np.resize([0.3, -0.5], n))
+        solution = Auto().solve(problem)
+        assert problem.size == unknowns
+        assert solution.route.startswith(first)
+        assert problem.forces(solution.z)[1] == pytest.approx(np.resize([-0.3, 0.4], n), rel=1e-12)
+
     def test_few_with_a_factor_are_the_same_as_with_a_matrix(self):
         case = Coupled()
         dense = case.problem("abcdefghij")
         sparse = replace(dense, delassus=None, factor=np.linalg.cholesky(dense.delassus))
         solution = Auto().solve(sparse)
         assert solution.solved
+        assert solution.route.startswith("block Gauss-Seidel")
         for found, expected in zip(sparse.forces(solution.z), case.expected("abcdefghij"), strict=True):
             assert found == pytest.approx(expected, abs=1e-9)
 

@@ -199,6 +199,14 @@ class TestNoSolution:
         assert solution.status is Status.INFEASIBLE
         assert solution.certificate[0] > 0.0
 
+    def test_sets_that_contradict_themselves_leave_nothing_undecided(self):
+        # Beside the first example above seven contacts that press one mass with different speeds: 480 singular sets.
+        M, q = np.zeros((9, 9)), np.array([-1.0, 1.0, -1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0])
+        M[:2, :2], M[2:, 2:] = [[-1.0, 2.0], [1.0, 1.0]], 1.0
+        assert Enumeration().solve(Lcp(M[2:, 2:], q[2:])).z == pytest.approx([0.0] * 6 + [7.0], abs=1e-14)
+        solution = Enumeration().solve(Lcp(M, q))
+        assert solution.status is Status.NO_SOLUTION
+
     def test_undecided_blocks_are_owned_up_to(self):
         # Rank one: 2^10 - 11 singular sets, each contradicting or not; with w = -1 somewhere no set solves.
         n = 10

@@ -171,21 +171,30 @@ class TestResidual:
             for scaled in (True, False):
                 assert problem.residual(point, scaled) == pytest.approx(lcp.residual(point, scaled), rel=1e-12)
 
-    @pytest.mark.parametrize("row", [0, BLOCK - 1, BLOCK, BLOCK + 1, -1])
-    def test_no_row_is_left_out(self, row):
+    @pytest.mark.parametrize("n", [BLOCK - 1, BLOCK, BLOCK + 1, 3 * BLOCK // 2])
+    @pytest.mark.parametrize("row", [0, BLOCK - 2, -1])
+    def test_no_row_is_left_out(self, row, n):
         # Everything is at rest under forces that fit, but for one row that is pushed.
-        n = 3 * BLOCK // 2
         free = np.zeros(n)
         free[row] = -1.0
-        problem = ContactProblem(None, free, np.zeros(n), factor=scipy.sparse.eye_array(n))
+        problem = ContactProblem(None, free, np.zeros(n), factor=2.0 * scipy.sparse.eye_array(n))
         assert problem.residual(np.zeros(n)) == 1.0
-        assert problem.residual(-np.minimum(free, 0.0)) == 0.0
+        assert problem.residual(-0.25 * free) == 0.0
+        leaving = replace(problem, free=-10.0 * free)  # min(d z, w) = min(4 / 4, 1 + 10) for a force of 1 / 4
+        assert leaving.residual(-0.25 * free, scaled=False) == 1.0
 
     @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
     @pytest.mark.parametrize("place", range(4))
     def test_points_that_are_not_finite_are_infinitely_wrong(self, bad, place):
         for problem in (PROBLEM, replace(PROBLEM, delassus=None, factor=np.linalg.cholesky(G))):
             assert problem.residual(np.where(np.arange(4) == place, bad, 1.0)) == np.inf
+
+    def test_a_force_that_moves_nothing_is_not_for_free(self):
+        # G = 0: w = 1 whatever the force of 3 is; min(1 * 3, 1), with d = 1 for a row of zeros.
+        for data in ({"delassus": [[0.0]]}, {"delassus": None, "factor": [[0.0]]}):
+            problem = ContactProblem(free=[1.0], friction=[0.0], **data)
+            assert problem.residual([3.0], scaled=False) == 1.0
+            assert problem.residual([0.0]) == 0.0
 
     def test_points_that_overflow(self):
         for problem in (PROBLEM, replace(PROBLEM, delassus=None, factor=np.linalg.cholesky(G))):

@@ -8,7 +8,18 @@ import pytest
 import scipy.optimize
 
 from lcpflex.errors import ModelError
-from lcpflex.solvers import Auto, BoxedLcp, ContactProblem, Enumeration, Lcp, Lemke, MixedLcp, PrincipalPivoting, Status
+from lcpflex.solvers import (
+    Auto,
+    BoxedLcp,
+    ContactProblem,
+    Enumeration,
+    GaussSeidel,
+    Lcp,
+    Lemke,
+    MixedLcp,
+    PrincipalPivoting,
+    Status,
+)
 
 INF = np.inf
 
@@ -151,6 +162,22 @@ class TestBoxed:
         assert warm.iterations < cold.iterations
         assert warm.z == pytest.approx(cold.z, abs=1e-12)
         assert 0 < np.count_nonzero(np.abs(np.abs(cold.z) - 0.5) < 1e-12) < 10  # some at their bounds, some not
+
+    @pytest.mark.parametrize("free", [False, True], ids=["bounded", "some free"])
+    def test_a_solution_is_a_guess_without_error(self, free):
+        # Brought to the unknowns of the LCP, multipliers of upper bounds included: no sweep is needed.
+        rng = np.random.default_rng(6)
+        A = rng.standard_normal((8, 8))
+        lower, upper = np.full(8, -0.5), np.where(np.arange(8) % 2, INF, 0.5)
+        lower[3], upper[3] = (-INF, INF) if free else (-INF, 0.2)
+        problem = BoxedLcp(A @ A.T + np.eye(8), 5.0 * rng.standard_normal(8), lower, upper)
+        solution = Auto().solve(problem)
+        assert (solution.w < -0.1).any()
+        assert (solution.w > 0.1).any()
+        again = GaussSeidel().solve(problem, solution)
+        assert again.solved
+        assert again.iterations == 0
+        assert again.z == pytest.approx(solution.z, abs=1e-13)
 
     @pytest.mark.parametrize("bad", [np.full(2, np.nan), np.full(2, INF), np.zeros(3)])
     def test_a_bad_guess_does_no_harm(self, bad):
