@@ -233,8 +233,17 @@ def accept(
     else:
         judged, certificate = _why_not(problem, residual, tolerance, status, certificate)
         if not message:
-            message = f"{judged.name.lower().replace('_', ' ')}: residual {residual:.1e}, tolerance {tolerance:.1e}"
+            message = f"{judged.name.lower().replace('_', ' ')}: {_grounds(judged, residual, tolerance)}"
     return Solution(point, w, judged, residual, iterations, route, message, active, certificate, None, solutions)
+
+
+def _grounds(status: Status, residual: float, tolerance: float) -> str:
+    """What the verdict rests on."""
+    if status is Status.INFEASIBLE:
+        return "no z >= 0 has M z + q >= 0, as the certificate u proves: u >= 0, M^T u <= 0, q.u < 0"
+    if status is Status.NO_SOLUTION:
+        return "none of all active sets is one"
+    return f"residual {residual:.1e}, tolerance {tolerance:.1e}"
 
 
 def _why_not(
