@@ -57,7 +57,8 @@ GOOD = 1e-12  # residual that needs no repair
 TARGET = 1e-10  # residual at which the ladder of retries ends
 REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
 RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
-ATTEMPTS = 10
+ATTEMPTS = 26
+LATE = 10  # attempts after which only those go on that ended near a solution, each with another cover
 
 
 def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
@@ -241,9 +242,12 @@ def attempt(
             trivial = False
     if trivial:
         return SOLVED, 0, 0.0
-    if number in (0, 1, 2, 3, 8):
+    if number in (0, 1, 2, 3, 8) or number >= LATE:
         # None shows what scaling spoilt; many sweeps serve stacks with mass ratios near 1e8.
-        _scale(M, n, 0 if number == 2 else 10 if number == 8 else 2 if number > 0 else 1, table)
+        sweeps = 0 if number == 2 else 10 if number == 8 else 2
+        if number == 0 or number >= LATE:
+            sweeps = (number + 1) % 2
+        _scale(M, n, sweeps, table)
     load = 0.0
     for i in range(n):
         load = max(load, abs(q[i]) * table[n + SCALE, i])
@@ -258,8 +262,8 @@ def attempt(
         perturbation = 1e-4
     elif number == 4:
         perturbation = 1e-11
-    elif number == 9:
-        perturbation = 1e-5
+    elif number >= LATE - 1:
+        perturbation = 1e-5 if number % 4 < 2 else 1e-4
     r = _start(M, q, n, table, basis, number, perturbation, load)
     status, pivots = _path(table, basis, n, r, perturbation, load, pivot_limit)
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
@@ -281,6 +285,8 @@ def lemke(
     best, status, total = np.inf, ITERATION_LIMIT, 0
     candidate = table[n + CANDIDATE]
     for number in range(ATTEMPTS):
+        if number >= LATE and status != NUMERICAL_FAILURE:
+            break
         ended, pivots, residual = attempt(M, q, n, table, basis, number, pivot_limit)
         total += pivots
         if residual > GOOD and ended != RAY:
