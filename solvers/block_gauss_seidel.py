@@ -193,7 +193,8 @@ class BlockGaussSeidel:
         if status is Status.SOLVED:
             active = basis[:n].copy()
         else:
-            corrected = run.corrected()
+            with np.errstate(all="ignore"):  # sweeps that ran away overflow: not finite, hence not solved
+                corrected = run.corrected()
             if lcp.residual(corrected) < lcp.residual(z):
                 z, route = corrected, "block Gauss-Seidel" + FINISHED
         return accept(

@@ -367,3 +367,12 @@ class TestThousandContacts:
         small, large = peak(500), peak(1000)
         assert large / small < 2.5
         assert large < 2000**2 * 8 / 4  # a quarter of the Delassus matrix that is never formed
+
+
+def test_forces_that_overflow_are_a_failure_and_no_warning():
+    # Forces of 1e400 are beyond the largest number: the sweeps run away, and the correction starts from there.
+    M = [[15.1, 11.9, -11.1, 0.7], [11.9, 45.8, -8.0, -15.8], [-11.1, -8.0, 14.9, 10.9], [0.7, -15.8, 10.9, 34.9]]
+    problem = Lcp(1e-201 * np.array(M), 1e199 * np.array([4.4, -1.5, 1.3, -6.8]))
+    with np.errstate(all="raise"):
+        found = BlockGaussSeidel().solve(problem)
+    assert not found.solved
