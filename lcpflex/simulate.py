@@ -246,7 +246,7 @@ def _collect(
         joint_drift=data["peaks"][:, 2],
         size=data["peaks"][:, 3].astype(np.int64),
         events=events,
-        warnings=_warnings(energies, run.records.tape.gain, complete),
+        warnings=(*run.records.warnings, *_warnings(energies, run.records.tape.gain, complete)),
         complete=complete,
         message=message,
         steps=run.steps,

@@ -22,6 +22,7 @@ class Records:
     def __init__(self, system: System) -> None:
         self._system = system
         self._pages: list[dict[str, Any]] = []
+        self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
         self.tape: Tape = system.tape(64, 1024)
 
     def empty(self) -> None:
