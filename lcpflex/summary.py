@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.result import ContactHistory, Result
 
-__all__ = ["doubts", "summary", "with_unit"]
+__all__ = ["doubts", "scene_size", "summary", "with_unit"]
 
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
@@ -42,7 +42,7 @@ def doubts(result: Result) -> tuple[str, ...]:
         )
     if not _largest(result.residual) <= UNSOLVED:
         found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")
-    size = _scene_size(result)
+    size = scene_size(result)
     if size is not None:
         for name, value in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
             if not _largest(value) <= SUNK * size:
@@ -156,7 +156,7 @@ def _verdict(result: Result) -> str:
     )
 
 
-def _scene_size(result: Result) -> float | None:
+def scene_size(result: Result) -> float | None:
     """Largest extent of a body [m]; None for a system of the user's own or for bodies without outlines."""
     if result.compiled is None:
         return None
