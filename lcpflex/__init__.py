@@ -46,8 +46,10 @@ _HOME = {
     "Torque": "lcpflex.loads",
     "TorsionSpring": "lcpflex.loads",
     "simulate": "lcpflex.simulate",
+    "EnergyGrowth": "lcpflex.energy",
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
+    "AdaptiveStep": "lcpflex.steppers.adaptive",
     "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
     "RecordProblems": "lcpflex.recorder",
@@ -61,6 +63,7 @@ _HOME = {
 }
 
 __all__ = [
+    "AdaptiveStep",
     "Auto",
     "Bar",
     "Beam",
@@ -69,6 +72,7 @@ __all__ = [
     "Distance",
     "DrivenAngle",
     "DrivenDisplacement",
+    "EnergyGrowth",
     "EventDriven",
     "Force",
     "Harmonic",
@@ -129,6 +133,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
     from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
@@ -139,6 +144,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven import EventDriven
     from lcpflex.steppers.moreau_jean import MoreauJean
     from lcpflex.user_system import UserSystem

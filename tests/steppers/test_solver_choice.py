@@ -23,7 +23,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
-from lcpflex.steppers.moreau_jean import SOLVER_FAILED, MoreauJeanRun
+from lcpflex.steppers.moreau_jean import MoreauJeanRun
+from lcpflex.steppers.moreau_jean_step import SOLVER_FAILED
 
 # Every path of Lemke ends on a ray, although z = (0, 0, 1/2) is a solution.
 HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0])

@@ -1,0 +1,246 @@
+"""Step control of time-stepping schemes by doubling: one step of length h against two of h/2.
+
+    |y(2 x h/2) - y(1 x h)| <= atol + rtol |y|   for every coordinate and velocity y,
+
+and no pair has sunk unseen by more than the tolerance of positions. Where an impact falls between the ends of the two,
+their velocities differ by its jump, so that impacts shorten the step by themselves, down to ``shortest``, where steps
+are taken as they come: an error estimate across an impact would mean nothing.
+Source of step doubling: Hairer, Norsett & Wanner 1993, II.4.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.errors import ModelError, in_range
+from lcpflex.model import Model
+from lcpflex.packed import pack
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape
+
+__all__ = [
+    "DEEPEST",
+    "DETAIL",
+    "DUE",
+    "RECENT",
+    "SHORTEST",
+    "STEP",
+    "STEPS",
+    "TIME",
+    "AdaptiveStep",
+    "Backup",
+    "Limits",
+    "after_rejection",
+    "after_success",
+    "backup",
+    "deepest",
+    "doubling_error",
+    "position_tolerance",
+    "put_back",
+    "put_by",
+    "shortest_steps_warning",
+]
+
+TIME, STEP, STEPS, DETAIL, RECENT, DUE, SHORTEST, REJECTED, DEEPEST = range(
+    9
+)  # entries of the clock of an adaptive run
+PART = 0.01  # of the duration that one step may take, where no limit is given
+MOSTLY = 0.5  # part of the steps at the shortest length from which the result warns
+
+
+@dataclass(frozen=True, slots=True)
+class AdaptiveStep:
+    """Step length by error control: coarse where the motion is smooth, fine across impacts.
+
+    Attributes
+    ----------
+    rtol, atol
+        Error of a step at most atol + rtol |y| in each coordinate and velocity y.
+    shortest, longest
+        Range of the step [s]. Steps at ``shortest`` are not controlled: it bounds the error in the time of an impact.
+        The longest is a hundredth of the duration by default, so that no body passes another unseen in one step.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    rtol: float = 1e-6
+    atol: float = 1e-8
+    shortest: float = 1e-9
+    longest: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("rtol", self.rtol, 0.0, 1.0)
+        in_range("atol", self.atol, 0.0, math.inf, open_ends=True)
+        in_range("shortest", self.shortest, 0.0, math.inf, open_ends=True)
+        given = self.longest is not None
+        if given and not (isinstance(self.longest, (int, float)) and self.longest >= self.shortest):
+            raise ModelError(
+                f"longest: {self.longest!r} was given, expected at least shortest = {self.shortest!r} (seconds)"
+            )
+
+    def limit(self, duration: float) -> float:
+        """The longest step [s] of a run over ``duration`` [s]."""
+        return max(self.shortest, PART * duration) if self.longest is None else self.longest
+
+
+class Limits(NamedTuple):
+    """Numbers of the step control, as a compiled loop takes them."""
+
+    duration: float
+    interval: float
+    rtol: float
+    atol: float
+    shortest: float
+    longest: float
+
+
+class Backup(NamedTuple):
+    """What a rejected step is undone with: state, running sums of the tape, contacts held."""
+
+    q: FloatArray  # (ndof,)
+    u: FloatArray  # (ndof,)
+    long_q: FloatArray  # (ndof,) state after the one long step
+    long_u: FloatArray  # (ndof,)
+    sums: FloatArray  # (4,)
+    worst: FloatArray  # (5,)
+    gain: FloatArray  # (3,)
+    total_impulse: FloatArray  # (laws, 2)
+    held: IntArray  # (1,)
+    held_key: IntArray  # (capacity,)
+    held_gap: FloatArray  # (capacity,)
+
+
+def backup(system: System, capacity: int) -> Backup:
+    """Memory for ``capacity`` contacts."""
+    ndof = len(system.q)
+    zeros = np.zeros
+    return pack(
+        Backup(
+            q=zeros(ndof),
+            u=zeros(ndof),
+            long_q=zeros(ndof),
+            long_u=zeros(ndof),
+            sums=zeros(4),
+            worst=zeros(5),
+            gain=zeros(3),
+            total_impulse=zeros((system.n_laws, 2)),
+            held=np.zeros(1, dtype=np.int64),
+            held_key=np.zeros(capacity, dtype=np.int64),
+            held_gap=zeros(capacity),
+        )
+    )
+
+
+@kernel
+def copy_counts(source: Tape | Backup, target: Tape | Backup) -> None:
+    """Running sums of a tape to a backup, or back."""
+    for i in range(len(source.sums)):
+        target.sums[i] = source.sums[i]
+    for i in range(len(source.worst)):
+        target.worst[i] = source.worst[i]
+    for i in range(len(source.gain)):
+        target.gain[i] = source.gain[i]
+    for law in range(len(source.total_impulse)):
+        target.total_impulse[law, 0] = source.total_impulse[law, 0]
+        target.total_impulse[law, 1] = source.total_impulse[law, 1]
+
+
+@kernel
+def put_by(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Backup) -> None:
+    """Keep the present state; the long step starts from a copy of it."""
+    for i in range(len(q)):
+        kept.q[i] = q[i]
+        kept.u[i] = u[i]
+        kept.long_q[i] = q[i]
+        kept.long_u[i] = u[i]
+    copy_counts(tape, kept)
+    held = work.step_size[4]
+    kept.held[0] = held
+    for k in range(held):
+        kept.held_key[k] = work.held_key[0, k]
+        kept.held_gap[k] = work.held_gap[0, k]
+
+
+@kernel
+def put_back(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Backup) -> None:
+    """Undo everything since ``put_by``."""
+    for i in range(len(q)):
+        q[i] = kept.q[i]
+        u[i] = kept.u[i]
+    copy_counts(kept, tape)
+    held = kept.held[0]
+    work.step_size[4] = held
+    for k in range(held):
+        work.held_key[0, k] = kept.held_key[k]
+        work.held_gap[0, k] = kept.held_gap[k]
+
+
+@kernel
+def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -> float:
+    """Largest difference of the two results over its tolerance; infinite where one is not finite."""
+    worst = 0.0
+    for i in range(len(q)):
+        ratio = abs(q[i] - kept.long_q[i]) / (limits.atol + limits.rtol * max(abs(q[i]), abs(kept.q[i])))
+        rate = abs(u[i] - kept.long_u[i]) / (limits.atol + limits.rtol * max(abs(u[i]), abs(kept.u[i])))
+        if not ratio + rate < math.inf:
+            return math.inf
+        worst = max(worst, max(ratio, rate))
+    return worst
+
+
+@kernel
+def position_tolerance(limits: Limits, q: FloatArray) -> float:
+    """The tolerance of the largest coordinate."""
+    largest = 0.0
+    for i in range(len(q)):
+        largest = max(largest, abs(q[i]))
+    return limits.atol + limits.rtol * largest
+
+
+@kernel
+def deepest(model: Model, q: FloatArray, table: ContactTable) -> float:
+    """Largest penetration at q [m], 0 if there is none."""
+    touching = 0.0
+    count = detect(model, q, touching, table)
+    sunk = 0.0
+    for k in range(min(count, len(table.key))):
+        sunk = max(sunk, -table.gap[k])
+    return sunk
+
+
+@kernel
+def after_rejection(limits: Limits, clock: FloatArray, h: float, error: float) -> None:
+    """A shorter step to try; the next one that is accepted will not be lengthened."""
+    factor = 0.1 if not error < math.inf else max(0.1, 0.8 / math.sqrt(error))
+    clock[STEP] = max(limits.shortest, min(0.5, factor) * h)
+    clock[REJECTED] = 1.0
+
+
+@kernel
+def after_success(limits: Limits, clock: FloatArray, h: float, error: float) -> None:
+    """Length of the next step after an accepted one: local errors of the least smooth case grow as h^2."""
+    factor = min(2.0, 0.8 / math.sqrt(max(error, 1e-4)))
+    if clock[REJECTED] == 1.0:
+        factor = min(factor, 1.0)
+    clock[STEP] = min(limits.longest, max(limits.shortest, factor * h))
+    clock[REJECTED] = 0.0
+
+
+def shortest_steps_warning(records: Records, clock: FloatArray, shortest: float) -> None:
+    """Say so if most steps were taken without error control."""
+    if clock[SHORTEST] > MOSTLY * clock[STEPS]:
+        records.warnings[:] = [
+            f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {shortest:g} s, and are "
+            "not error-controlled: a larger tolerance, a shorter `shortest`, or a fixed step suits this scene better"
+        ]

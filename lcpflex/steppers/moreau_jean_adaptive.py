@@ -1,0 +1,250 @@
+"""Moreau-Jean time stepping with step control: the halves of :mod:`lcpflex.steppers.moreau_jean` in another loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.adaptive import (
+    DEEPEST,
+    DETAIL,
+    DUE,
+    RECENT,
+    SHORTEST,
+    STEP,
+    STEPS,
+    TIME,
+    AdaptiveStep,
+    Backup,
+    Limits,
+    after_rejection,
+    after_success,
+    backup,
+    deepest,
+    doubling_error,
+    position_tolerance,
+    put_back,
+    put_by,
+    shortest_steps_warning,
+)
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.moreau_jean_step import (
+    DONE,
+    GROW,
+    GROW_TAPE,
+    NOT_FINITE,
+    SOLVER_FAILED,
+    TAPE_FULL,
+    Settings,
+    correct,
+    grown,
+    predict,
+    record,
+    stages,
+)
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape
+
+__all__ = ["AdaptiveMoreauJeanRun"]
+
+
+@kernel
+def whole_step(
+    model: Model,
+    settings: Settings,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    tape: Tape,
+    clock: FloatArray,
+) -> int:
+    """One step of length ``settings.step`` in place; DONE, or why not (clock[DETAIL])."""
+    clock[DETAIL] = predict(model, settings, t, q, u, work)
+    if clock[DETAIL] > len(work.table.key):
+        return GROW
+    recall_basis(work)
+    clock[DETAIL] = solve_lcp(work)
+    if clock[DETAIL] != 0 or not work.certificate[0] <= settings.tolerance:
+        return SOLVER_FAILED
+    remember_basis(work)
+    if not correct(model, settings, t, q, u, work, tape):
+        return NOT_FINITE
+    return DONE
+
+
+@kernel
+def advance_adaptive(
+    model: Model,
+    settings: Settings,
+    limits: Limits,
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    kept: Backup,
+    tape: Tape,
+    last_step: int,
+) -> int:
+    """Steps until their number reaches ``last_step`` or the duration is reached; DONE, or what is missing."""
+    while True:
+        t = clock[TIME]
+        ended = t >= limits.duration
+        if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
+            if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                return TAPE_FULL
+            recent = Settings(
+                clock[RECENT], settings.theta, settings.activation, settings.gap_tolerance, settings.projection,
+                settings.tolerance,
+            )  # fmt: skip
+            clock[DETAIL] = record(model, recent, t, q, u, work, tape)
+            if clock[DETAIL] > len(tape.table.key):
+                return GROW_TAPE
+            clock[DUE] = math.inf if ended else t + limits.interval
+        if ended or clock[STEPS] >= last_step:
+            return DONE
+        h = min(clock[STEP], limits.duration - t)
+        if limits.duration - t - h < 0.01 * h:
+            h = limits.duration - t
+        alone = h <= limits.shortest  # not controlled
+        put_by(q, u, work, tape, kept)
+        status = DONE
+        for part in range(3):
+            if alone and part > 0:
+                break
+            length = h if alone or part == 0 else 0.5 * h
+            now = t + length if part == 2 else t
+            trial = not alone and part == 0
+            scaled = Settings(
+                length, settings.theta, settings.activation, settings.gap_tolerance, settings.projection,
+                settings.tolerance,
+            )  # fmt: skip
+            status = whole_step(
+                model, scaled, now, kept.long_q if trial else q, kept.long_u if trial else u, work, tape, clock
+            )
+            if status != DONE:
+                break
+            if trial:
+                put_back(q, u, work, tape, kept)
+        error = math.inf
+        sunk = 0.0
+        if status == DONE:
+            error = 0.0 if alone else doubling_error(limits, q, u, kept)
+        if error <= 1.0 and not alone:
+            # a pair that closes late in the step is seen by neither result
+            sunk = deepest(model, q, tape.table)
+            error = max(error, (sunk - clock[DEEPEST]) / position_tolerance(limits, q))
+        if status == GROW or (alone and status != DONE):
+            if status != NOT_FINITE:
+                put_back(q, u, work, tape, kept)
+            return status
+        if not error <= 1.0:
+            put_back(q, u, work, tape, kept)
+            after_rejection(limits, clock, h, error)
+            continue
+        if alone:
+            sunk = deepest(model, q, tape.table)
+        clock[DEEPEST] = sunk
+        after_success(limits, clock, h, error)
+        clock[TIME] = limits.duration if t + h >= limits.duration else t + h
+        clock[RECENT] = h if alone else 0.5 * h
+        clock[STEPS] += 1.0 if alone else 2.0
+        clock[SHORTEST] += 1.0 if alone else 0.0
+
+
+class AdaptiveMoreauJeanRun:
+    """A Moreau-Jean run with step control in progress."""
+
+    def __init__(
+        self,
+        system: System,
+        settings: Settings,
+        control: AdaptiveStep,
+        solver: LcpSolver,
+        duration: float,
+        interval: float,
+    ) -> None:
+        self.system = system
+        self.records = Records(system)
+        self.q = system.q.copy()
+        self.u = system.u.copy()
+        self._settings = settings
+        self._limits = Limits(duration, interval, control.rtol, control.atol, control.shortest, control.limit(duration))
+        self._rescue = Rescue(solver, settings.tolerance)
+        self._work = system.workspace(16)
+        self._work.solving[METHOD] = solver_method(solver)
+        self._kept = backup(system, 16)
+        self._clock = np.zeros(9)
+        self._clock[STEP] = min(max(settings.step, control.shortest), self._limits.longest)
+        self._clock[RECENT] = self._clock[STEP]
+        hooks = {**system.hooks, **solver_hooks(solver, system.watch)}
+        parts: list[Callable[..., Any]] = [*stages(), whole_step]
+        self._advance = link([*parts, advance_adaptive], hooks)
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return float(self._clock[TIME])
+
+    @property
+    def steps(self) -> int:
+        """Steps made, without those rejected and without the long ones that only measure the error."""
+        return int(self._clock[STEPS])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.time >= self._limits.duration and self._clock[DUE] == math.inf
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held."""
+        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Time stepping locates no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
+        target = self.steps + n_steps
+        while True:
+            status = self._advance(
+                self.system.model,
+                self._settings,
+                self._limits,
+                self._clock,
+                self.q,
+                self.u,
+                self._work,
+                self._kept,
+                self.records.tape,
+                target,
+            )
+            detail = int(self._clock[DETAIL])
+            if status == DONE:
+                shortest_steps_warning(self.records, self._clock, self._limits.shortest)
+                return ""
+            if status == TAPE_FULL:
+                self.records.empty()
+            elif status == GROW_TAPE:
+                self.records.grow(detail)
+            elif status == GROW:
+                self._work = grown(self.system, self._work, 2 * detail)
+                self._kept = backup(self.system, 2 * detail)
+            elif status == SOLVER_FAILED:
+                if self._rescue(self._work, self.time):
+                    continue
+                return unsolved(self._work, detail, self._settings.tolerance)
+            else:
+                return "the state is no longer finite: the forces of this scene grow without bound"

@@ -1,0 +1,212 @@
+"""The two halves of a Moreau-Jean step, with its records: what the loops with fixed and adaptive steps share.
+
+See :mod:`lcpflex.steppers.moreau_jean` for the scheme.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.kinematics import contact_point
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.impulse import distribute, pose
+from lcpflex.dynamics.mechanics import (
+    contact_biases,
+    energies,
+    factorise,
+    fill_contact_rows,
+    forces,
+    solve_rows,
+    solve_vector,
+    supply,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import SLIP, STICK, Model
+from lcpflex.steppers.projection import project_contacts, project_joints
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
+
+__all__ = [
+    "DONE",
+    "GROW",
+    "GROW_TAPE",
+    "NOT_FINITE",
+    "SOLVER_FAILED",
+    "TAPE_FULL",
+    "Settings",
+    "correct",
+    "grown",
+    "predict",
+    "record",
+    "stages",
+]
+
+DONE = 0
+TAPE_FULL = 1
+GROW = 2
+GROW_TAPE = 3
+SOLVER_FAILED = 4
+NOT_FINITE = 5
+STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
+
+
+class Settings(NamedTuple):
+    """Numbers of the scheme, as the compiled loop takes them."""
+
+    step: float
+    theta: float
+    activation: float
+    gap_tolerance: float
+    projection: bool
+    tolerance: float
+
+
+@kernel
+def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> int:
+    """First half of a step: free motion, closed contacts, and the LCP they pose. Returns the contacts found."""
+    h = settings.step
+    lean = settings.theta * h
+    for i in range(len(q)):
+        work.middle[i] = q[i] + lean * u[i]
+        work.ahead[i] = q[i] + settings.activation * h * u[i]
+    n = detect(model, work.ahead, settings.gap_tolerance, work.table)
+    if n > len(work.table.key):
+        return n
+    if settings.activation != settings.theta:
+        for k in range(n):
+            refresh(model, work.middle, work.table, k)
+    supply(model, t + lean, work.middle, u, work)
+    forces(model, t + lean, work.middle, u, work)
+    factorise(model, work.middle, lean, lean * lean, work)
+    for i in range(len(q)):
+        work.free_u[i] = h * work.total[i]
+    solve_vector(model, work, work.free_u)
+    for i in range(len(q)):
+        work.free_u[i] += u[i]
+    n_joint = len(work.residual)
+    if n_joint > 0:
+        joint_rows(model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+    n_tangent = fill_contact_rows(model, work.middle, n, n_joint, work)
+    contact_biases(model, work.middle, u, n, n_tangent, n_joint, work)
+    solve_rows(model, work, 0, n_joint + n + n_tangent)
+    work.step_size[0] = n_joint
+    work.step_size[1] = n
+    work.step_size[2] = n_tangent
+    pose(model, work, u, (1.0 - settings.theta) * h, 0.0)
+    return n
+
+
+@kernel
+def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatArray, tape: Tape) -> None:
+    """Add the step's work by kind, with the mean velocity (u + u+)/2, and its impulses to the tape.
+
+    ``work.free_u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
+    """
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    half = 0.5 * settings.step
+    gained = 0.0
+    for i in range(len(u)):
+        both = u[i] + work.free_u[i]
+        tape.sums[2] -= half * work.dissipative[i] * both
+        tape.sums[3] += half * work.driving[i] * both
+    for r in range(n_joint + n + work.step_size[2]):
+        p = work.p[r]
+        if p == 0.0:
+            continue
+        before = row_velocity(work.rows, work.row_body, r, work.dof, u)
+        after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+        done = 0.5 * p * (before + after)
+        if r < n_joint:
+            if work.rate[r] != 0.0:
+                tape.sums[3] += done
+        elif r < n_joint + n:
+            gained += done
+            tape.sums[1] -= done
+            tape.total_impulse[work.table.law[r - n_joint], 0] += p
+        else:
+            gained += done
+            tape.sums[0] -= done
+            tape.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
+    note_gain(tape, t, gained)
+    tape.worst[0] = max(tape.worst[0], work.certificate[0])
+    tape.worst[3] = max(tape.worst[3], work.step_size[3])
+    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+
+
+@kernel
+def correct(
+    model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
+) -> bool:
+    """Second half of a step: impulses from the solution z, then u+ and q+ in place. False where they are not finite."""
+    h = settings.step
+    distribute(work)
+    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    audit(model, settings, t, work, u, tape)
+    largest = 0.0
+    for i in range(len(q)):
+        q[i] += h * (settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i])
+        u[i] = work.free_u[i]
+        largest = max(largest, abs(q[i]))
+        if not math.isfinite(q[i] + u[i]):
+            return False
+    tolerance = 1e-12 * (1.0 + largest)
+    project_joints(model, t + h, q, u, work, tape, tolerance)
+    if project_contacts(model, h, settings.gap_tolerance, settings.projection, q, work, tape):
+        project_joints(model, t + h, q, u, work, tape, tolerance)
+    return True
+
+
+@kernel
+def record(
+    model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
+) -> int:
+    """Store the present instant; the contact forces are the impulses of the last step over its length."""
+    needed = store_contacts(model, q, tape)
+    if needed > len(tape.table.key):
+        return needed
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    tangent = 0
+    for k in range(n):
+        p_t = 0.0
+        slip = 1.0
+        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+            r = n_joint + n + tangent
+            p_t = work.p[r]
+            slip = row_velocity(work.rows, work.row_body, r, work.dof, u)
+            tangent += 1
+        p_n = work.p[n_joint + k]
+        if p_n > 0.0:
+            state = STICK if abs(slip) <= STICKING_SPEED else SLIP
+            place = contact_point(model, q, work.table, k)
+            note_contact(
+                tape, work.table.law[k], place, work.table.normal[k], p_n / settings.step, p_t / settings.step, state
+            )
+    kinetic, elastic, potential = energies(model, q, u, work)
+    store_state(tape, t, q, u, kinetic, elastic, potential)
+    return needed
+
+
+def stages() -> list[Callable[..., Any]]:
+    """The kernels of a step that call what may be replaced, callees first."""
+    return [project_joints, project_contacts, predict, correct, store_contacts, record]
+
+
+def grown(system: System, old: Workspace, capacity: int) -> Workspace:
+    """A larger workspace; the contacts that are held stay so."""
+    work = system.workspace(capacity)
+    held = int(old.step_size[4])
+    work.step_size[4] = held
+    work.held_key[:, :held] = old.held_key[:, :held]
+    work.held_gap[:, :held] = old.held_gap[:, :held]
+    work.solving[:] = old.solving
+    work.last_key[: len(old.last_key)] = old.last_key
+    work.last_basis[: len(old.last_basis)] = old.last_basis
+    return work

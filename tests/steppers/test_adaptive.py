@@ -1,0 +1,110 @@
+"""Step control of Moreau-Jean: errors follow the tolerance, impacts shorten the step, smooth motion lengthens it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.solvers.problem import Lcp, Solution
+from lcpflex.steppers.adaptive import AdaptiveStep
+
+
+@dataclass(frozen=True)
+class InPython:
+    """Lemke behind a Python call: makes the stepper take its interpreted driver."""
+
+    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+        return lf.Lemke().solve(problem, guess)
+
+
+def controlled(tolerance: float, **options: object) -> lf.MoreauJean:
+    return lf.MoreauJean(step=1e-4, adaptive=AdaptiveStep(rtol=tolerance, atol=1e-2 * tolerance), **options)
+
+
+def test_error_falls_with_the_tolerance_and_steps_grow_as_its_root() -> None:
+    tolerances = np.array([1e-4, 1e-5, 1e-6, 1e-7])
+    errors, steps = [], []
+    for tolerance in tolerances:
+        result = lf.simulate(gallery.stick_slip_block(), 1.9, controlled(tolerance))
+        errors.append(abs(result.q[-1, 0] - 0.332714308))
+        steps.append(result.steps)
+    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
+    assert 0.5 < slope < 1.2, errors
+    assert errors[-1] < 1e-6
+    # local errors are of second order at least, so a tolerance ten times smaller takes at most sqrt(10) the steps
+    assert np.polyfit(np.log(tolerances), np.log(steps), 1)[0] > -0.5, steps
+
+
+def test_the_step_is_short_at_impacts_and_long_in_flight() -> None:
+    result = lf.simulate(gallery.bouncing_ball(), 1.0, controlled(1e-6), record=0.0)
+    lengths = np.diff(result.times)
+    jumps = np.diff(result.u[:, 1]) > 1.0
+    assert jumps.sum() == 2  # impacts at .45 and .90 s
+    assert lengths[jumps].max() < 1e-5
+    assert lengths.max() > 100.0 * lengths[jumps].max()
+    first = result.times[1:][jumps][0]
+    assert first == pytest.approx(math.sqrt(2.0 / 9.81), abs=1e-5)
+
+
+def test_step_control_beats_a_fixed_step_at_the_same_error() -> None:
+    scene = gallery.bouncing_ball
+    exact = lf.simulate(scene(), 1.0, lf.EventDriven())
+    adaptive = lf.simulate(scene(), 1.0, controlled(1e-6))
+    fixed = lf.simulate(scene(), 1.0, lf.MoreauJean(step=1.0 / (10 * adaptive.steps)))
+    error = abs(adaptive.q[-1, 1] - exact.q[-1, 1])
+    assert error < 1e-5
+    assert error < 0.5 * abs(fixed.q[-1, 1] - exact.q[-1, 1])
+
+
+def test_flexible_bodies_with_joints_and_friction() -> None:
+    scene = gallery.pendulum(modes=4)
+    result = lf.simulate(scene, 0.45, controlled(1e-5))
+    reference = lf.simulate(scene, 0.45, lf.MoreauJean(step=2e-6))
+    assert result.complete
+    assert result.joint_drift.max() < 1e-11
+    assert result.impulse[-1, 0, 0] == pytest.approx(reference.impulse[-1, 0, 0], rel=2e-2)
+    assert result.energies.relative_remainder < 1e-3
+
+
+def test_both_drivers_agree() -> None:
+    scene = gallery.stick_slip_block()
+    compiled = lf.simulate(scene, 0.6, controlled(1e-5, solver=lf.Lemke()))
+    python = lf.simulate(scene, 0.6, controlled(1e-5, solver=InPython()))
+    assert python.steps == compiled.steps
+    np.testing.assert_allclose(python.q, compiled.q, rtol=0.0, atol=1e-13)
+
+
+def test_a_system_of_the_users_own() -> None:
+    result = lf.simulate(gallery.woodpecker(), 0.1, controlled(1e-6), record=0.0)
+    beak = np.argmax(np.abs(np.diff(result.u[:, 2])) > 5.0)
+    assert result.times[beak] == pytest.approx(0.08102, abs=1e-4)
+
+
+def test_ends_on_its_duration_and_stores_the_end() -> None:
+    result = lf.simulate(gallery.stick_slip_block(), 0.7371, controlled(1e-5), record=0.1)
+    assert result.complete
+    assert result.times[-1] == 0.7371
+    assert (np.diff(result.times)[:-1] >= 0.1).all()
+
+
+def test_steps_that_are_as_short_as_allowed_are_reported() -> None:
+    stepper = lf.MoreauJean(step=1e-2, adaptive=AdaptiveStep(rtol=1e-14, atol=1e-16, shortest=1e-2, longest=1e-2))
+    result = lf.simulate(gallery.stick_slip_block(), 1.0, stepper)
+    assert result.steps == 100
+    assert any("as short as allowed" in warning for warning in result.warnings)
+
+
+@pytest.mark.parametrize(("name", "value"), [("rtol", -1.0), ("atol", 0.0), ("shortest", math.nan), ("longest", 1e-12)])
+def test_refuses_numbers_out_of_range(name: str, value: float) -> None:
+    with pytest.raises(lf.ModelError, match=name):
+        AdaptiveStep(**{name: value})
+
+
+def test_refuses_another_object() -> None:
+    with pytest.raises(lf.ModelError, match="adaptive"):
+        lf.MoreauJean(step=1e-3, adaptive=1e-6)
