@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from enum import Enum
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
-__all__ = ["Energies"]
+__all__ = ["Energies", "EnergyGrowth"]
 
 ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
+
+
+class EnergyGrowth(Enum):
+    """What is to be done about contact impulses that create energy, which no real contact does.
+
+    Newton's law of restitution does so with friction in some states (Kane's double pendulum); so may too long a step.
+    """
+
+    ERROR = "the run ends with a StepError that says when and how much"
+    WARN = "the result has a warning that says when and how much"
+    ACCEPT = "nothing: the energies of the result show it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

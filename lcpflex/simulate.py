@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from lcpflex.energy import Energies
+from lcpflex.energy import Energies, EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.result import ContactSpots, Event, Result
@@ -63,6 +63,7 @@ def simulate(
     record: float | None = None,
     progress: bool | None = None,
     project: bool = False,
+    energy_growth: EnergyGrowth = EnergyGrowth.WARN,
     record_problems: RecordProblems | None = None,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
@@ -81,6 +82,8 @@ def simulate(
         Show a progress bar; by default on a terminal, once the run has lasted two seconds.
     project
         Project an initial state that violates joints onto them, instead of refusing it.
+    energy_growth
+        Whether contact impulses that create energy end the run, make a warning (default), or are accepted.
     record_problems
         Write contact problems of the run to a file, for ``lcpflex cross-check`` and :func:`lcpflex.solvers.replay`.
 
@@ -100,6 +103,10 @@ def simulate(
     interval = duration / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
     if isinstance(stepper, type) or not hasattr(stepper, "start"):
         raise ModelError(f"stepper: {stepper!r} was given, expected a stepper such as MoreauJean(step=1e-4)")
+    if not isinstance(energy_growth, EnergyGrowth):
+        raise ModelError(
+            f"energy_growth: {energy_growth!r} was given, expected one of {', '.join(map(str, EnergyGrowth))}"
+        )
     system, compiled, names = _system(scene, project)
     _check_solver(stepper, system)
     recorder = None
@@ -107,7 +114,9 @@ def simulate(
         recorder = Recorder(record_problems, names)
         system = replace(system, watch=recorder.watch)
     began = time.perf_counter()
-    run = stepper.start(system, duration, interval)
+    run: Run = stepper.start(system, duration, interval)
+    if energy_growth is EnergyGrowth.ERROR:
+        run = _WithoutGrowth(run)
     message, cause = _guarded(run, 0)  # compiles, or loads from the cache
     compile_time = time.perf_counter() - began
     interrupted = False
@@ -119,7 +128,8 @@ def simulate(
             interrupted = True
     timing = (time.perf_counter() - began, compile_time)
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
-    result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, not (message or interrupted))
+    complete = not (message or interrupted)
+    result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, complete, energy_growth)
     if recorder is not None:
         result = _save_problems(recorder, result)
     if message:
@@ -215,6 +225,7 @@ def _collect(
     timing: tuple[float, float],
     message: str,
     complete: bool,
+    energy_growth: EnergyGrowth,
 ) -> Result:
     """Everything that the run has stored, as a result."""
     data = run.records.collected()
@@ -246,7 +257,7 @@ def _collect(
         joint_drift=data["peaks"][:, 2],
         size=data["peaks"][:, 3].astype(np.int64),
         events=events,
-        warnings=(*run.records.warnings, *_warnings(energies, run.records.tape.gain, complete)),
+        warnings=(*run.records.warnings, *_warnings(energies, run.records.tape.gain, complete, energy_growth)),
         complete=complete,
         message=message,
         steps=run.steps,
@@ -259,7 +270,45 @@ def _collect(
     )
 
 
-def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str, ...]:
+class _WithoutGrowth:
+    """A run that ends where contact impulses have created more energy than rounding explains."""
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+        self._known = 0.0  # energy created so far that has been found to be rounding [J]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._run, name)
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps, one by one; empty, or why the run cannot go on."""
+        message = self._run.advance(0)
+        for _ in range(n_steps):
+            if message or self._run.finished:
+                break
+            message = self._run.advance(1) or self._grown()
+        return message
+
+    def _grown(self) -> str:
+        """Why the energy created so far is too much; empty if it is not."""
+        gain = self._run.records.tape.gain
+        if gain[0] <= 2.0 * self._known:
+            return ""
+        self._known = float(gain[0])
+        if gain[0] <= GROWTH * self._run.records.energy_scale():
+            return ""
+        return _created(gain) + "; energy_growth=EnergyGrowth.WARN goes on"
+
+
+def _created(gain: FloatArray) -> str:
+    """How much energy contact impulses created, and when."""
+    return (
+        f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
+        f"{gain[2]:.6g} s (Newton's restitution with friction does so; too long a step may)"
+    )
+
+
+def _warnings(energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth) -> tuple[str, ...]:
     """What a reader must know before trusting the result."""
     warnings = [] if complete else ["the run is incomplete"]
     if not energies.remainder.size:
@@ -267,13 +316,13 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool) -> tuple[str
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
         return (*warnings, "the energies are no longer finite")
-    if gain[0] > GROWTH * scale and gain[0] > 0.0:
-        warnings.append(
-            f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
-            f"{gain[2]:.6g} s (Newton's restitution with friction does so; too long a step may)"
-        )
+    accepted = 0.0
+    if energy_growth is EnergyGrowth.ACCEPT:
+        accepted = float(gain[0])
+    elif gain[0] > GROWTH * scale and gain[0] > 0.0:
+        warnings.append(_created(gain))
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
-    if growth > GROWTH * scale:
+    if growth - accepted > GROWTH * scale:
         warnings.append(
             f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
         )

@@ -47,3 +47,9 @@ class Records:
         """All records so far, one array a field."""
         self.empty()
         return {name: np.concatenate([page[name] for page in self._pages]) for name in (*FIELDS, "spots")}
+
+    def energy_scale(self) -> float:
+        """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""
+        pages = [page["energies"] for page in self._pages] + [self.tape.energies[: int(self.tape.filled[0])]]
+        energies = np.concatenate(pages)
+        return float(energies[:, :3].sum(axis=1).max() - energies[:, 2].min()) if len(energies) else 0.0
