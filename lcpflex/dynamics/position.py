@@ -1,0 +1,227 @@
+"""The contact problem at position level: contacts that give way, as the massless boundary has them.
+
+With the compliance F of the static modes and the gaps of the configuration without their share,
+
+    0 <= lambda_N  _|_  g_free + F_NN lambda_N + F_NT lambda_T >= 0
+    -lambda_T in mu lambda_N Sign(Delta g_T),   Delta g_T = W_T^T h u_h + F_T (lambda - lambda_old)
+
+where Delta g_T is the slip of the step. It is the LCP of planar Coulomb friction with F for the Delassus matrix.
+Gaps are measured in the largest of the problem and compliances in the largest of F, so that the residual of the
+solver means the same at every scale.
+Source: Monjaraz-Tec, Gross & Krack 2022 (massless boundary).
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.delassus import delassus, row_velocity
+from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
+
+__all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
+
+RIGID = 1e-12  # compliance below this part of the largest of the problem
+
+
+@kernel
+def static_sway(model: Model, flexibility: FloatArray, q: FloatArray) -> float:
+    """Upper bound of the displacement [m] of any surface point by the static modes."""
+    contacts = model.contacts
+    largest = 0.0
+    for s in range(len(contacts.surface_body)):
+        b = contacts.surface_body[s]
+        if b >= 0:
+            d = model.bodies.dof[b] + 3
+            sway = 0.0
+            for k in range(model.bodies.dof[b + 1] - d):
+                if flexibility[d + k] > 0.0:
+                    sway += abs(q[d + k]) * contacts.surface_sway[s, k]
+            largest = max(largest, sway)
+    return largest
+
+
+@kernel
+def static_part(work: Workspace, flexibility: FloatArray, r: int, q: FloatArray) -> float:
+    """Share of the static coordinates in rows_r . q [m]."""
+    total = 0.0
+    for i in range(2):
+        b = work.row_body[r, i]
+        if b >= 0:
+            d = work.dof[b]
+            for k in range(3, work.dof[b + 1] - d):
+                if flexibility[d + k] > 0.0:
+                    total += work.rows[r, i, k] * q[d + k]
+    return total
+
+
+@kernel
+def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> None:
+    """solved[r] <- static displacement by a unit force on row r, for first <= r < last."""
+    for r in range(first, last):
+        for i in range(2):
+            b = work.row_body[r, i]
+            if b >= 0:
+                d = work.dof[b]
+                for k in range(work.dof[b + 1] - d):
+                    work.solved[r, i, k] = flexibility[d + k] * work.rows[r, i, k]
+
+
+@kernel
+def pose_position(
+    model: Model, step: float, n: int, q: FloatArray, flexibility: FloatArray, unit: FloatArray, work: Workspace
+) -> int:
+    """Pose the problem of the first n contacts of the table at q, reached with the velocity ``work.free_u``.
+
+    The static coordinates in q are those before the step. Scaled F and gaps go to work.Gc and work.bc; unit: the unit
+    of force [N], and the largest compliance [m/N]. Returns -1, or the contact that has no compliance.
+    """
+    n_joint = len(work.residual)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
+    total = n + n_tangent
+    work.step_size[0] = n_joint
+    work.step_size[1] = n
+    work.step_size[2] = n_tangent
+    work.step_size[3] = n + 2 * n_tangent
+    if n_tangent > 0:
+        contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
+    spread(work, flexibility, n_joint, n_joint + total)
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.Gc)
+    softest = 0.0
+    largest = 0.0
+    for r in range(total):
+        b = -static_part(work, flexibility, n_joint + r, q)
+        if r < n:
+            b += work.table.gap[r]
+        else:  # with the row half a step ago, to second order
+            slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
+            b += step * (slip - 0.5 * step * work.bias[n_joint + r])
+        work.bc[r] = b
+        largest = max(largest, abs(b))
+        softest = max(softest, work.Gc[r, r])
+    for r in range(total):
+        if not work.Gc[r, r] > RIGID * softest:
+            return r if r < n else work.tangent[r - n]
+    if largest == 0.0:
+        largest = 1.0
+    if total > 0:
+        unit[0] = largest / softest
+        unit[1] = softest
+    for r in range(total):
+        work.bc[r] /= largest
+        for s in range(total):
+            work.Gc[r, s] /= softest
+    assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
+    return -1
+
+
+@kernel
+def split_forces(work: Workspace, unit: FloatArray) -> None:
+    """Forces [N] of the contact rows, work.normal, work.tangential and work.p, from the solution z."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    split_friction_solution(work.z, work.mu, work.tangent, n, work.step_size[2], work.normal, work.tangential)
+    for k in range(n):
+        work.normal[k] *= unit[0]
+        work.p[n_joint + k] = work.normal[k]
+    for j in range(work.step_size[2]):
+        work.tangential[j] *= unit[0]
+        work.p[n_joint + n + j] = work.tangential[j]
+
+
+@kernel
+def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> None:
+    """The static coordinates in q under the forces work.p of the contact rows."""
+    for i in range(len(q)):
+        if flexibility[i] > 0.0:
+            q[i] = 0.0
+    n_joint = work.step_size[0]
+    for r in range(n_joint, n_joint + work.step_size[1] + work.step_size[2]):
+        if work.p[r] != 0.0:
+            for i in range(2):
+                b = work.row_body[r, i]
+                if b >= 0:
+                    d = work.dof[b]
+                    for k in range(3, work.dof[b + 1] - d):
+                        q[d + k] += flexibility[d + k] * work.rows[r, i, k] * work.p[r]
+
+
+@kernel
+def positive_definite(A: FloatArray, n: int) -> bool:
+    """Whether A[:n, :n], symmetric, is; its lower triangle is overwritten by its factor."""
+    for i in range(n):
+        for j in range(i + 1):
+            total = A[i, j]
+            for k in range(j):
+                total -= A[i, k] * A[j, k]
+            if j < i:
+                A[i, j] = total / A[j, j]
+            elif total > 0.0:
+                A[i, i] = math.sqrt(total)
+            else:
+                return False
+    return True
+
+
+@kernel
+def admissible(
+    model: Model,
+    q: FloatArray,
+    square: float,
+    flexibility: FloatArray,
+    unit: FloatArray,
+    work: Workspace,
+) -> bool:
+    """Whether no frequency of the system with its closed contacts stuck exceeds sqrt(square) [1/s].
+
+    Of M udd + (K + W F^-1 W^T) q = 0, W the rows of the contacts with z_N > 0: with s = ``square``, M - K/s and
+    F - W^T (M - K/s)^-1 W / s must be positive definite. This is exact (Schur's complement), free of eigenvalue
+    estimates; joints only lower the frequencies. Overwrites the factors of M, and the solved rows of the contacts.
+    """
+    bodies = model.bodies
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        for k in range(d + 3, bodies.dof[b + 1]):
+            if flexibility[k] == 0.0 and not bodies.stiffness[k - 3 * (b + 1)] < square:
+                return False
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    total = n + work.step_size[2]
+    closed = 0
+    for k in range(n):
+        if work.z[k] > 0.0:
+            closed += 1
+    if closed == 0:
+        return True
+    factorise(model, q, 0.0, -1.0 / square, work)
+    for r in range(total):
+        k = r if r < n else work.tangent[r - n]
+        if work.z[k] > 0.0:
+            solve_rows(model, work, n_joint + r, n_joint + r + 1)
+            clear_static(work, flexibility, n_joint + r)
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.G)
+    scale = 1.0 / (square * unit[1])
+    for r in range(total):
+        k = r if r < n else work.tangent[r - n]
+        for s in range(r + 1):
+            i = s if s < n else work.tangent[s - n]
+            if work.z[k] > 0.0 and work.z[i] > 0.0:
+                work.G[r, s] = work.Gc[r, s] - scale * work.G[r, s]
+            else:
+                work.G[r, s] = 1.0 if r == s else 0.0
+    return positive_definite(work.G, total)
+
+
+@kernel
+def clear_static(work: Workspace, flexibility: FloatArray, r: int) -> None:
+    """solved[r] without its static coordinates."""
+    for i in range(2):
+        b = work.row_body[r, i]
+        if b >= 0:
+            d = work.dof[b]
+            for k in range(3, work.dof[b + 1] - d):
+                if flexibility[d + k] > 0.0:
+                    work.solved[r, i, k] = 0.0

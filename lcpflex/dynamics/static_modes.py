@@ -1,0 +1,262 @@
+"""A model of which the highest modes have no mass: they give way at contacts and nowhere else.
+
+Of each body that some contact names, the lowest modes stay as they are. The others, S, lose inertia coupling, damping,
+and their shapes at all points but those of contact surfaces, so that their coordinates follow from the contact forces,
+
+    q_S = Omega_S^-2 Phi_S^T A^T W lambda,   u_S = 0
+
+and 1/2 q_S^T Omega_S^2 q_S = 1/2 lambda^T F lambda is the energy stored in the contact compliance F.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.features import SEGMENT
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.errors import ModelError
+from lcpflex.model import Bodies, Contacts, Model, Points, frozen
+from lcpflex.packed import pack
+
+__all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rates", "with_static_modes"]
+
+RIGID = 1e-12  # a direction with less than this part of the greatest compliance at the point has none
+
+T = TypeVar("T")
+
+
+def flexibilities(model: Model, dynamic_modes: int | None) -> FloatArray:
+    """(ndof,) 1/omega^2 [s^2] of the coordinates that become static, 0 of all others.
+
+    Each body with a contact keeps its ``dynamic_modes`` lowest modes, or half of its modes, rounded down, if that is
+    None. Bodies without a contact keep all: no force would ever move the rest.
+
+    Raises
+    ------
+    ModelError
+        If no body with a contact has more than ``dynamic_modes`` modes.
+    """
+    dof = model.bodies.dof
+    modes = np.diff(dof) - 3
+    touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts)} - {-1})
+    largest = max((int(modes[b]) for b in touched), default=0)
+    if touched and not (dynamic_modes or 0) < largest:
+        given = "" if dynamic_modes is None else f"dynamic_modes: {dynamic_modes} was given, expected less than "
+        raise ModelError(
+            f"{given}{largest} modes is the most that a body with a contact has: none is left to give way at contacts; "
+            "reduce the body to more modes, or use MoreauJean or EventDriven, which need no compliance"
+        )
+    flexibility = np.zeros(int(dof[-1]))
+    for b in touched:
+        first, last = int(dof[b]) + 3, int(dof[b + 1])
+        stiffness = model.bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
+        kept = modes[b] // 2 if dynamic_modes is None else min(dynamic_modes, int(modes[b]))
+        static = np.argsort(stiffness, kind="stable")[kept:]
+        flexibility[first + static] = 1.0 / stiffness[static]
+    return flexibility
+
+
+def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
+    """The model with the modes of positive ``flexibility`` (ndof,) static, as the module says."""
+    static = [
+        flexibility[int(d) + 3 : int(e)] > 0.0 for d, e in zip(model.bodies.dof, model.bodies.dof[1:], strict=False)
+    ]
+    flat = np.concatenate([*static, np.zeros(0, dtype=bool)])
+    bodies = model.bodies
+    changed = _changed(
+        Bodies,
+        bodies,
+        S=np.where(flat[:, None], 0.0, bodies.S),
+        a=np.where(flat, 0.0, bodies.a),
+        c=np.where(flat, 0.0, bodies.c),
+        damping=np.where(flat, 0.0, bodies.damping),
+        coupling=_uncoupled(bodies.coupling, bodies.coupling_start, static),
+        cross_damping=_uncoupled(bodies.cross_damping, bodies.cross_damping_start, static),
+    )
+    points, place = _points(model, static)
+    contacts = _changed(
+        Contacts,
+        model.contacts,
+        slave_point=place[model.contacts.slave_point],
+        feature_point=place[model.contacts.feature_point],
+    )
+    return pack(_changed(Model, model, bodies=changed, points=points, contacts=contacts))
+
+
+def _changed(kind: type[T], values: T, **changes: Any) -> T:
+    fields: Any = kind
+    taken = {name: changes.get(name, getattr(values, name)) for name in fields._fields}
+    return kind(**{
+        name: frozen(value, value.dtype) if name in changes and isinstance(value, np.ndarray) else value
+        for name, value in taken.items()
+    })  # fmt: skip
+
+
+def _uncoupled(flat: FloatArray, start: IntArray, static: list[npt.NDArray[np.bool_]]) -> FloatArray:
+    """Flat square matrices with the rows and columns of static modes 0."""
+    flat = flat.copy()
+    for b, still in enumerate(static):
+        if start[b + 1] > start[b]:
+            block = flat[start[b] : start[b + 1]].reshape(len(still), len(still))
+            block[still] = 0.0
+            block[:, still] = 0.0
+    return flat
+
+
+def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, IntArray]:
+    """All points without static modes, then those of contact surfaces once more with them; and where each is found."""
+    points = model.points
+    of_contacts = np.unique(np.concatenate([model.contacts.slave_point, model.contacts.feature_point.ravel()]))
+    of_contacts = of_contacts[points.body[of_contacts] >= 0]
+    place = np.arange(len(points.body))
+    place[of_contacts] = len(points.body) + np.arange(len(of_contacts))
+    phi, psi = points.phi.copy(), points.psi.copy()
+    for p, b in enumerate(points.body):
+        if b >= 0:
+            own = slice(points.start[p], points.start[p + 1])
+            phi[own][static[b]] = 0.0
+            psi[own][static[b]] = 0.0
+    spans = [slice(points.start[p], points.start[p + 1]) for p in of_contacts]
+    counts = np.diff(points.start)
+    return Points(
+        body=frozen(np.concatenate([points.body, points.body[of_contacts]]), np.int64),
+        place=frozen(np.concatenate([points.place, points.place[of_contacts]]), columns=2),
+        start=frozen(np.concatenate([[0], np.cumsum(np.concatenate([counts, counts[of_contacts]]))]), np.int64),
+        phi=frozen(np.concatenate([phi, *(points.phi[span] for span in spans)]), columns=2),
+        psi=frozen(np.concatenate([psi, *(points.psi[span] for span in spans)])),
+    ), place
+
+
+def _in_contact(contacts: Contacts) -> set[int]:
+    return {int(s) for s in np.concatenate([contacts.pass_slave, contacts.pass_feature])}
+
+
+def _shapes(model: Model, p: int) -> tuple[FloatArray, slice]:
+    """Mode shapes (n, 2) at a point and the coordinates they belong to."""
+    b = int(model.points.body[p])
+    if b < 0:
+        return np.zeros((0, 2)), slice(0, 0)
+    first = int(model.bodies.dof[b]) + 3
+    return model.points.phi[model.points.start[p] : model.points.start[p + 1]], slice(
+        first, int(model.bodies.dof[b + 1])
+    )
+
+
+def _compliance(model: Model, flexibility: FloatArray, q: FloatArray, p: int) -> FloatArray:
+    """(2, 2) displacement of point p by a unit force at it, static modes only [m/N], world axes."""
+    phi, modes = _shapes(model, p)
+    local = phi.T @ (flexibility[modes, None] * phi)
+    b = int(model.points.body[p])
+    angle = q[model.bodies.dof[b] + 2] if b >= 0 else 0.0
+    A = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    return np.asarray(A @ local @ A.T)
+
+
+def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray) -> None:
+    """Refuse a contact that has no compliance where it may touch, as its bodies stand at q.
+
+    Raises
+    ------
+    ModelError
+        Naming the number of the contact and the direction: normal, or tangential where it has friction.
+    """
+    contacts = model.contacts
+    for law in range(len(contacts.friction)):
+        soft = [False, not contacts.friction[law] > 0.0]
+        for w in np.flatnonzero(contacts.pass_law == law):
+            slaves = _span(contacts.slave_start, contacts.pass_slave[w])
+            features = _span(contacts.feature_start, contacts.pass_feature[w])
+            own = [_compliance(model, flexibility, q, int(contacts.slave_point[s])) for s in slaves]
+            for f in features:
+                a, b = (int(p) for p in contacts.feature_point[f])
+                other = 0.5 * (_compliance(model, flexibility, q, a) + _compliance(model, flexibility, q, b))
+                for F in own:
+                    for i, found in enumerate(_directional(model, q, f, F + other)):
+                        soft[i] = soft[i] or found
+                if all(soft):
+                    break
+        if not all(soft):
+            which = "normal" if not soft[0] else "tangential"
+            raise ModelError(
+                f"contact number {law + 1} in the order of declaration: its bodies have no {which} compliance where "
+                "they touch (rigid bodies, or modes that do not move that way), expected some in the modes above "
+                "dynamic_modes; use more modes or bodies that give way there, or MoreauJean or EventDriven"
+            )
+
+
+def _span(start: IntArray, of: int) -> range:
+    return range(int(start[of]), int(start[of + 1]))
+
+
+def _directional(model: Model, q: FloatArray, f: int, F: FloatArray) -> tuple[bool, bool]:
+    """Whether F (2, 2) gives way along the normal and the tangent of a feature; for arcs, along any direction."""
+    values, vectors = np.linalg.eigh(F)
+    if not values[1] > 0.0:
+        return False, False
+    if model.contacts.feature_kind[f] != SEGMENT:
+        return True, bool(values[0] > RIGID * values[1])
+    a, b = (int(p) for p in model.contacts.feature_point[f])
+    body = int(model.points.body[a])
+    angle = q[model.bodies.dof[body] + 2] if body >= 0 else 0.0
+    along = model.points.place[b] - model.points.place[a]
+    along = along / np.linalg.norm(along)
+    t = np.array([
+        np.cos(angle) * along[0] - np.sin(angle) * along[1],
+        np.sin(angle) * along[0] + np.cos(angle) * along[1],
+    ])  # fmt: skip
+    n = np.array([-t[1], t[0]])
+    return bool(n @ F @ n > RIGID * values[1]), bool(t @ F @ t > RIGID * values[1])
+
+
+def _mobility(model: Model, mass: FloatArray, p: int) -> tuple[FloatArray, float]:
+    """Acceleration of point p by a unit force (2, 2), body axes, and angular one by a unit torque, undeformed body."""
+    b = int(model.points.body[p])
+    if b < 0:
+        return np.zeros((2, 2)), 0.0
+    phi, _ = _shapes(model, p)
+    x, y = model.points.place[p]
+    rows = np.vstack([np.array([[1.0, 0.0], [0.0, 1.0], [-y, x]]), phi])
+    turn = np.concatenate([[0.0, 0.0, 1.0], model.points.psi[model.points.start[p] : model.points.start[p + 1]]])
+    block = mass[model.bodies.dof[b] : model.bodies.dof[b + 1], model.bodies.dof[b] : model.bodies.dof[b + 1]]
+    return np.asarray(rows.T @ np.linalg.solve(block, rows)), float(turn @ np.linalg.solve(block, turn))
+
+
+def spring_rates(model: Model) -> tuple[float, float]:
+    """Upper bounds of the squared frequency [1/s^2] and of the rate of decay [1/s] that springs and dampers add."""
+    mass = mass_matrix(model, np.zeros(int(model.bodies.dof[-1])))
+    loads = model.loads
+    square, rate = 0.0, 0.0
+    for kind, ends, (stiffness, damping, _) in zip(
+        loads.spring_kind, loads.spring_point, loads.spring_value, strict=True
+    ):
+        total = 0.0
+        for p in ends:
+            push, twist = _mobility(model, mass, int(p))
+            total += twist if kind == 1 else float(np.linalg.eigvalsh(push)[1])
+        square += stiffness * total
+        rate += damping * total
+    return square, rate
+
+
+def contact_stiffness(model: Model, flexibility: FloatArray) -> float:
+    """Largest G_NN / F_NN [1/s^2] of one closed contact, over the points of the surfaces that may touch.
+
+    Along the outward normal of a node, or the softest direction where it has none. A guess of the step that closed
+    contacts will need, not a bound: the stepper tests each of its steps.
+    """
+    at_rest = np.zeros(int(model.bodies.dof[-1]))
+    mass = mass_matrix(model, at_rest)
+    contacts, largest = model.contacts, 0.0
+    for w in range(len(contacts.pass_slave)):
+        for s in _span(contacts.slave_start, contacts.pass_slave[w]):
+            p = int(contacts.slave_point[s])
+            F = _compliance(model, flexibility, at_rest, p)
+            values, vectors = np.linalg.eigh(F)
+            n = contacts.slave_normal[s] if contacts.slave_normal[s].any() else vectors[:, 1]
+            if n @ F @ n > 1e-6 * values[1]:
+                largest = max(largest, float(n @ _mobility(model, mass, p)[0] @ n / (n @ F @ n)))
+    return largest
