@@ -1,0 +1,191 @@
+"""What became of one run: sound, or in which way a method failed on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.errors import ModelError, SolverError, StepError, in_range
+from lcpflex.studies.time_limit import TOO_LATE
+from lcpflex.summary import scene_size, with_unit
+
+if TYPE_CHECKING:
+    from lcpflex.energy import Energies
+    from lcpflex.result import Result
+
+__all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result"]
+
+STILL = 1e-3  # energy provided to a scene at rest, which could gain any multiple of nothing: a share of the potential
+
+
+class Outcome(Enum):
+    """How a run ended. The value is its name in tables, ``letter`` its sign in charts."""
+
+    SOUND = "sound", "S"
+    DRIFTING = "drifting", "d"
+    UNEXPLAINED = "energy unexplained", "u"
+    GAINING = "gaining energy", "G"
+    DIVERGED = "diverged", "X"
+    WRONG = "silently wrong", "W"
+    SOLVER_FAILED = "solver failed", "F"
+    NO_SOLUTION = "no solution", "0"
+    NOT_UNIQUE = "not unique", "2"
+    STOPPED = "stopped", "!"
+    REFUSED = "refused", "R"
+    TOO_SLOW = "too slow", "T"
+    NOT_RUN = "not run", "-"
+
+    letter: str
+
+    def __new__(cls, words: str, letter: str) -> Outcome:
+        """The words alone are the value."""
+        member = object.__new__(cls)
+        member._value_ = words
+        member.letter = letter
+        return member
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """An outcome, and why."""
+
+    outcome: Outcome
+    message: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Criteria:
+    """Where a result ceases to be sound.
+
+    Attributes
+    ----------
+    drift
+        Largest penetration and joint drift, as a share of the largest extent of a body. Not compared where bodies have
+        no extent, as those of a :class:`UserSystem`, unless ``length`` is given.
+    length
+        Length [m] that penetration and joint drift are compared with instead.
+    growth
+        Energy gained without work of loads, as a share of the largest stored energy.
+    divergence
+        Energy gained without work of loads, in multiples of the energy that was there or was put in by loads, from
+        which on the motion counts as diverged.
+    remainder
+        Unexplained energy, as a share of the largest stored energy.
+    residual
+        Natural-map residual of a contact problem.
+    error
+        Largest value of the ``check`` of :func:`stability` for an answer that counts as right.
+    """
+
+    drift: float = 1e-3
+    length: float | None = None
+    growth: float = 1e-2
+    divergence: float = 10.0
+    remainder: float = 0.05
+    residual: float = 1e-6
+    error: float = 1e-2
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None:
+                in_range(f"criteria.{field.name}", value, 0.0, math.inf, open_ends=True)
+
+
+def judge_result(result: Result, criteria: Criteria, check: Callable[[Result], float] | None = None) -> Verdict:
+    """The gravest that can be said of a result; ``check`` compares one that seems sound with the truth."""
+    for find in (_divergence, _absence, _growth, _residual, _remainder, _drift):
+        verdict = find(result, criteria)
+        if verdict is not None:
+            return verdict
+    error = check(result) if check is not None else 0.0
+    if not error <= criteria.error:
+        return Verdict(Outcome.WRONG, f"the error of {error:.3g} is above {criteria.error:g}, and nothing shows it")
+    return Verdict(Outcome.SOUND)
+
+
+def judge_error(error: Exception, criteria: Criteria) -> Verdict:
+    """What an exception says; a run that stopped is judged by what it left first."""
+    message = str(error)
+    if isinstance(error, ModelError):
+        return Verdict(Outcome.REFUSED, message)
+    if TOO_LATE in message:
+        return Verdict(Outcome.TOO_SLOW, message)
+    if isinstance(error, (ArithmeticError, np.linalg.LinAlgError)) or "no longer finite" in message:
+        return Verdict(Outcome.DIVERGED, message)
+    left = error.result if isinstance(error, StepError) else None
+    if left is not None and left.times.size:
+        diverged = _divergence(left, criteria)
+        if diverged is not None:
+            return Verdict(diverged.outcome, f"{diverged.message}; then {message}")
+    if "no solution" in message or "infeasible" in message:
+        return Verdict(Outcome.NO_SOLUTION, message)
+    if isinstance(error, SolverError) or "not solved" in message:
+        return Verdict(Outcome.SOLVER_FAILED, message)
+    return Verdict(Outcome.STOPPED, message)
+
+
+def _gained(energies: Energies) -> float:
+    """Largest energy above that at the start, without the work of loads [J]."""
+    free = energies.stored - energies.work
+    return float(np.max(free) - free[0])
+
+
+def _provided(energies: Energies) -> float:
+    """Energy at the start, above the lowest potential of the run, or put in by loads since [J]."""
+    start = float(energies.stored[0] - np.min(energies.potential))
+    return max(start, float(np.max(np.abs(energies.work))), STILL * float(np.max(np.abs(energies.potential))))
+
+
+def _divergence(result: Result, criteria: Criteria) -> Verdict | None:
+    if not all(np.isfinite(values).all() for values in (result.q, result.u, result.energies.remainder)):
+        return Verdict(Outcome.DIVERGED, "the motion or its energy is not finite")
+    gained, provided = _gained(result.energies), _provided(result.energies)
+    if provided > 0.0 and gained > criteria.divergence * provided:
+        return Verdict(Outcome.DIVERGED, f"the energy grew to {gained / provided:.3g} times what was there")
+    return None
+
+
+def _absence(result: Result, criteria: Criteria) -> Verdict | None:
+    """Forces that do not exist, for which an impulse stood in."""
+    for event in result.events:
+        if "without collision" in event.kind:
+            return Verdict(Outcome.NO_SOLUTION, f"{event.kind} of {event.contact} at t = {event.time:.6g} s")
+    return None
+
+
+def _growth(result: Result, criteria: Criteria) -> Verdict | None:
+    gained, scale = _gained(result.energies), result.energies.scale
+    if gained > criteria.growth * scale:
+        return Verdict(Outcome.GAINING, f"{with_unit(gained, 'J')} gained, {gained / scale:.2g} of the largest stored")
+    return None
+
+
+def _residual(result: Result, criteria: Criteria) -> Verdict | None:
+    largest = float(np.max(result.residual, initial=0.0))
+    if not largest <= criteria.residual:
+        return Verdict(Outcome.SOLVER_FAILED, f"a contact problem was left with a residual of {largest:.1e}")
+    return None
+
+
+def _remainder(result: Result, criteria: Criteria) -> Verdict | None:
+    share = result.energies.relative_remainder
+    if not share <= criteria.remainder:
+        return Verdict(Outcome.UNEXPLAINED, f"{share:.2g} of the largest stored energy is unexplained")
+    return None
+
+
+def _drift(result: Result, criteria: Criteria) -> Verdict | None:
+    size = scene_size(result) if criteria.length is None else criteria.length
+    if size is None:
+        return None
+    for name, values in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
+        largest = float(np.max(values, initial=0.0))
+        if not largest <= criteria.drift * size:
+            return Verdict(Outcome.DRIFTING, f"{name} of {with_unit(largest, 'm')}")
+    return None

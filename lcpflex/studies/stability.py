@@ -1,0 +1,251 @@
+"""Stability maps: where in a plane of two parameters does a method work, and how does it fail elsewhere?
+
+    from lcpflex import MoreauJean, gallery
+    from lcpflex.studies import stability
+
+    chart = stability(
+        gallery.block_on_incline,
+        {"Moreau-Jean": lambda step: MoreauJean(step)},
+        {"step": [1e-4, 1e-3, 1e-2], "friction": [0.2, 0.4, 0.8]},
+        duration=0.5,
+    )
+    print(chart)
+    chart.plot().savefig("map.png")
+
+Any parameter of the function that builds the scene and of those that make the steppers can be an axis: step, contact
+stiffness, number of modes, friction, angle, mass ratio, iterations, restitution, number of contacts.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.errors import LcpflexError, ModelError, in_range
+from lcpflex.result import Result
+from lcpflex.simulate import simulate
+from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
+from lcpflex.studies.stability_map import StabilityMap
+from lcpflex.studies.time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from lcpflex.gallery.case import Case
+
+    Judge = Callable[[Result], Outcome | None]
+    Check = Callable[[Result], float]
+
+__all__ = ["stability"]
+
+BUILT = "scene"  # parameter by which a method asks for the built scene
+
+
+def stability(
+    scene: Case | Callable[..., Any],
+    methods: Mapping[str, Any],
+    axes: Mapping[str, Sequence[Any]],
+    duration: float | None = None,
+    *,
+    criteria: Criteria | None = None,
+    judge: Judge | None = None,
+    check: Check | None = None,
+    time_limit: float | None = None,
+    record: float | None = None,
+    progress: bool | None = None,
+) -> StabilityMap:
+    """Run ``scene`` by every method at every point of a plane, and say what became of each run.
+
+    Parameters
+    ----------
+    scene
+        A case of the gallery, or a function with keyword parameters that builds a scene.
+    methods
+        By label: a stepper, or a function of keyword parameters. What the function returns decides: a stepper is run;
+        an :class:`Outcome` is the answer, as of a method that needs no time stepping; a :class:`Result` is judged.
+        A parameter called ``scene`` receives the scene as built for that cell.
+    axes
+        One or two names, each with its values. A name is that of a parameter of the scene, of the methods, or of both.
+    duration
+        Time to simulate [s]; that of the case by default.
+    criteria
+        Where a result ceases to be sound.
+    judge
+        Called first with each result: the outcome, or None to leave it to the criteria.
+    check
+        Error of a result that seems sound, compared with ``criteria.error``: above it the answer is silently wrong.
+    time_limit
+        Computing time of a cell [s] after which it is too slow, compilation not counted.
+    record
+        Time between stored instants [s], as in :func:`simulate`.
+    progress
+        Show a progress bar; by default on a terminal, after two seconds.
+
+    Returns
+    -------
+    StabilityMap
+        After Ctrl-C with the cells that were left as ``Outcome.NOT_RUN``.
+
+    Raises
+    ------
+    ModelError
+        For axes that nothing takes, parameters that nothing gives, and arguments out of range, before time is spent.
+        One that a cell raises is the outcome of that cell: refused.
+    """
+    table = {name: tuple(values) for name, values in axes.items()}
+    _check_axes(table)
+    build = getattr(scene, "build", scene)
+    if duration is None:
+        duration = getattr(scene, "duration", None)
+    if duration is not None:
+        duration = in_range("duration", duration, 0.0, math.inf, open_ends=True)
+    if time_limit is not None:
+        time_limit = in_range("time_limit", time_limit, 0.0, math.inf, open_ends=True)
+    if not methods:
+        raise ModelError("methods: none was given; expected steppers, or functions that make them, by label")
+    builder = _Maker.of("scene", build, table)
+    makers = {label: _Maker.of(f"methods[{label!r}]", method, table) for label, method in methods.items()}
+    _check_names(table, builder, makers)
+    if duration is None and any(maker.fixed is not None for maker in makers.values()):
+        raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
+    trial = _Trial(builder, duration, criteria or Criteria(), judge, check, time_limit, record)
+    return _fill(trial, makers, table, progress)
+
+
+@dataclass(frozen=True, slots=True)
+class _Maker:
+    """A function and those of the axes that it takes; or a stepper, which takes none."""
+
+    label: str
+    function: Callable[..., Any] | None
+    fixed: Any
+    takes: tuple[str, ...]
+    known: tuple[str, ...]
+    wants_scene: bool
+
+    @classmethod
+    def of(cls, label: str, thing: Any, axes: Mapping[str, Any]) -> _Maker:
+        if hasattr(thing, "start") and not isinstance(thing, type):
+            return cls(label, None, thing, (), (), False)
+        if not callable(thing):
+            expected = "a Case or a function that builds a scene" if label == "scene" else "a stepper or a function"
+            raise ModelError(f"{label}: {thing!r} was given, expected {expected}")
+        parameters = inspect.signature(thing).parameters.values()
+        named = {p.name: p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+        anything = any(p.kind is p.VAR_KEYWORD for p in parameters)
+        wants_scene = label != "scene" and BUILT in named
+        missing = [
+            name
+            for name, p in named.items()
+            if p.default is p.empty and name not in axes and not (wants_scene and name == BUILT)
+        ]
+        if missing:
+            raise ModelError(f"axes: {label} needs {missing[0]!r}, which no axis gives; expected it there or a default")
+        takes = tuple(name for name in axes if name in named or anything)
+        return cls(label, thing, None, takes, tuple(name for name in named if name != BUILT), wants_scene)
+
+    def __call__(self, values: Mapping[str, Any], **more: Any) -> Any:
+        if self.function is None:
+            return self.fixed
+        return self.function(**more, **{name: values[name] for name in self.takes})
+
+
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    """How one cell is tried."""
+
+    build: _Maker
+    duration: float | None
+    criteria: Criteria
+    judge: Judge | None
+    check: Check | None
+    time_limit: float | None
+    record: float | None
+
+    def __call__(self, method: _Maker, values: Mapping[str, Any]) -> Verdict:
+        """The verdict on one cell. KeyboardInterrupt where the user pressed Ctrl-C."""
+        try:
+            made = self._made(method, values)
+            if isinstance(made, Outcome):
+                return Verdict(made)
+            return self._judged(made)
+        except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
+            return judge_error(error, self.criteria)
+
+    def _made(self, method: _Maker, values: Mapping[str, Any]) -> Outcome | Result:
+        """What the method says, or the result of the stepper that it makes."""
+        scene = self.build(values)
+        if hasattr(scene, "build") and hasattr(scene, "duration"):  # a function may return a case
+            scene = scene.build()
+        made = method(values, **({BUILT: scene} if method.wants_scene else {}))
+        if isinstance(made, (Outcome, Result)):
+            return made
+        if isinstance(made, type) or not hasattr(made, "start"):
+            raise TypeError(f"{method.label} returned {made!r}; expected a stepper, an Outcome or a Result")
+        if self.duration is None:
+            raise TypeError(f"duration: not given, but {method.label} returned a stepper; expected a number > 0 [s]")
+        stepper: Any = made if self.time_limit is None else TimeLimit(made, self.time_limit)
+        return simulate(scene, self.duration, stepper, record=self.record, progress=False)
+
+    def _judged(self, result: Result) -> Verdict:
+        if not result.complete and result.message.startswith("interrupted"):
+            raise KeyboardInterrupt
+        said = self.judge(result) if self.judge is not None else None
+        return Verdict(said) if said is not None else judge_result(result, self.criteria, self.check)
+
+
+def _fill(
+    trial: _Trial, makers: Mapping[str, _Maker], axes: Mapping[str, tuple[Any, ...]], progress: bool | None
+) -> StabilityMap:
+    """Try every cell; cells that differ in nothing their method and scene take are tried once."""
+    from tqdm import tqdm
+
+    shape = (len(makers), *(len(values) for values in axes.values()))
+    outcomes = np.full(shape, Outcome.NOT_RUN, dtype=object)
+    messages = np.full(shape, "", dtype=object)
+    seconds = np.zeros(shape)
+    known: dict[tuple[int, ...], Verdict] = {}
+    labels = list(makers)
+    bar: Any = tqdm(
+        total=outcomes.size, unit="cell", delay=0.0 if progress else 2.0, leave=False,
+        disable=None if progress is None else not progress,
+    )  # fmt: skip
+    with bar:
+        for place in np.ndindex(shape):
+            method = makers[labels[place[0]]]
+            values = {name: axes[name][i] for name, i in zip(axes, place[1:], strict=True)}
+            taken = {*method.takes, *trial.build.takes}
+            same = (place[0], *(i if name in taken else -1 for name, i in zip(axes, place[1:], strict=True)))
+            began = time.perf_counter()
+            if same not in known:
+                try:
+                    known[same] = trial(method, values)
+                except KeyboardInterrupt:
+                    break
+                seconds[place] = time.perf_counter() - began
+            outcomes[place], messages[place] = known[same].outcome, known[same].message
+            bar.update()
+    return StabilityMap(tuple(makers), axes, outcomes, messages, seconds)
+
+
+def _check_axes(axes: Mapping[str, tuple[Any, ...]]) -> None:
+    if len(axes) not in (1, 2):
+        raise ModelError(f"axes: {len(axes)} were given; expected one or two names, each with its values")
+    for name, values in axes.items():
+        if not values:
+            raise ModelError(f"axes[{name!r}]: no values were given; expected at least one")
+        if any(value == other for i, value in enumerate(values) for other in values[:i]):
+            raise ModelError(f"axes[{name!r}]: {values!r}; expected values that differ")
+
+
+def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, _Maker]) -> None:
+    for name in axes:
+        if not any(name in maker.takes for maker in (builder, *makers.values())):
+            owners = "; ".join(
+                f"{maker.label}: {', '.join(maker.known) or 'none'}" for maker in (builder, *makers.values())
+            )
+            raise ModelError(f"axes: nothing takes {name!r}; expected a parameter of one of these ({owners})")

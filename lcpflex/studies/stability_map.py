@@ -1,0 +1,174 @@
+"""The map of a stability study: outcomes over one or two parameters, for each method."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, writable_path
+from lcpflex.solvers.comparison import as_markdown
+from lcpflex.studies.outcome import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    Objects = NDArray[np.object_]
+
+__all__ = ["StabilityMap", "axis_label"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StabilityMap:
+    """Outcomes of k methods over the values of one or two axes, n1 and n2 of them.
+
+    Attributes
+    ----------
+    methods
+        Their labels, k.
+    axes
+        Values by the name of each parameter; the first runs along x in tables and charts.
+    outcomes
+        (k, n1, n2) of :class:`Outcome`; (k, n1) with one axis.
+    messages
+        Of the same shape: why, empty where sound.
+    seconds
+        Of the same shape: time spent on each cell, compilation included [s].
+    """
+
+    methods: tuple[str, ...]
+    axes: Mapping[str, tuple[Any, ...]]
+    outcomes: Objects
+    messages: Objects
+    seconds: FloatArray
+
+    @property
+    def complete(self) -> bool:
+        """False after an interruption by Ctrl-C."""
+        return not np.any(self.outcomes == Outcome.NOT_RUN)
+
+    def of(self, method: str) -> Objects:
+        """Outcomes of one method, (n1, n2) or (n1,). Raises ModelError for an unknown one."""
+        if method not in self.methods:
+            raise ModelError(f"method: no method {method!r}; expected one of {', '.join(map(repr, self.methods))}")
+        found: Objects = self.outcomes[self.methods.index(method)]
+        return found
+
+    def largest_sound(self, method: str) -> FloatArray:
+        """Largest value of the first axis up to which every cell is sound, for each value of the second: (n2,).
+
+        NaN where not even the smallest is. Raises ModelError where the values are no numbers.
+        """
+        name, values = next(iter(self.axes.items()))
+        if not all(_is_number(value) for value in values):
+            raise ModelError(f"axes: the values of {name!r} are no numbers and have no order; expected numbers")
+        order = np.argsort(values)
+        cells = self.of(method).reshape(len(values), -1)[order] == Outcome.SOUND
+        whole = np.logical_and.accumulate(cells, axis=0).sum(axis=0)
+        ordered = np.concatenate([[np.nan], np.asarray(values, dtype=float)[order]])
+        return np.asarray(ordered[whole])
+
+    def table(self) -> str:
+        """A table of Markdown for each method: the first axis along the columns, the second along the rows."""
+        return "\n\n".join(f"**{method}**\n\n{self._table(method)}" for method in self.methods)
+
+    def _table(self, method: str) -> str:
+        (first, columns), *second = self.axes.items()
+        cells = self.of(method).reshape(len(columns), -1)
+        corner = f"{second[0][0]} \\ {first}" if second else first
+        head = (corner, *(axis_label(value) for value in columns))
+        rows = second[0][1] if second else ("",)
+        return as_markdown(
+            [head, *((axis_label(row), *(cell.value for cell in cells[:, j])) for j, row in enumerate(rows))]
+        )
+
+    def csv(self, path: str | os.PathLike[str]) -> Path:
+        """Write one line a cell: method, the values of the axes, outcome, message, seconds."""
+        target = writable_path("path", path)
+        with target.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(("method", *self.axes, "outcome", "message", "seconds"))
+            for place, values in self._cells():
+                row = (self.outcomes[place].value, self.messages[place], f"{self.seconds[place]:.6g}")
+                writer.writerow((self.methods[place[0]], *values, *row))
+        return target
+
+    def _cells(self) -> Iterator[tuple[tuple[int, ...], tuple[Any, ...]]]:
+        """Index and axis values of every cell."""
+        values = list(self.axes.values())
+        for place in np.ndindex(self.outcomes.shape):
+            yield place, tuple(values[axis][i] for axis, i in enumerate(place[1:]))
+
+    def plot(self, curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None) -> Figure:
+        """One panel a method, each cell in the colour and with the letter of its outcome.
+
+        ``curves`` are drawn over every panel: x and y values by label, such as an exact boundary. Axes are logarithmic
+        where their values are spaced so. Raises ModelError for curves over values that are no numbers.
+        """
+        from lcpflex.studies.stability_chart import chart
+
+        return chart(self, curves or {})
+
+    def __str__(self) -> str:
+        """The counts of each method, and where along the first axis it is sound."""
+        return "\n".join(line for method in self.methods for line in self._words(method))
+
+    def _words(self, method: str) -> Iterator[str]:
+        cells = self.of(method)
+        counts = Counter(cells.ravel().tolist())
+        found = [f"{counts[outcome]} {outcome.value}" for outcome in Outcome if counts[outcome]]
+        yield f"{method}: {', '.join(found)} ({cells.size} cells)"
+        (first, values), *second = self.axes.items()
+        rows = second[0][1] if second else (None,)
+        sound = cells.reshape(len(values), -1) == Outcome.SOUND
+        ranges = [(row, _ranges(values, sound[:, j])) for j, row in enumerate(rows)]
+        for where, group in groupby(ranges, key=lambda entry: entry[1]):
+            members = [row for row, _ in group]
+            at = f" at {second[0][0]} {_span(members)}" if second and len(members) < len(rows) else ""
+            yield f"  sound for {first} {where}{at}"
+
+
+def axis_label(value: Any) -> str:
+    """A value of an axis in few characters."""
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.4g}"
+    name = getattr(value, "__name__", None)
+    return str(name if name is not None else value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def _span(members: Sequence[Any]) -> str:
+    if len(members) == 1:
+        return axis_label(members[0])
+    return f"{axis_label(members[0])} to {axis_label(members[-1])}"
+
+
+def _ranges(values: Sequence[Any], sound: NDArray[np.bool_]) -> str:
+    """Runs of sound values in words; "nowhere" and "everywhere" at the ends."""
+    if sound.all():
+        return "everywhere"
+    if not sound.any():
+        return "nowhere"
+    runs, start = [], 0
+    for good, group in groupby(sound.tolist()):
+        end = start + len(list(group))
+        if good and start == 0:
+            runs.append(f"up to {axis_label(values[end - 1])}")
+        elif good and end == len(values):
+            runs.append(f"from {axis_label(values[start])} on")
+        elif good:
+            runs.append(_span(values[start:end]))
+        start = end
+    return " and ".join(runs)
