@@ -84,6 +84,11 @@ class Energies:
         return self.friction + self.impact + self.damping
 
     @property
+    def rounding(self) -> float:
+        """Stored energy that cannot be told from rounding [J]: ROUNDING times the largest potential energy."""
+        return ROUNDING * float(np.max(np.abs(self.potential), initial=0.0))
+
+    @property
     def scale(self) -> float:
         """Largest stored energy [J], with the potential, which has no zero of its own, counted from its lowest value.
 
@@ -91,8 +96,7 @@ class Energies:
         """
         if not self.kinetic.size:
             return 0.0
-        floor = ROUNDING * float(np.max(np.abs(self.potential)))
-        return max(float(np.max(self.stored) - np.min(self.potential)), floor)
+        return max(float(np.max(self.stored) - np.min(self.potential)), self.rounding)
 
     @property
     def largest_remainder(self) -> float:

@@ -257,7 +257,10 @@ def _collect(
         joint_drift=data["peaks"][:, 2],
         size=data["peaks"][:, 3].astype(np.int64),
         events=events,
-        warnings=(*run.records.warnings, *_warnings(energies, run.records.tape.gain, complete, energy_growth)),
+        warnings=(
+            *run.records.warnings,
+            *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps),
+        ),
         complete=complete,
         message=message,
         steps=run.steps,
@@ -308,7 +311,9 @@ def _created(gain: FloatArray) -> str:
     )
 
 
-def _warnings(energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth) -> tuple[str, ...]:
+def _warnings(
+    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int
+) -> tuple[str, ...]:
     """What a reader must know before trusting the result."""
     warnings = [] if complete else ["the run is incomplete"]
     if not energies.remainder.size:
@@ -316,13 +321,14 @@ def _warnings(energies: Energies, gain: FloatArray, complete: bool, energy_growt
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
         return (*warnings, "the energies are no longer finite")
+    rounding = energies.rounding * math.sqrt(max(steps, 1))  # that of all steps, at random
     accepted = 0.0
     if energy_growth is EnergyGrowth.ACCEPT:
         accepted = float(gain[0])
-    elif gain[0] > GROWTH * scale and gain[0] > 0.0:
+    elif gain[0] > max(GROWTH * scale, rounding):
         warnings.append(_created(gain))
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
-    if growth - accepted > GROWTH * scale:
+    if growth - accepted > max(GROWTH * scale, rounding):
         warnings.append(
             f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
         )
