@@ -21,7 +21,16 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.model import Bodies, Loads
 from lcpflex.packed import pack
 
-__all__ = ["Arrow", "arrow", "elastic_forces", "factorise", "inertial_forces", "solve_block", "stored_energies"]
+__all__ = [
+    "Arrow",
+    "arrow",
+    "elastic_forces",
+    "factorise",
+    "inertial_forces",
+    "multiply",
+    "solve_block",
+    "stored_energies",
+]
 
 
 class Arrow(NamedTuple):
@@ -161,6 +170,32 @@ def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: Flo
     for k in range(n):
         row = work.couple[first + k]
         out[3 + k] = work.diagonal[first + k] * (right[3 + k] - row[0] * x - row[1] * y - row[2] * t)
+
+
+@kernel
+def multiply(bodies: Bodies, q: FloatArray, x: FloatArray, work: Arrow, out: FloatArray) -> None:
+    """out = M(q) x for all bodies, with the couplings that :func:`factorise` left at the same q."""
+    for b in range(len(bodies.mass)):
+        d = bodies.dof[b]
+        first = d - 3 * b
+        sx, sy, inertia = deformed_moments(bodies, q, b)
+        cos = math.cos(q[d + 2])
+        sin = math.sin(q[d + 2])
+        xt = -(sin * sx + cos * sy)
+        yt = cos * sx - sin * sy
+        right = bodies.mass[b] * x[d] + xt * x[d + 2]
+        up = bodies.mass[b] * x[d + 1] + yt * x[d + 2]
+        turn = xt * x[d] + yt * x[d + 1] + inertia * x[d + 2]
+        for k in range(bodies.dof[b + 1] - d - 3):
+            row = work.couple[first + k]
+            modal = x[d + 3 + k]
+            right += row[0] * modal
+            up += row[1] * modal
+            turn += row[2] * modal
+            out[d + 3 + k] = modal + row[0] * x[d] + row[1] * x[d + 1] + row[2] * x[d + 2]
+        out[d] = right
+        out[d + 1] = up
+        out[d + 2] = turn
 
 
 @kernel

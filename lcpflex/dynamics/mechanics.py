@@ -1,7 +1,7 @@
 """What a stepper asks of the mechanics, for a compiled scene.
 
-A user's own system answers the same seven questions in Python (:mod:`lcpflex.dynamics.user_system`): forces, factorise,
-solve_vector, solve_rows, contact and joint rows, energies.
+A user's own system answers the same eight questions in Python (:mod:`lcpflex.dynamics.user_system`): forces, factorise,
+multiply, solve_vector, solve_rows, contact and joint rows, energies.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from lcpflex.contact.kinematics import contact_bias, contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.inertia import elastic_forces, inertial_forces, solve_block, stored_energies
 from lcpflex.dynamics.inertia import factorise as factorise_bodies
+from lcpflex.dynamics.inertia import multiply as multiply_bodies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 
@@ -20,6 +21,7 @@ __all__ = [
     "fill_contact_rows",
     "forces",
     "factorise",
+    "multiply",
     "solve_rows",
     "solve_vector",
     "supply",
@@ -50,6 +52,12 @@ def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
 def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K."""
     factorise_bodies(model.bodies, q, alpha_c, alpha_k, work.arrow)
+
+
+@kernel
+def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
+    """out = M(q) x, after ``factorise`` at the same q."""
+    multiply_bodies(model.bodies, q, x, work.arrow, out)
 
 
 @kernel

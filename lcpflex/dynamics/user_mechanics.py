@@ -61,6 +61,9 @@ def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
         matrix = system.mass(q) + alpha_c * system.damping + alpha_k * system.stiffness
         cholesky(matrix, len(q), work.dense)
 
+    def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
+        out[:] = system.mass(q) @ x
+
     def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
         cholesky_solve(work.dense, len(x), x)
 
@@ -76,6 +79,7 @@ def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
     return {
         "forces": forces,
         "factorise": factorise,
+        "multiply": multiply,
         "solve_vector": solve_vector,
         "solve_rows": solve_rows,
         "energies": energies,

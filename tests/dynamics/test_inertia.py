@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from lcpflex.compiled import FloatArray
-from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block, stored_energies
+from lcpflex.dynamics.inertia import (
+    arrow,
+    elastic_forces,
+    factorise,
+    inertial_forces,
+    multiply,
+    solve_block,
+    stored_energies,
+)
 from lcpflex.model import Bodies, Loads, frozen
 
 RNG = np.random.default_rng(7)
@@ -99,6 +107,18 @@ def test_arrow_solve_inverts_the_matrix(modes: tuple[int, ...]) -> None:
         block = x[bodies.dof[b] : bodies.dof[b + 1]]
         solve_block(bodies, work, b, block, block)
     np.testing.assert_allclose(matrix @ x, right, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("modes", [(0,), (5,), (3, 0, 4)])
+def test_product_with_the_mass_matrix(modes: tuple[int, ...]) -> None:
+    bodies = random_bodies(modes)
+    q = 0.3 * RNG.normal(size=bodies.dof[-1])
+    x = RNG.normal(size=len(q))
+    work = arrow(len(modes), len(bodies.stiffness))
+    factorise(bodies, q, 0.4, 0.7, work)
+    out = np.full(len(q), np.nan)
+    multiply(bodies, q, x, work, out)
+    np.testing.assert_allclose(out, kinetic_hessian(bodies, q) @ x, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("modes", [(0,), (5,), (2, 3)])
