@@ -69,6 +69,7 @@ class Compiled:
             hooks={"supply": supply} if self.callbacks else {},
             dense=False,
             margin=MARGIN * self.size,
+            names=self.layout.contacts,
         )
 
 

@@ -142,6 +142,7 @@ class UserSystem:
             hooks=hooks(self._functions),
             dense=True,
             margin=math.inf,
+            names=tuple(self.names),
         )
 
 

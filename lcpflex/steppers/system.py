@@ -22,7 +22,7 @@ class System:
     """A model with its initial state, and the Python functions that stand in for kernels.
 
     ``hooks`` maps the names of kernels (supply, forces, detect, ...) to replacements; empty, the run is
-    compiled throughout. ``watch`` is told of each contact problem that was solved.
+    compiled throughout. ``watch`` is told of each contact problem that was solved. ``names``: declared contacts.
     """
 
     model: Model
@@ -33,6 +33,7 @@ class System:
     dense: bool
     margin: float
     watch: Callable[[Workspace], None] | None = None
+    names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "model", pack(self.model))
