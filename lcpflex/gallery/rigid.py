@@ -16,6 +16,8 @@ __all__ = [
     "bouncing_ball",
     "double_pendulum",
     "oblique_bounce",
+    "painleve_friction",
+    "painleve_rod",
     "rocking_block",
     "spring_block",
     "stack",
@@ -132,6 +134,38 @@ def double_pendulum(friction: float = 0.5, restitution: float = 0.5) -> Scene:
     return scene
 
 
+def painleve_rod(friction: float = 1.4, degrees: float = 60.0, spin: float = 0.0, slip: float = -1.0) -> Scene:
+    """A uniform rod (1 kg, half length 1 m, g = 1 m/s^2) touches a rough floor with its lower end.
+
+    It leans by ``degrees`` from the floor, that end slides at ``slip`` [m/s], and it turns at ``spin`` [rad/s]. For much
+    friction (:func:`painleve_friction`) no force can keep it sliding, or two motions are possible.
+    """
+    angle = math.radians(degrees)
+    scene = Scene(gravity=(0.0, -1.0))
+    rod = scene.add(
+        RigidBody(mass=1.0, inertia=1.0 / 3.0),
+        name="rod",
+        position=(math.cos(angle), math.sin(angle)),
+        angle=angle,
+        velocity=(slip - spin * math.sin(angle), spin * math.cos(angle)),
+        angular_velocity=spin,
+    )
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(rod.node(-1.0, 0.0), floor, friction=friction, name="floor")
+    return scene
+
+
+def painleve_friction(degrees: float) -> float:
+    """Friction above which the rod of :func:`painleve_rod`, its end sliding to the left, meets Painleve's paradoxes.
+
+    mu_P = (1 + 3 cos^2 phi) / (3 sin phi cos phi), where p = 1 + 3 cos phi (cos phi - mu sin phi) vanishes in
+    gddot_N = p lambda_N + phidot^2 sin phi - 1. Its least value is 4/3, at tan phi = 2. Infinite from 90 degrees on.
+    """
+    phi = math.radians(degrees)
+    product = 3.0 * math.sin(phi) * math.cos(phi)
+    return (1.0 + 3.0 * math.cos(phi) ** 2) / product if product > 1e-15 else math.inf
+
+
 def stack(boxes: int = 10, top_mass: float = 1.0, friction: float = 0.5) -> Scene:
     """Equal boxes of 1 kg stand on each other; the one on top may be heavier."""
     scene = Scene(gravity=WEIGHT)
@@ -242,6 +276,15 @@ def cases() -> tuple[Case, ...]:
                 "tangential_impulse": -0.244597,
                 "energy_gain": 0.5875,
             },
+            closed,
+        ),
+        Case(
+            "painleve_rod",
+            "rod that cannot go on sliding on a very rough floor: an impact without collision",
+            painleve_rod,
+            0.05,
+            EventDriven(),
+            {"least_friction": 4.0 / 3.0},
             closed,
         ),
         Case("stack", "ten boxes on each other at rest", stack, 1.0, MoreauJean(step=1e-3), {"drift": 0.0}, closed),

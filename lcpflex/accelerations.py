@@ -1,0 +1,279 @@
+"""What Coulomb's law admits at an instant: no motion, one, or several (Painleve's paradoxes).
+
+    M udot = h + J^T lambda_J + W_N lambda_N + W_T lambda_T,    J udot + b = 0
+    0 <= gddot_N = W_N^T udot + w_N  _|_  lambda_N >= 0        for closed contacts with gdot_N = 0
+    lambda_T = -mu lambda_N sign(gdot_T) where gdot_T != 0, else in -mu lambda_N Sign(gddot_T)
+
+The problem of :mod:`lcpflex.dynamics.acceleration` is solved by trying every set of contact states, so that what is
+not found does not exist. Sources: Pfeiffer & Glocker 1996 (index sets); Painleve 1895.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.contact.detection import detect
+from lcpflex.dynamics.acceleration import (
+    SLIDE_BACK,
+    SLIDE_FORTH,
+    SMOOTH,
+    STICKING,
+    ContactSets,
+    assemble,
+    contact_sets,
+    lay_rows,
+    pose_sets,
+    sliding_sign,
+)
+from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.errors import ModelError, SolverError, in_range
+from lcpflex.solvers.enumeration import LARGEST, Enumeration
+from lcpflex.solvers.problem import Lcp, Status
+from lcpflex.steppers.driver import link
+from lcpflex.steppers.event_memory import copy_entry
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.dynamics.workspace import Workspace
+    from lcpflex.scene import Scene
+    from lcpflex.steppers.system import System
+    from lcpflex.user_system import UserSystem
+
+__all__ = ["AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations"]
+
+SAME = 1e-8  # relative distance of two motions
+STILL = 1e-9  # of the largest free acceleration: slower separation or slip is none
+
+
+class Count(StrEnum):
+    """How many motions are admissible."""
+
+    NONE = "none"
+    UNIQUE = "unique"
+    SEVERAL = "several"
+
+
+class ContactFate(StrEnum):
+    """What a contact goes on to do."""
+
+    SEPARATES = "separates"
+    STICKS = "sticks"
+    SLIDES_FORTH = "slides forth"
+    SLIDES_BACK = "slides back"
+    TOUCHES = "touches without friction"
+
+
+@dataclass(frozen=True, slots=True)
+class AdmissibleMotion:
+    """One solution. n contacts that touch without approaching, in the order of ``AdmissibleMotions.contacts``."""
+
+    force: FloatArray  # (n, 2) lambda_N, lambda_T [N]
+    contact_acceleration: FloatArray  # (n, 2) gddot_N, gddot_T [m/s^2]; gddot_T is NaN without friction
+    acceleration: FloatArray  # (ndof,) udot
+    fate: tuple[ContactFate, ...]  # forth: along t = -J n, gdot_T > 0
+
+
+@dataclass(frozen=True, slots=True)
+class AdmissibleMotions:
+    """All that Coulomb's law admits at an instant.
+
+    Attributes
+    ----------
+    count
+        Of different motions: none, unique, several.
+    contacts
+        Declared contact of each touching point.
+    solutions
+        Every solution found; of a continuum, two ends. Redundant contacts have several for one motion.
+    forces_unique
+        Whether there is one solution only.
+    """
+
+    count: Count
+    contacts: tuple[str, ...]
+    solutions: tuple[AdmissibleMotion, ...]
+    forces_unique: bool
+
+
+def admissible_accelerations(
+    scene: Scene | UserSystem,
+    q: npt.ArrayLike | None = None,
+    u: npt.ArrayLike | None = None,
+    *,
+    time: float = 0.0,
+    gap_tolerance: float = 1e-9,
+    velocity_threshold: float = 1e-6,
+) -> AdmissibleMotions:
+    """All motions and contact forces that the laws of contact admit in one state.
+
+    Parameters
+    ----------
+    scene
+        A :class:`Scene` or :class:`UserSystem`.
+    q, u
+        Configuration and velocity (ndof,); those of the start if omitted.
+    time
+        Of the state [s], for loads and drives.
+    gap_tolerance
+        Gaps up to this are closed [m].
+    velocity_threshold
+        Contacts that separate faster are open [m/s]; a thousandth of it is the slip below which a contact may stick.
+
+    Raises
+    ------
+    ModelError
+        For arguments of wrong sizes, a contact that approaches faster than the threshold (an impact comes first), and
+        more contacts than all sets can be tried of (16 unknowns: one each, two more where it may stick).
+    SolverError
+        If neither a solution nor its absence could be shown.
+    """
+    gap_tolerance = in_range("gap_tolerance", gap_tolerance, 0.0, np.inf)
+    threshold = in_range("velocity_threshold", velocity_threshold, 0.0, np.inf, open_ends=True)
+    system, names = _system(scene)
+    state_q, state_u = _state("q", q, system.q), _state("u", u, system.u)
+    instant = _Instant(system, names, in_range("time", time, -np.inf, np.inf), state_q, state_u)
+    instant.gather(gap_tolerance, threshold)
+    problem = instant.pose(threshold)
+    if problem.size > LARGEST:
+        raise ModelError(
+            f"scene: {len(instant.contacts)} contacts touch, which makes {problem.size} unknowns; expected at most "
+            f"{LARGEST}, for every set of contact states is tried"
+        )
+    if problem.size == 0:
+        return AdmissibleMotions(Count.UNIQUE, (), (instant.motion(np.zeros(0)),), True)
+    solution = Enumeration().solve(problem)
+    if not solution.solved:
+        if solution.status not in (Status.NO_SOLUTION, Status.INFEASIBLE):
+            raise SolverError(f"the contact problem was left undecided: {solution.message}", solution)
+        return AdmissibleMotions(Count.NONE, instant.contacts, (), False)
+    motions = tuple(instant.motion(z) for z in solution.solutions or (solution.z,))
+    count = Count.UNIQUE if all(_same(motions[0], other) for other in motions[1:]) else Count.SEVERAL
+    return AdmissibleMotions(count, instant.contacts, motions, len(motions) == 1)
+
+
+def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
+    size = max(np.abs(a.acceleration).max(), np.abs(b.acceleration).max())
+    return bool(np.abs(a.acceleration - b.acceleration).max() <= SAME * size)
+
+
+def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
+    from lcpflex.scene import Scene
+    from lcpflex.user_system import UserSystem
+
+    if isinstance(scene, UserSystem):
+        return scene.system(), tuple(scene.names)
+    if not isinstance(scene, Scene):
+        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
+    compiled = scene.compile()
+    return compiled.system(), compiled.layout.contacts
+
+
+def _state(name: str, given: npt.ArrayLike | None, start: FloatArray) -> FloatArray:
+    value = np.array(start if given is None else given, dtype=float)
+    if value.shape != start.shape or not np.isfinite(value).all():
+        raise ModelError(f"{name}: {given!r} was given, expected finite numbers of shape {start.shape}")
+    return value
+
+
+class _Instant:
+    """The contact problem of one state."""
+
+    def __init__(self, system: System, names: tuple[str, ...], t: float, q: FloatArray, u: FloatArray) -> None:
+        self._system, self._names = system, names
+        self._t, self._q, self._u = t, q, u
+        self._work: Workspace = system.workspace(16)
+        self._sets: ContactSets = contact_sets(16)
+        self._detect: Callable[..., Any] = system.hooks.get("detect", detect)
+        self._lay = link([lay_rows], system.hooks)
+        self._assemble = link([lay_rows, assemble], system.hooks)
+        self._n = 0
+        self._free = np.zeros(0)
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        return tuple(self._names[law] for law in self._work.table.law[: self._n])
+
+    def gather(self, gap_tolerance: float, threshold: float) -> None:
+        """The closed contacts that neither approach nor separate into the table."""
+        model, capacity = self._system.model, len(self._work.table.key)
+        found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+        if found > capacity:
+            self._work, self._sets = self._system.workspace(2 * found), contact_sets(2 * found)
+            found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+        self._lay(model, self._t, self._q, self._u, found, self._work, self._sets)
+        for k in range(found):
+            speed = self._speed(self._work.step_size[0] + k)
+            name = self._names[self._work.table.law[k]]
+            if speed < -threshold:
+                raise ModelError(f"u: contact {name!r} approaches at {-speed:.6g} m/s: an impact comes first")
+            if speed <= threshold:
+                copy_entry(self._work.table, k, self._work.table, self._n)
+                self._n += 1
+
+    def _speed(self, row: int) -> float:
+        work = self._work
+        return float(row_velocity(work.rows, work.row_body, row, work.dof, self._u))
+
+    def pose(self, threshold: float) -> Lcp:
+        """The LCP on the index sets."""
+        work, sets, n = self._work, self._sets, self._n
+        self._assemble(self._system.model, self._t, self._q, self._u, n, work, sets)
+        self._free = work.free_u.copy()
+        for k in range(n):
+            sets.mode[k] = SMOOTH
+            if sets.tangent_of[k] >= 0:
+                slip = self._speed(work.step_size[0] + n + sets.tangent_of[k])
+                sets.mode[k] = SLIDE_FORTH if slip > 0.0 else SLIDE_BACK
+                if abs(slip) <= 1e-3 * threshold:
+                    sets.mode[k] = STICKING
+        pose_sets(work, sets)
+        m = int(work.step_size[3])
+        return Lcp(work.M[:m, :m], work.q[:m])
+
+    def motion(self, z: FloatArray) -> AdmissibleMotion:
+        """The motion that belongs to a solution z of the LCP."""
+        work, sets, n = self._work, self._sets, self._n
+        n_joint, n_tangent = int(work.step_size[0]), int(work.step_size[2])
+        total = n_joint + n + n_tangent
+        force = np.zeros((n, 2))
+        force[:, 0] = z[:n]
+        stuck = 0
+        for k in range(n):
+            if sets.mode[k] == STICKING:
+                force[k, 1] = z[n + stuck] - work.mu[k] * z[k]
+                stuck += 1
+            elif sets.mode[k] != SMOOTH:
+                force[k, 1] = -sliding_sign(sets.mode[k]) * work.mu[k] * z[k]
+        work.p[n_joint : n_joint + n] = force[:, 0]
+        for k in range(n):
+            if sets.tangent_of[k] >= 0:
+                work.p[n_joint + n + sets.tangent_of[k]] = force[k, 1]
+        joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+        change = np.zeros_like(self._free)
+        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, change)
+        gaining = np.full((n, 2), np.nan)
+        for k in range(n):
+            rows = [n_joint + k] + ([n_joint + n + int(sets.tangent_of[k])] if sets.tangent_of[k] >= 0 else [])
+            for i, r in enumerate(rows):
+                gained = row_velocity(work.rows, work.row_body, r, work.dof, change)
+                gaining[k, i] = gained + work.free[r]
+        fate = tuple(self._fate(k, force[k], gaining[k]) for k in range(n))
+        return AdmissibleMotion(force, gaining, self._free + change, fate)
+
+    def _fate(self, k: int, force: FloatArray, gaining: FloatArray) -> ContactFate:
+        mode, n = int(self._sets.mode[k]), self._n
+        scale = float(np.abs(self._work.free[: int(self._work.step_size[0]) + 2 * n]).max(initial=0.0))
+        if force[0] == 0.0 and gaining[0] > STILL * scale:
+            return ContactFate.SEPARATES
+        if mode == SMOOTH:
+            return ContactFate.TOUCHES
+        if mode == STICKING and abs(gaining[1]) <= STILL * scale:
+            return ContactFate.STICKS
+        forth = gaining[1] > 0.0 if mode == STICKING else mode == SLIDE_FORTH
+        return ContactFate.SLIDES_FORTH if forth else ContactFate.SLIDES_BACK
