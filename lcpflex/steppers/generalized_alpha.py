@@ -1,0 +1,286 @@
+"""Nonsmooth generalised-alpha time stepping: order 2 in smooth motion, no drift, high modes damped as asked for.
+
+A step from (q, u) solves three problems, decoupled from each other:
+
+1. smooth motion: M(q~) w = f(t + h, q~, v~) + J^T lambda_J + W lambda, (1 - alpha_m) a+ + alpha_m a =
+   (1 - alpha_f) w + alpha_f w_last, q~ = q + h u + h^2 ((1/2 - beta) a + beta a+), v~ = u + h ((1 - gamma) a +
+   gamma a+), with J w + b = 0 and the law of contact and friction at acceleration level for contacts that are closed
+   and at rest at the start of the step;
+2. position: q+ = q~ + dq with A dq = J^T nu_J + W nu, phi(q+) = 0, 0 <= g(q+) _|_ nu >= 0;
+3. velocity: M (u+ - v~) = J^T Lambda_J + W Lambda, J u+ = -dphi/dt, 0 <= gdot_N+ + e_N gdot_N(start) _|_
+   h lambda_N + Lambda_N >= 0 and Coulomb friction for h lambda + Lambda, on the pairs that are closed at q+.
+
+The scheme starts anew, a = w = udot(t), where a contact closes, opens, comes to rest or changes its slip.
+Sources: Chung & Hulbert 1993; Chen, Acary, Virlez & Bruels 2013; Bruels, Acary & Cardona 2014; Cosimo, Galvez,
+Cavalieri, Cardona & Bruels 2020. Contact forces within the smooth motion are our own addition to those.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.errors import ModelError, in_range
+from lcpflex.model import Model
+from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.generalized_alpha_memory import (
+    BETWEEN,
+    PHASE,
+    UNSETTLED,
+    VELOCITY,
+    WARM,
+    AlphaMemory,
+    alpha_memory,
+    larger,
+)
+from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
+from lcpflex.steppers.generalized_alpha_step import (
+    AGAIN,
+    STEPPED,
+    correct,
+    give_up_smooth,
+    predict,
+    stages,
+)
+from lcpflex.steppers.moreau_jean_step import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, grown, record
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape
+
+__all__ = ["GeneralizedAlpha", "GeneralizedAlphaRun"]
+
+
+@kernel
+def advance(
+    model: Model,
+    settings: AlphaSettings,
+    start: float,
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+    tape: Tape,
+    n_steps: int,
+    stride: int,
+) -> int:
+    """At most n_steps steps from the state (q, u), which is stored before each ``stride``-th one.
+
+    clock: steps made; a number that explains the return value; the step last stored. A step that could not be finished
+    goes on, at the next call, at the problem where it stopped.
+    """
+    last = clock[0] + n_steps
+    while True:
+        t = start + clock[0] * settings.step
+        if memory.number[BETWEEN] == 1:
+            if clock[0] % stride == 0 and clock[2] != clock[0]:
+                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                    return TAPE_FULL
+                clock[1] = record(model, settings, t, q, u, work, tape)
+                if clock[1] > len(tape.table.key):
+                    return GROW_TAPE
+                clock[2] = clock[0]
+            if clock[0] >= last:
+                return DONE
+        clock[1] = predict(model, settings, t, q, u, work, memory)
+        if clock[1] > len(work.table.key):
+            return GROW
+        if memory.number[WARM] == 1:
+            recall_basis(work)
+        clock[1] = solve_lcp(work)
+        if clock[1] != 0 or not work.certificate[0] <= settings.tolerance:
+            if give_up_smooth(memory):
+                continue
+            return SOLVER_FAILED
+        if memory.number[PHASE] == VELOCITY:
+            remember_basis(work)
+        status = correct(model, settings, t, q, u, work, memory, tape)
+        if status == STEPPED:
+            clock[0] += 1.0
+        elif status != AGAIN:
+            return status
+
+
+class GeneralizedAlphaRun:
+    """A generalised-alpha run in progress (see :class:`GeneralizedAlpha`)."""
+
+    def __init__(self, system: System, stepper: GeneralizedAlpha, duration: float, interval: float) -> None:
+        self.system = system
+        self.records = Records(system)
+        self.q = system.q.copy()
+        self.u = system.u.copy()
+        self.duration = duration
+        self._settings = stepper.settings()
+        self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
+        self._work = system.workspace(16)
+        self._work.solving[METHOD] = solver_method(stepper.solver)
+        self._memory = alpha_memory(system, 16)
+        whole = math.floor(duration / stepper.step * (1.0 + 1e-12) + 1e-9)
+        rest = duration - whole * stepper.step
+        self._phases = [(stepper.step, whole)] + ([(rest, 1)] if rest > 1e-9 * stepper.step else [])
+        self._stride = max(1, round(interval / stepper.step))
+        self._start = 0.0
+        self._clock = np.array([0.0, 0.0, -1.0])
+        self._made = 0
+        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
+        self._advance = link([*stages(), advance], hooks)
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return self._start + float(self._clock[0]) * self._settings.step if self._phases else self.duration
+
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+        return self._made + int(self._clock[0])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return not self._phases
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held."""
+        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Time stepping locates no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
+        step, whole = self._phases[0]
+        message = self._loop(min(n_steps, whole - int(self._clock[0])), self._stride)
+        self._warn()
+        if message or self._clock[0] < whole:
+            return message
+        if len(self._phases) == 1:
+            message = self._loop(0, 1)  # the end is stored even where the stride would skip it
+        else:  # a last, shorter step ends the run on its duration
+            self._made += whole
+            self._start += whole * step
+            self._settings = self._settings._replace(step=self._phases[1][0])
+            self._clock[:] = (0.0, 0.0, 0.0)
+        if not message:
+            self._phases.pop(0)
+        return message
+
+    def _warn(self) -> None:
+        unsettled = int(self._memory.number[UNSETTLED])
+        if unsettled:
+            self.records.warnings[:] = [
+                f"Newton's method on the smooth motion did not converge in {unsettled} of {self.steps} steps: "
+                "a shorter step is needed for the forces of this scene"
+            ]
+
+    def _loop(self, n_steps: int, stride: int) -> str:
+        target = self._clock[0] + n_steps
+        while True:
+            status = self._advance(
+                self.system.model,
+                self._settings,
+                self._start,
+                self._clock,
+                self.q,
+                self.u,
+                self._work,
+                self._memory,
+                self.records.tape,
+                int(target - self._clock[0]),
+                stride,
+            )
+            if status == DONE:
+                return ""
+            if status == TAPE_FULL:
+                self.records.empty()
+            elif status == GROW_TAPE:
+                self.records.grow(int(self._clock[1]))
+            elif status == GROW:
+                capacity = 2 * int(self._clock[1])
+                self._work = grown(self.system, self._work, capacity)
+                self._memory = larger(self.system, self._memory, capacity)
+            elif status == SOLVER_FAILED:
+                if self._rescue(self._work, self.time):
+                    continue
+                return unsolved(self._work, int(self._clock[1]), self._settings.tolerance)
+            else:
+                return "the state is no longer finite: the step is too long for the forces of this scene"
+
+
+@dataclass(frozen=True, slots=True)
+class GeneralizedAlpha:
+    """Nonsmooth generalised-alpha time stepping (decoupled position and velocity problems).
+
+    alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), gamma = 1/2 + alpha_f - alpha_m,
+    beta = (gamma + 1/2)^2 / 4 for rho = ``rho_inf``.
+
+    Attributes
+    ----------
+    step
+        Step length h [s], > 0.
+    rho_inf
+        0 ... 1: by how much modes far above 1/h shrink in a step. 1 conserves the energy of linear elasticity, 0 takes
+        such modes out at once.
+    gap_tolerance
+        Gaps up to this count as closed [m].
+    velocity_threshold
+        A closed contact with a slower normal velocity [m/s] is at rest, one with a slower slip may stick.
+    solver
+        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+    solver_tolerance
+        Largest natural-map residual accepted.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    step: float
+    rho_inf: float = 0.8
+    gap_tolerance: float = 1e-9
+    velocity_threshold: float = 1e-8
+    solver: LcpSolver = field(default_factory=Auto)
+    solver_tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        in_range("step", self.step, 0.0, math.inf, open_ends=True)
+        in_range("rho_inf", self.rho_inf, 0.0, 1.0)
+        in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
+        for name in ("velocity_threshold", "solver_tolerance"):
+            in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
+        if not hasattr(self.solver, "solve"):
+            raise ModelError(
+                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
+            )
+
+    def settings(self) -> AlphaSettings:
+        """The numbers that compiled loops need."""
+        alpha_m = (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
+        alpha_f = self.rho_inf / (self.rho_inf + 1.0)
+        gamma = 0.5 + alpha_f - alpha_m
+        beta = 0.25 * (gamma + 0.5) ** 2
+        return AlphaSettings(
+            self.step,
+            alpha_m,
+            alpha_f,
+            gamma,
+            beta,
+            self.gap_tolerance,
+            self.velocity_threshold,
+            self.solver_tolerance,
+        )
+
+    def start(self, system: System, duration: float, interval: float) -> GeneralizedAlphaRun:
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        return GeneralizedAlphaRun(system, self, duration, interval)

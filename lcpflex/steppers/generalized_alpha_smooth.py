@@ -1,0 +1,306 @@
+"""The smooth motion of a generalised-alpha step: Newton's method on accelerations, with contact forces.
+
+See :mod:`lcpflex.steppers.generalized_alpha` for the scheme.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect, refresh
+from lcpflex.dynamics.acceleration import (
+    SLIDE_BACK,
+    SLIDE_FORTH,
+    STICKING,
+    condense_rows,
+    pose_sets,
+    sliding_sign,
+)
+from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.dynamics.mechanics import (
+    contact_biases,
+    factorise,
+    fill_contact_rows,
+    forces,
+    multiply,
+    solve_rows,
+    solve_vector,
+    supply,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.solvers.friction import split_friction_solution
+from lcpflex.steppers.event_memory import copy_entry
+from lcpflex.steppers.generalized_alpha_memory import (
+    CHANGE,
+    DAMPING,
+    DRIVE,
+    FOUND,
+    FRICTION,
+    NEXT,
+    NORMAL,
+    NOW,
+    PASS,
+    PHASE,
+    POSITION,
+    SKIP,
+    SMOOTH,
+    UNSETTLED,
+    WARM,
+    AlphaMemory,
+    hold,
+)
+
+__all__ = ["AlphaSettings", "apply_smooth", "gather_resting", "lay", "pose_smooth", "slip_mode"]
+
+MOST_PASSES = 15  # of Newton's method on the smooth motion
+SETTLED = 1e-11  # change of an acceleration, relative to the largest, at which Newton's method has converged
+DOUBTFUL = 1e-6  # change at which it has not after the last pass
+
+
+class AlphaSettings(NamedTuple):
+    """Numbers of the scheme, as the compiled loop takes them."""
+
+    step: float
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+    beta: float
+    gap_tolerance: float
+    velocity_threshold: float
+    tolerance: float
+
+
+@kernel
+def place_end(settings: AlphaSettings, h: float, q: FloatArray, u: FloatArray, memory: AlphaMemory) -> None:
+    """Smooth motion to the end of a step of length h, from the iterate of the acceleration there."""
+    am = settings.alpha_m
+    af = settings.alpha_f
+    for i in range(len(q)):
+        a = memory.a[i]
+        a_new = ((1.0 - af) * memory.w_new[i] + af * memory.w[i] - am * a) / (1.0 - am)
+        memory.a_new[i] = a_new
+        memory.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - settings.beta) * a + settings.beta * a_new))
+        memory.v_new[i] = u[i] + h * ((1.0 - settings.gamma) * a + settings.gamma * a_new)
+
+
+@kernel
+def gather_resting(
+    model: Model, settings: AlphaSettings, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory
+) -> int:
+    """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
+    memory.number[FOUND] = 0
+    found = detect(model, q, settings.gap_tolerance, work.table)
+    if found == 0 or found > len(work.table.key):
+        return found
+    n_joint = len(work.residual)
+    n_tangent = fill_contact_rows(model, q, found, n_joint, work)
+    kept = 0
+    j = 0
+    for k in range(found):
+        frictional = j < n_tangent and work.tangent[j] == k
+        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= settings.velocity_threshold:
+            mode = FRICTIONLESS
+            if frictional:
+                slip = row_velocity(work.rows, work.row_body, n_joint + found + j, work.dof, u)
+                mode = slip_mode(slip, settings.velocity_threshold)
+            copy_entry(work.table, k, work.table, kept)
+            memory.sets.mode[kept] = mode
+            kept += 1
+        if frictional:
+            j += 1
+    memory.number[FOUND] = kept
+    return found
+
+
+@kernel
+def slip_mode(slip: float, threshold: float) -> int:
+    """STICKING, SLIDE_FORTH or SLIDE_BACK."""
+    if abs(slip) <= threshold:
+        return STICKING
+    return SLIDE_FORTH if slip > 0.0 else SLIDE_BACK
+
+
+@kernel
+def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Workspace, memory: AlphaMemory) -> int:
+    """Factorise and lay all rows at the end of the step; returns the tangential ones."""
+    q = memory.q_new
+    n_joint = len(work.residual)
+    supply(model, t, q, memory.v_new, work)
+    factorise(model, q, alpha_c, alpha_k, work)
+    if n_joint > 0:
+        joint_rows(model, t, q, memory.v_new, work.external, work.rows, work.row_body, work.rate, work.bias)
+    for k in range(n):
+        refresh(model, q, work.table, k)
+    n_tangent = fill_contact_rows(model, q, n, n_joint, work)
+    solve_rows(model, work, 0, n_joint + n + n_tangent)
+    work.step_size[0] = n_joint
+    work.step_size[1] = n
+    work.step_size[2] = n_tangent
+    return n_tangent
+
+
+@kernel
+def pose_smooth(
+    model: Model,
+    settings: AlphaSettings,
+    h: float,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+) -> int:
+    """Newton's equation for udot at t + h, with joints and resting contacts at acceleration level.
+
+    h = 0 asks for the acceleration at t itself.
+    """
+    n = memory.number[FOUND]
+    if memory.number[PASS] == 0:
+        found = 0
+        memory.number[FOUND] = 0
+        if memory.number[SKIP] == 0:
+            found = gather_resting(model, settings, q, u, work, memory)
+            if found > len(work.table.key):
+                return found
+        n = memory.number[FOUND]
+        for i in range(len(q)):
+            memory.w_new[i] = memory.w[i]
+    place_end(settings, h, q, u, memory)
+    alpha_c = h * settings.gamma * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
+    alpha_k = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
+    n_tangent = lay(model, t + h, alpha_c, alpha_k, n, work, memory)
+    n_joint = work.step_size[0]
+    forces(model, t + h, memory.q_new, memory.v_new, work)
+    contact_biases(model, memory.q_new, memory.v_new, n, n_tangent, n_joint, work)
+    multiply(model, memory.q_new, memory.w_new, work, memory.push)
+    for i in range(len(q)):
+        work.free_u[i] = work.total[i] - memory.push[i]
+    solve_vector(model, work, work.free_u)
+    for i in range(len(q)):
+        work.free_u[i] += memory.w_new[i]
+    for r in range(n_joint + n + n_tangent):
+        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
+    condense_rows(work)
+    for k in range(n):
+        memory.sets.tangent_of[k] = -1
+    for j in range(n_tangent):
+        memory.sets.tangent_of[work.tangent[j]] = j
+    n_stick = pose_sets(work, memory.sets)
+    memory.number[WARM] = 1 if n_stick == n_tangent else 0
+    return n
+
+
+@kernel
+def spread_forces(work: Workspace, memory: AlphaMemory) -> None:
+    """Forces p of all rows from the solution on the index sets."""
+    sets = memory.sets
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    n_stick = sets.level[1]
+    total = n_joint + n + work.step_size[2]
+    split_friction_solution(work.z, work.mu, sets.stick, n, n_stick, work.normal, work.tangential)
+    for k in range(n):
+        work.p[n_joint + k] = work.normal[k]
+        if sets.tangent_of[k] >= 0:
+            work.p[n_joint + n + sets.tangent_of[k]] = -sliding_sign(sets.mode[k]) * work.mu[k] * work.normal[k]
+    for j in range(n_stick):
+        work.p[n_joint + n + sets.tangent_of[sets.stick[j]]] = work.tangential[j]
+    joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+
+
+@kernel
+def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
+    """out += rows_r p."""
+    for i in range(2):
+        b = work.row_body[r, i]
+        if b >= 0:
+            d = work.dof[b]
+            for k in range(work.dof[b + 1] - d):
+                out[d + k] += work.rows[r, i, k] * p
+
+
+@kernel
+def note_smooth(work: Workspace, memory: AlphaMemory, when: int) -> None:
+    """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    working = memory.working[when]
+    law_force = memory.law_force[when]
+    law_force[:, :] = 0.0
+    memory.resting.count[0] = 0
+    for i in range(len(memory.v_new)):
+        working[FRICTION, i] = 0.0
+        working[NORMAL, i] = 0.0
+        working[DAMPING, i] = work.dissipative[i]
+        working[DRIVE, i] = work.driving[i]
+    for r in range(n_joint):
+        if work.rate[r] != 0.0:
+            add_row(work, r, work.p[r], working[DRIVE])
+    for k in range(n):
+        normal = work.p[n_joint + k]
+        if normal <= 0.0:
+            continue
+        tangential = 0.0
+        add_row(work, n_joint + k, normal, working[NORMAL])
+        if memory.sets.tangent_of[k] >= 0:
+            r = n_joint + n + memory.sets.tangent_of[k]
+            tangential = work.p[r]
+            add_row(work, r, tangential, working[FRICTION])
+        law_force[work.table.law[k], 0] += normal
+        law_force[work.table.law[k], 1] += tangential
+        hold(work.table, k, normal, tangential, memory.sets.mode[k], memory.resting)
+
+
+@kernel
+def settled(h: float, work: Workspace, memory: AlphaMemory) -> bool:
+    """Take over the new iterate; whether Newton's method is done."""
+    largest = 0.0
+    for i in range(len(memory.w)):
+        largest = max(largest, abs(work.free_u[i]))
+    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    change = 0.0
+    for i in range(len(memory.w)):
+        largest = max(largest, abs(work.free_u[i]))
+        change = max(change, abs(work.free_u[i] - memory.w_new[i]))
+        memory.w_new[i] = work.free_u[i]
+    turn = memory.number[PASS]
+    rate = 1.0 if turn == 0 else change / memory.value[CHANGE]
+    memory.value[CHANGE] = change
+    memory.number[PASS] = turn + 1
+    if h == 0.0 or change * min(rate, 1.0) <= SETTLED * largest:
+        return True
+    stalled = turn >= 3 and rate > 0.7 and change <= DOUBTFUL * largest  # what is left is rounding
+    if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
+        memory.number[UNSETTLED] += 1
+    return stalled or turn + 1 >= MOST_PASSES
+
+
+@kernel
+def apply_smooth(
+    settings: AlphaSettings, h: float, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory
+) -> None:
+    """A Newton step; after the last one what the next problem needs."""
+    spread_forces(work, memory)
+    if not settled(h, work, memory):
+        return
+    place_end(settings, h, q, u, memory)
+    memory.number[PASS] = 0
+    memory.number[SKIP] = 0
+    if h == 0.0:
+        note_smooth(work, memory, NOW)
+        for i in range(len(q)):
+            memory.w[i] = memory.w_new[i]
+            memory.a[i] = memory.w_new[i]
+        memory.number[PHASE] = SMOOTH
+        return
+    note_smooth(work, memory, NEXT)
+    memory.number[PHASE] = POSITION
+    memory.pressed.count[0] = 0
+    resting = memory.resting
+    for i in range(resting.count[0]):
+        hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], memory.pressed)

@@ -1,0 +1,391 @@
+"""The problems of a generalised-alpha step, posed and applied one by one; here those of position and velocity.
+
+See :mod:`lcpflex.steppers.generalized_alpha` for the scheme. All contact problems of a step are solved at one place
+of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect, refresh
+from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
+from lcpflex.dynamics.acceleration import STICKING, condense_rows
+from lcpflex.dynamics.constraint_rows import joint_residual
+from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.dynamics.impulse import distribute
+from lcpflex.dynamics.mechanics import energies, supply
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.solvers.friction import assemble_friction_lcp
+from lcpflex.steppers.event_memory import copy_entry
+from lcpflex.steppers.generalized_alpha_memory import (
+    BETWEEN,
+    DRIVE,
+    FOUND,
+    NEXT,
+    NOW,
+    PASS,
+    PHASE,
+    POSITION,
+    RESTART,
+    SKIP,
+    SMOOTH,
+    VELOCITY,
+    WARM,
+    AlphaMemory,
+    hold,
+    match,
+)
+from lcpflex.steppers.generalized_alpha_smooth import (
+    AlphaSettings,
+    apply_smooth,
+    gather_resting,
+    lay,
+    pose_smooth,
+    slip_mode,
+)
+from lcpflex.steppers.moreau_jean_step import NOT_FINITE, record
+from lcpflex.steppers.tape import Tape, note_gain, store_contacts
+
+__all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict", "stages"]
+
+AGAIN = 0  # the step has another problem to solve
+STEPPED = 1
+MOST_LIFTS = 8  # passes of the position problem
+CLOSED = 2e-14  # times 1 + |q|: drift and penetration that are left
+
+
+@kernel
+def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> int:
+    """Closed pairs at the present configuration, and those that carried something in the last pass; their number."""
+    n = detect(model, memory.q_new, settings.gap_tolerance, work.table)
+    pressed = memory.pressed
+    if n + pressed.count[0] > len(work.table.key):
+        return n + pressed.count[0]
+    for i in range(pressed.count[0]):
+        memory.matched[i] = 0
+    near = n
+    for k in range(near):
+        memory.total[k] = 0.0
+        i = match(work.table, k, pressed)
+        if i >= 0 and memory.matched[i] == 0:
+            memory.total[k] = pressed.load[i, 0]
+            memory.matched[i] = 1
+    for i in range(pressed.count[0]):
+        if memory.matched[i] == 0:
+            copy_entry(pressed.table, i, work.table, n)
+            refresh(model, memory.q_new, work.table, n)
+            memory.total[n] = pressed.load[i, 0]
+            n += 1
+    return n
+
+
+@kernel
+def position_error(model: Model, t: float, n: int, work: Workspace, memory: AlphaMemory) -> float:
+    """Largest violation of joints, of closed gaps that carry and of all others below zero [m or rad]."""
+    n_joint = len(work.residual)
+    worst = 0.0
+    if n_joint > 0:
+        supply(model, t, memory.q_new, memory.v_new, work)
+        joint_residual(model, t, memory.q_new, work.external, work.residual)
+    for r in range(n_joint):
+        worst = max(worst, abs(work.residual[r]))
+    for k in range(n):
+        gap = work.table.gap[k]
+        worst = max(worst, abs(gap) if memory.total[k] > 0.0 else -gap)
+    return worst
+
+
+@kernel
+def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspace, memory: AlphaMemory) -> int:
+    """0 <= g + W^T A^-1 W (nu - nu_last) _|_ nu >= 0 and phi = 0 at t; where they hold, the velocity problem is next.
+
+    nu [N s] times the step moves the configuration. That of a resting contact starts at half of its impulse: without
+    its force it would penetrate, so it stays closed unless that is taken away from it.
+    """
+    n = gather_pressed(model, settings, work, memory)
+    if n > len(work.table.key):
+        return n
+    largest = 0.0
+    for i in range(len(memory.q_new)):
+        largest = max(largest, abs(memory.q_new[i]))
+    worst = position_error(model, t, n, work, memory)
+    if worst <= CLOSED * (1.0 + largest) or memory.number[PASS] >= MOST_LIFTS:
+        memory.number[PHASE] = VELOCITY
+        memory.number[FOUND] = n
+        return n
+    h = settings.step
+    scale = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
+    lay(model, t, scale / h, scale, n, work, memory)
+    n_joint = work.step_size[0]
+    work.step_size[2] = 0
+    for r in range(n_joint):
+        work.free[r] = work.residual[r] / h
+    for k in range(n):
+        work.free[n_joint + k] = work.table.gap[k] / h
+    condense_rows(work)
+    for k in range(n):
+        work.q[k] = work.bc[k]
+        for c in range(n):
+            work.M[k, c] = work.Gc[k, c]
+            work.q[k] -= work.Gc[k, c] * memory.total[c]
+    work.step_size[3] = n
+    memory.number[WARM] = 1
+    return n
+
+
+@kernel
+def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
+    """Move the configuration; what that does to the energy of bodies that have just met counts as loss by impact."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    meet = False
+    for k in range(n):
+        work.p[n_joint + k] = work.z[k] - memory.total[k]
+        meet = meet or (work.z[k] > 0.0 and memory.total[k] == 0.0)
+    joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
+    for r in range(n_joint + n):
+        work.p[r] *= settings.step
+    memory.pressed.count[0] = 0
+    for k in range(n):
+        if work.z[k] > 0.0:
+            hold(work.table, k, work.z[k], 0.0, FRICTIONLESS, memory.pressed)
+    sign = 1.0
+    for _ in range(2 if meet else 1):
+        if meet:
+            kinetic, elastic, potential = energies(model, memory.q_new, memory.v_new, work)
+            tape.sums[1] += sign * (kinetic + elastic + potential)
+        if sign > 0.0:
+            apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, memory.q_new)
+        sign = -1.0
+    memory.number[PASS] += 1
+
+
+@kernel
+def pose_velocity(
+    model: Model, settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory
+) -> None:
+    """Impact law and friction at the end of the step, for the whole impulses of the step.
+
+    ``work.free_u``: velocity without any contact impulse. A contact that came to the step at rest has no restitution:
+    its approach is that of a curved surface.
+    """
+    n = memory.number[FOUND]
+    n_tangent = lay(model, t, 0.0, 0.0, n, work, memory)
+    n_joint = work.step_size[0]
+    total = n_joint + n + n_tangent
+    h = settings.step
+    for i in range(len(u)):
+        work.free_u[i] = memory.v_new[i]
+    for r in range(n_joint + n, total):
+        work.p[r] = 0.0
+    for k in range(n):
+        i = match(work.table, k, memory.resting)
+        memory.matched[k] = i
+        work.p[n_joint + k] = -h * memory.resting.load[i, 0] if i >= 0 else 0.0
+    for j in range(n_tangent):
+        i = memory.matched[work.tangent[j]]
+        if i >= 0:
+            work.p[n_joint + n + j] = -h * memory.resting.load[i, 1]
+    apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
+    for r in range(total):
+        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+    for r in range(n_joint):
+        work.free[r] += work.rate[r]
+    for k in range(n):
+        e_n = model.contacts.restitution[work.table.law[k]]
+        if e_n > 0.0 and memory.matched[k] < 0:
+            before = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)
+            work.free[n_joint + k] += e_n * min(before, 0.0)
+    for j in range(n_tangent):
+        k = work.tangent[j]
+        e_t = model.contacts.tangential_restitution[work.table.law[k]]
+        if e_t > 0.0 and memory.matched[k] < 0:
+            r = n_joint + n + j
+            work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    condense_rows(work)
+    assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
+    work.step_size[3] = n + 2 * n_tangent
+    memory.number[WARM] = 1
+
+
+@kernel
+def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
+    """Add the step's work by kind and its impulses to the tape: mean forces, or impulses, times mean velocities.
+
+    ``work.free_u`` holds u+; ``work.p`` the whole impulses, of which h lambda belong to the smooth motion.
+    """
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    h = settings.step
+    for kind in range(4):
+        done = 0.0
+        for i in range(len(u)):
+            force = memory.working[NOW, kind, i] + memory.working[NEXT, kind, i]
+            done += force * (u[i] + memory.v_new[i])
+        tape.sums[kind] += 0.25 * h * (done if kind == DRIVE else -done)
+    for law in range(memory.law_force.shape[1]):
+        for i in range(2):
+            mean = 0.5 * (memory.law_force[NOW, law, i] + memory.law_force[NEXT, law, i])
+            tape.total_impulse[law, i] += h * mean
+    gained = 0.0
+    for r in range(n_joint + n + work.step_size[2]):
+        p = work.p[r]
+        part = 1
+        k = -1
+        if r >= n_joint + n:
+            part = 0
+            k = work.tangent[r - n_joint - n]
+        elif r >= n_joint:
+            k = r - n_joint
+        if k >= 0 and memory.matched[k] >= 0:
+            p -= h * memory.resting.load[memory.matched[k], 1 - part]
+        before = row_velocity(work.rows, work.row_body, r, work.dof, memory.v_new)
+        done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, work.free_u))
+        if k >= 0:
+            gained += done
+            tape.sums[part] -= done
+            tape.total_impulse[work.table.law[k], 1 - part] += p
+        elif work.rate[r] != 0.0:
+            tape.sums[3] += done
+    note_gain(tape, t, gained)
+
+
+@kernel
+def broken(settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> bool:
+    """Whether the acceleration jumps at the end of the step: a contact closed, opened, or changed its slip."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    kept = 0
+    for k in range(n):
+        i = memory.matched[k]
+        carries = work.p[n_joint + k] > 0.0
+        if carries and i < 0:
+            return True
+        if carries:
+            kept += 1
+    if kept != memory.resting.count[0]:
+        return True
+    for j in range(work.step_size[2]):
+        i = memory.matched[work.tangent[j]]
+        if i >= 0 and memory.resting.mode[i] != STICKING:
+            slip = row_velocity(work.rows, work.row_body, n_joint + n + j, work.dof, work.free_u)
+            if slip_mode(slip, settings.velocity_threshold) != memory.resting.mode[i]:
+                return True
+    return False
+
+
+@kernel
+def apply_velocity(
+    settings: AlphaSettings, t: float, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape
+) -> bool:
+    """The state at the end of the step, in place. False where it is not finite."""
+    distribute(work)
+    n_joint = work.step_size[0]
+    total = n_joint + work.step_size[1] + work.step_size[2]
+    apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+    audit(settings, t, u, work, memory, tape)
+    for r in range(n_joint):
+        tape.worst[2] = max(tape.worst[2], abs(work.residual[r]))
+    for k in range(work.step_size[1]):
+        tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
+    jumps = broken(settings, work, memory)
+    finite = True
+    for i in range(len(q)):
+        q[i] = memory.q_new[i]
+        u[i] = work.free_u[i]
+        memory.a[i] = memory.a_new[i]
+        memory.w[i] = memory.w_new[i]
+        finite = finite and math.isfinite(q[i] + u[i])
+        for kind in range(4):
+            memory.working[NOW, kind, i] = memory.working[NEXT, kind, i]
+    for law in range(memory.law_force.shape[1]):
+        for i in range(2):
+            memory.law_force[NOW, law, i] = memory.law_force[NEXT, law, i]
+    memory.number[PHASE] = RESTART if jumps else SMOOTH
+    memory.number[PASS] = 0
+    memory.number[BETWEEN] = 1
+    return finite
+
+
+@kernel
+def predict(
+    model: Model,
+    settings: AlphaSettings,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+) -> int:
+    """Pose the next contact problem of the step from t; returns the contacts found, which must fit into the table."""
+    h = settings.step
+    memory.number[BETWEEN] = 0
+    if memory.number[PHASE] <= SMOOTH:
+        length = h if memory.number[PHASE] == SMOOTH else 0.0
+        return pose_smooth(model, settings, length, t, q, u, work, memory)
+    n = memory.number[FOUND]
+    if memory.number[PHASE] == POSITION:
+        n = pose_position(model, settings, t + h, work, memory)
+    if memory.number[PHASE] == VELOCITY:
+        pose_velocity(model, settings, t + h, u, work, memory)
+    return n
+
+
+@kernel
+def correct(
+    model: Model,
+    settings: AlphaSettings,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+    tape: Tape,
+) -> int:
+    """Apply the solution of the problem posed: AGAIN where the step has more of them, STEPPED or NOT_FINITE."""
+    tape.worst[0] = max(tape.worst[0], work.certificate[0])
+    tape.worst[3] = max(tape.worst[3], work.step_size[3])
+    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+    if memory.number[PHASE] <= SMOOTH:
+        length = settings.step if memory.number[PHASE] == SMOOTH else 0.0
+        apply_smooth(settings, length, q, u, work, memory)
+        return AGAIN
+    if memory.number[PHASE] == POSITION:
+        apply_position(model, settings, work, memory, tape)
+        return AGAIN
+    if apply_velocity(settings, t, q, u, work, memory, tape):
+        return STEPPED
+    return NOT_FINITE
+
+
+@kernel
+def give_up_smooth(memory: AlphaMemory) -> bool:
+    """After an unsolved problem: whether it was one of accelerations, without which the impulses of the step do."""
+    if memory.number[PHASE] > SMOOTH or memory.number[FOUND] == 0:
+        return False
+    memory.number[SKIP] = 1
+    memory.number[PASS] = 0
+    return True
+
+
+def stages() -> list[Callable[..., Any]]:
+    """The kernels of a step that call what may be replaced, callees first."""
+    return [
+        gather_resting,
+        lay,
+        pose_smooth,
+        gather_pressed,
+        position_error,
+        pose_position,
+        apply_position,
+        pose_velocity,
+        predict,
+        correct,
+        store_contacts,
+        record,
+    ]
