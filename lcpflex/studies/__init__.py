@@ -1,10 +1,53 @@
-"""Studies: many runs of one scene, and what they say together."""
+"""Studies: many runs of one scene, and what they say together.
+
+Each name is loaded when it is first used, so that the command line starts at once.
+"""
 
 from __future__ import annotations
 
-from lcpflex.studies.graph_distance import graph_distance
-from lcpflex.studies.outcome import Criteria, Outcome
-from lcpflex.studies.stability import stability
-from lcpflex.studies.stability_map import StabilityMap
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["Criteria", "Outcome", "StabilityMap", "graph_distance", "stability"]
+_HOME = {
+    "Criteria": "outcome",
+    "Outcome": "outcome",
+    "StabilityMap": "stability_map",
+    "Verdict": "outcome",
+    "acceleration_level": "acceleration_level",
+    "stability": "stability",
+}
+
+__all__ = ["Criteria", "Outcome", "StabilityMap", "Verdict", "acceleration_level", "stability"]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name from its module at first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'lcpflex.studies' has no attribute {name!r}")
+    value = getattr(import_module(f"lcpflex.studies.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """The import system binds each loaded module on its package; one named as its function stays the function."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if _HOME.get(name) == name and isinstance(value, ModuleType):
+            value = getattr(value, name)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+if TYPE_CHECKING:
+    from lcpflex.studies.acceleration_level import acceleration_level
+    from lcpflex.studies.outcome import Criteria, Outcome, Verdict
+    from lcpflex.studies.stability import stability
+    from lcpflex.studies.stability_map import StabilityMap

@@ -66,7 +66,8 @@ def stability(
         A case of the gallery, or a function with keyword parameters that builds a scene.
     methods
         By label: a stepper, or a function of keyword parameters. What the function returns decides: a stepper is run;
-        an :class:`Outcome` is the answer, as of a method that needs no time stepping; a :class:`Result` is judged.
+        an :class:`Outcome` or :class:`Verdict` is the answer, as of a method that needs no time stepping such as
+        :func:`acceleration_level`; a :class:`Result` is judged.
         A parameter called ``scene`` receives the scene as built for that cell.
     axes
         One or two names, each with its values. A name is that of a parameter of the scene, of the methods, or of both.
@@ -170,19 +171,19 @@ class _Trial:
         """The verdict on one cell. KeyboardInterrupt where the user pressed Ctrl-C."""
         try:
             made = self._made(method, values)
-            if isinstance(made, Outcome):
-                return Verdict(made)
-            return self._judged(made)
+            if isinstance(made, Result):
+                return self._judged(made)
+            return Verdict(made) if isinstance(made, Outcome) else made
         except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
             return judge_error(error, self.criteria)
 
-    def _made(self, method: _Maker, values: Mapping[str, Any]) -> Outcome | Result:
+    def _made(self, method: _Maker, values: Mapping[str, Any]) -> Outcome | Verdict | Result:
         """What the method says, or the result of the stepper that it makes."""
         scene = self.build(values)
         if hasattr(scene, "build") and hasattr(scene, "duration"):  # a function may return a case
             scene = scene.build()
         made = method(values, **({BUILT: scene} if method.wants_scene else {}))
-        if isinstance(made, (Outcome, Result)):
+        if isinstance(made, (Outcome, Verdict, Result)):
             return made
         if isinstance(made, type) or not hasattr(made, "start"):
             raise TypeError(f"{method.label} returned {made!r}; expected a stepper, an Outcome or a Result")

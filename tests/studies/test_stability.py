@@ -11,9 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.solvers.enumeration import Enumeration
-from lcpflex.solvers.problem import Lcp, Status
-from lcpflex.studies import Criteria, Outcome, StabilityMap, stability
+from lcpflex.studies import Criteria, Outcome, StabilityMap, acceleration_level, stability
 
 
 def oscillator(stiffness: float = 100.0) -> lf.Scene:
@@ -43,21 +41,10 @@ def test_explicit_limit_of_two_over_omega(oscillators: StabilityMap) -> None:
     np.testing.assert_array_equal(oscillators.of("Moreau-Jean") == Outcome.DIVERGED, beyond)
 
 
-def acceleration_level(friction: float, degrees: float) -> Outcome:
-    """Painleve's rod of benchmarks m = l = g = 1, k = 3, no spin: its LCP by trial of both sets."""
-    phi = math.radians(degrees)
-    mass = np.diag([1.0, 1.0, 1.0 / 3.0])
-    normal = np.array([0.0, 1.0, -math.cos(phi)])
-    tangent = np.array([1.0, 0.0, math.sin(phi)])
-    slip = -1.0
-    p = normal @ np.linalg.solve(mass, normal - friction * slip * tangent)
-    status = Enumeration().solve(Lcp(np.array([[p]]), np.array([-1.0]))).status
-    return Outcome.SOUND if status is Status.SOLVED else Outcome.NO_SOLUTION
-
-
 def test_painleve_boundary_lies_within_a_cell() -> None:
     axes = {"degrees": np.linspace(20.0, 85.0, 27), "friction": np.linspace(0.5, 3.0, 26)}
-    found = stability(oscillator, {"acceleration level": acceleration_level}, axes)
+    found = stability(gallery.painleve_rod, {"acceleration level": acceleration_level}, axes)
+    assert set(found.outcomes.ravel()) == {Outcome.SOUND, Outcome.NO_SOLUTION}
     cells = found.of("acceleration level") == Outcome.SOUND
     phi, friction = np.radians(axes["degrees"]), axes["friction"]
     exact = (1.0 + 3.0 * np.cos(phi) ** 2) / (3.0 * np.sin(phi) * np.cos(phi))
@@ -70,6 +57,16 @@ def test_painleve_boundary_lies_within_a_cell() -> None:
     assert cells[~inside].all()
     smallest = friction[np.flatnonzero((~cells).any(axis=0))[0]]
     assert 4.0 / 3.0 <= smallest <= 4.0 / 3.0 + 0.1
+
+
+def test_fast_spin_turns_painleves_missing_motion_into_two() -> None:
+    axes = {"spin": [0.0, 1.2], "friction": [0.5, 1.4]}
+    found = stability(gallery.painleve_rod, {"acceleration level": acceleration_level}, axes)
+    assert found.of("acceleration level").tolist() == [
+        [Outcome.SOUND, Outcome.NO_SOLUTION],
+        [Outcome.SOUND, Outcome.NOT_UNIQUE],
+    ]
+    assert found.messages[0, 1, 1].startswith("2 motions: ")
 
 
 def test_newtons_law_gains_energy_where_friction_and_restitution_are_large() -> None:
