@@ -1,0 +1,184 @@
+"""Stepping under continuous contact forces: bodies penetrate a little, and each contact is a spring-damper.
+
+    M udot = h + J^T lambda_J + sum W_N lambda_N(delta, deltadot) + W_T lambda_T(lambda_N, gdot_T)
+
+No complementarity, no impacts, no events: any method for ordinary differential equations serves, with a step that the
+stiffness of the contacts limits (explicit) or not (implicit). The result depends on the stiffness, and approaches that
+of rigid contact as it grows; friction creeps instead of sticking (:mod:`lcpflex.contact.penalty`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lcpflex.contact.penalty import Penalty
+from lcpflex.errors import ModelError, in_range
+from lcpflex.steppers.smooth_explicit import SmoothSettings
+from lcpflex.steppers.smooth_run import FixedRun, SmoothRun
+from lcpflex.steppers.system import System
+
+__all__ = ["ExplicitRungeKutta", "Smooth", "Stiff", "Verlet"]
+
+
+@dataclass(frozen=True, slots=True)
+class ExplicitRungeKutta:
+    """Runge-Kutta steps of order 5(4) with error control: the choice for contacts of moderate stiffness.
+
+    Attributes
+    ----------
+    rtol, atol
+        Tolerances of a step: root mean square of error / (atol + rtol |y|) over q and u at most 1.
+    max_step
+        Longest step [s].
+    first_step
+        First step [s]; chosen if omitted.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    rtol: float = 1e-8
+    atol: float = 1e-10
+    max_step: float = math.inf
+    first_step: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_tolerances(self.rtol, self.atol, self.max_step)
+        if self.first_step is not None:
+            in_range("first_step", self.first_step, 0.0, math.inf, open_ends=True)
+
+
+@dataclass(frozen=True, slots=True)
+class Stiff:
+    """Implicit steps with error control, by an integrator of SciPy: where contacts or modes are very stiff.
+
+    Its loop is in Python, only the right-hand side is compiled: a step costs far more, and there are far fewer.
+
+    Attributes
+    ----------
+    rtol, atol
+        Tolerances on q and u, as the integrator takes them.
+    max_step
+        Longest step [s].
+    method
+        ``scipy.integrate.Radau`` (order 5; where None) or ``scipy.integrate.BDF`` (order 1 to 5).
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range, or another method.
+    """
+
+    rtol: float = 1e-6
+    atol: float = 1e-8
+    max_step: float = math.inf
+    method: type[Any] | None = None
+
+    def __post_init__(self) -> None:
+        from scipy.integrate import BDF, Radau
+
+        _check_tolerances(self.rtol, self.atol, self.max_step)
+        if self.method not in (None, Radau, BDF):
+            raise ModelError(f"method: {self.method!r} was given, expected scipy.integrate.Radau or BDF")
+
+
+@dataclass(frozen=True, slots=True)
+class Verlet:
+    """Explicit steps of fixed length: half a drift, a kick, half a drift. Order 2, symplectic without damping.
+
+    Stable up to step = 2 / omega_max only, with contacts closed: beyond it the motion blows up, and the result warns.
+    With forces that depend on velocities (damping, friction, rotation) of order 1.
+
+    Attributes
+    ----------
+    step
+        Step length [s], > 0.
+
+    Raises
+    ------
+    ModelError
+        For a step that is not > 0.
+    """
+
+    step: float
+
+    def __post_init__(self) -> None:
+        in_range("step", self.step, 0.0, math.inf, open_ends=True)
+
+
+Integrator = ExplicitRungeKutta | Stiff | Verlet
+
+
+@dataclass(frozen=True, slots=True)
+class Smooth:
+    """Stepping under continuous contact forces.
+
+    Contacts count as sticking in the records below the slip speed of their law, as slipping above it. The restitution of
+    a declared contact is not used, and the result says so.
+
+    Attributes
+    ----------
+    law
+        Force law of every declared contact, such as ``Penalty(stiffness=1e6)``.
+    laws
+        Other laws for some of them, by the name of the declared contact.
+    integrator
+        :class:`ExplicitRungeKutta`, :class:`Stiff` or :class:`Verlet`.
+
+    Raises
+    ------
+    ModelError
+        For what is no law or integrator; when started, for a name that no declared contact has.
+    """
+
+    law: Penalty
+    laws: Mapping[str, Penalty] = field(default_factory=dict)
+    integrator: Integrator = field(default_factory=ExplicitRungeKutta)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.laws, Mapping):
+            raise ModelError(f"laws: {self.laws!r} was given, expected a dict of laws by names of contacts")
+        for name, law in (("law", self.law), *((f"laws[{key!r}]", value) for key, value in self.laws.items())):
+            if not isinstance(law, Penalty):
+                raise ModelError(f"{name}: {law!r} was given, expected a force law such as Penalty(stiffness=1e6)")
+        if not isinstance(self.integrator, Integrator):
+            raise ModelError(
+                f"integrator: {self.integrator!r} was given, expected ExplicitRungeKutta(), Stiff() or Verlet(step)"
+            )
+        object.__setattr__(self, "laws", dict(self.laws))
+
+    def start(self, system: System, duration: float, interval: float) -> SmoothRun:
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        for name in self.laws:
+            if name not in system.names:
+                known = ", ".join(system.names) or "none"
+                raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
+        laws = [self.laws.get(name, self.law) for name in system.names]
+        integrator = self.integrator
+        if isinstance(integrator, Verlet):
+            stride = max(1, round(interval / integrator.step))
+            settings = SmoothSettings(duration, interval, 0.0, 0.0, integrator.step, system.margin, stride)
+            return FixedRun(system, laws, settings)
+        settings = SmoothSettings(
+            duration, interval, integrator.rtol, integrator.atol, integrator.max_step, system.margin, 1
+        )
+        if isinstance(integrator, Stiff):
+            from scipy.integrate import Radau
+
+            from lcpflex.steppers.smooth_implicit import StiffRun
+
+            return StiffRun(system, laws, settings, integrator.method or Radau)
+        return SmoothRun(system, laws, settings, integrator.first_step or 0.0)
+
+
+def _check_tolerances(rtol: float, atol: float, max_step: float) -> None:
+    """Raise ModelError where one is out of its range."""
+    in_range("rtol", rtol, 0.0, math.inf, open_ends=True)
+    in_range("atol", atol, 0.0, math.inf, open_ends=True)
+    if not (isinstance(max_step, (int, float)) and max_step > 0.0):
+        raise ModelError(f"max_step: {max_step!r} was given, expected a number > 0 (seconds)")

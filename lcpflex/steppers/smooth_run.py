@@ -1,0 +1,173 @@
+"""Runs under continuous contact forces: what those of all integrators share, and the explicit ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.penalty import Penalty
+from lcpflex.dynamics.acceleration import lay_rows, position_errors, project
+from lcpflex.steppers.driver import link
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.smooth_explicit import (
+    STEPPING,
+    SmoothSettings,
+    advance,
+    advance_fixed,
+    close_step,
+    step,
+    step_fixed,
+)
+from lcpflex.steppers.smooth_slope import (
+    DETAIL,
+    DONE,
+    FREQUENCY,
+    GROW,
+    GROW_TAPE,
+    NOT_FINITE,
+    PHASE,
+    STEP,
+    STEPS,
+    TAPE_FULL,
+    TIME,
+    horizon,
+    natural_frequency,
+    record,
+    slope,
+    smooth_memory,
+)
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import store_contacts
+
+__all__ = ["FixedRun", "SmoothRun"]
+
+STABLE = 2.0  # frequency times step up to which explicit steps of fixed length do not grow
+PARTS: list[Callable[..., Any]] = [
+    lay_rows,
+    position_errors,
+    project,
+    slope,
+    natural_frequency,
+    horizon,
+    store_contacts,
+    record,
+    step,
+    step_fixed,
+    close_step,
+]  # those that call what may be replaced, callees first
+
+
+class SmoothRun:
+    """A run of adaptive Runge-Kutta steps; the parts that other integrators share."""
+
+    def __init__(self, system: System, laws: list[Penalty], settings: SmoothSettings, first_step: float = 0.0) -> None:
+        self.system = system
+        self.records = Records(system)
+        self.duration = settings.duration
+        self._settings = settings
+        self._work = system.workspace(16)
+        self._memory = smooth_memory(system, laws)
+        self._memory.clock[STEP] = first_step
+        self._advance = self._link(advance)
+        bouncing = [
+            name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
+        ]
+        if bouncing:
+            self.records.warnings.append(
+                f"the restitution of contacts {', '.join(bouncing)} is not used: under continuous contact forces a "
+                "rebound follows from the damping of the force law"
+            )
+
+    def _link(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """``function`` for this system: compiled, or in Python with the hooks of the system."""
+        parts = PARTS[: PARTS.index(function)] if function in PARTS else PARTS
+        return link([*parts, function], self.system.hooks)
+
+    @property
+    def q(self) -> FloatArray:
+        """Configuration reached (ndof,)."""
+        return self._memory.y[: len(self.system.q)]
+
+    @property
+    def u(self) -> FloatArray:
+        """Velocity reached (ndof,)."""
+        n = len(self.system.q)
+        return self._memory.y[n : 2 * n]
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return float(self._memory.clock[TIME])
+
+    @property
+    def steps(self) -> int:
+        """Steps accepted."""
+        return int(self._memory.number[STEPS])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.time >= self.duration and int(self._memory.number[PHASE]) == STEPPING
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that touched at the last evaluation."""
+        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Continuous forces have no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps; empty, or why the run cannot go on."""
+        target = self.steps + n_steps
+        while True:
+            status = self._advance(
+                self.system.model, self._settings, self._work, self._memory, self.records.tape, target
+            )
+            if status == DONE:
+                return ""
+            message = self._handle(status)
+            if message:
+                return message
+
+    def _handle(self, status: int) -> str:
+        """Make room for what there was none, and go on; or why not."""
+        detail = int(self._memory.clock[DETAIL])
+        if status == TAPE_FULL:
+            self.records.empty()
+        elif status == GROW_TAPE:
+            self.records.grow(detail)
+        elif status == GROW:
+            self._work = self.system.workspace(2 * detail)
+        elif status == NOT_FINITE:
+            return "the state is no longer finite: the step is too long for the forces of this scene"
+        else:
+            return "no step is short enough: the forces are not smooth, or the state grows without bound"
+        return ""
+
+
+class FixedRun(SmoothRun):
+    """A run of explicit steps of fixed length, which warns where contacts are too stiff for it."""
+
+    def __init__(self, system: System, laws: list[Penalty], settings: SmoothSettings) -> None:
+        super().__init__(system, laws, settings)
+        self._advance = self._link(advance_fixed)
+        self._warned = 0.0
+        self._own = list(self.records.warnings)
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps; empty, or why the run cannot go on."""
+        message = super().advance(n_steps)
+        product = float(self._memory.clock[FREQUENCY]) * self._settings.max_step
+        if not product <= max(STABLE, self._warned):
+            self._warned = product if math.isfinite(product) else math.inf
+            self.records.warnings[:] = [
+                *self._own,
+                f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
+                f"unstable there (highest contact frequency {float(self._memory.clock[FREQUENCY]):.4g} rad/s)",
+            ]
+        return message

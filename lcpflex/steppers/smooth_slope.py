@@ -1,0 +1,327 @@
+"""Right-hand side of motion under continuous contact forces, and what it leaves in the records.
+
+    M udot = h + J^T lambda_J + W_N lambda_N(q, u) + W_T lambda_T(q, u),   J udot + b = 0
+
+Contact forces are functions of the state (:mod:`lcpflex.contact.penalty`); only joints have unknown ones. The vector y holds
+q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of loads and drives
+[J], and the normal and tangential impulse of each declared contact [N s].
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.detection import detect
+from lcpflex.contact.kinematics import contact_point
+from lcpflex.contact.penalty import (
+    PARAMETERS,
+    Penalty,
+    elastic_force,
+    indentation_of,
+    normal_force,
+    stiffness_at,
+    stored_energy,
+)
+from lcpflex.dynamics.acceleration import ContactSets, contact_sets
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, dot, joint_impulses, row_velocity
+from lcpflex.dynamics.mechanics import (
+    energies,
+    factorise,
+    fill_contact_rows,
+    forces,
+    solve_rows,
+    solve_vector,
+    supply,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import SLIP, STICK, Model
+from lcpflex.packed import pack
+from lcpflex.steppers.runge_kutta import STAGES
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+
+__all__ = ["SmoothMemory", "horizon", "natural_frequency", "record", "slope", "smooth_memory"]
+
+FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y behind q and u
+
+# what compiled loops return
+DONE = 0
+TAPE_FULL = 1
+GROW = 2
+GROW_TAPE = 3
+NOT_FINITE = 4
+STEP_TOO_SHORT = 5
+
+TURN = 0.25  # [rad] in a step
+ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
+
+
+class SmoothMemory(NamedTuple):
+    """State, stages and laws of a run; ny = 2 ndof + 4 + 2 laws."""
+
+    y: FloatArray  # (ny,) state at the start of the step
+    end: FloatArray  # (ny,) at its end
+    slopes: FloatArray  # (7, ny)
+    at: FloatArray  # (ny,) state on the dense output
+    slope: FloatArray  # (ny,)
+    sets: ContactSets  # of no contacts, for the projection onto joints
+    kind: IntArray  # (laws,) of force
+    parameters: FloatArray  # (laws, PARAMETERS)
+    slip_speed: FloatArray  # (laws,) [m/s]
+    number: IntArray  # (3,) see the names below
+    clock: FloatArray  # (6,) see the names below
+
+
+# number
+PHASE, STEPS, STORED = range(3)
+# clock
+TIME, STEP, TAKEN, ERROR, DETAIL, FREQUENCY = range(6)  # FREQUENCY: highest of a contact so far [rad/s]
+
+
+def smooth_memory(system: System, laws: list[Penalty]) -> SmoothMemory:
+    """Allocate for ``system`` at its initial state, with the law of each declared contact."""
+    ndof = len(system.q)
+    ny = 2 * ndof + IMPULSES + 2 * len(laws)
+    parameters = np.zeros((len(laws), PARAMETERS))
+    for row, law in zip(parameters, laws, strict=True):
+        row[: len(law.parameters)] = law.parameters
+    arrays = SmoothMemory(
+        y=np.zeros(ny),
+        end=np.zeros(ny),
+        slopes=np.zeros((STAGES, ny)),
+        at=np.zeros(ny),
+        slope=np.zeros(ny),
+        sets=contact_sets(1),
+        kind=np.array([law.kind for law in laws], dtype=np.int64),
+        parameters=parameters,
+        slip_speed=np.array([law.slip_speed for law in laws], dtype=float),
+        number=np.zeros(3, dtype=np.int64),
+        clock=np.zeros(6),
+    )
+    arrays.y[:ndof] = system.q
+    arrays.y[ndof : 2 * ndof] = system.u
+    return pack(arrays)
+
+
+@kernel
+def add_row(work: Workspace, r: int, force: float) -> None:
+    """Add W_r force to the generalised forces, which are in ``work.free_u``."""
+    for i in range(2):
+        b = work.row_body[r, i]
+        if b >= 0:
+            d = work.dof[b]
+            for k in range(work.dof[b + 1] - d):
+                work.free_u[d + k] += work.rows[r, i, k] * force
+
+
+@kernel
+def press(u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: FloatArray) -> None:
+    """Contact forces of the rows laid, to ``work.p`` and ``work.free_u``; what they do to the quadratures of y."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    table = work.table
+    impulses = base + IMPULSES
+    for k in range(n):
+        r = n_joint + k
+        law = table.law[k]
+        depth = max(-table.gap[k], 0.0)
+        rate = -row_velocity(work.rows, work.row_body, r, work.dof, u)
+        force = 0.0
+        if depth > 0.0:
+            force = normal_force(memory.kind[law], depth, rate, memory.parameters[law])
+            elastic = elastic_force(memory.kind[law], depth, memory.parameters[law])
+            out[base + CONTACT_DAMPING] += (force - elastic) * rate
+        work.p[r] = force
+        add_row(work, r, force)
+        out[impulses + 2 * law] += force
+    for j in range(work.step_size[2]):
+        r = n_joint + n + j
+        k = work.tangent[j]
+        law = table.law[k]
+        slip = row_velocity(work.rows, work.row_body, r, work.dof, u)
+        force = -work.mu[k] * work.p[n_joint + k] * math.tanh(slip / memory.slip_speed[law])
+        work.p[r] = force
+        add_row(work, r, force)
+        out[impulses + 2 * law + 1] += force
+        out[base + FRICTION] -= force * slip
+
+
+@kernel
+def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, out: FloatArray) -> int:
+    """out = dy/dt; returns the number of touching pairs. One above the capacity of the table: it must grow.
+
+    Forces of joints, then normal and tangential ones of contacts are left in ``work.p``, the contacts in the table.
+    """
+    ndof = len(work.free_u)
+    q = y[:ndof]
+    u = y[ndof : 2 * ndof]
+    n = detect(model, q, 0.0, work.table)
+    if n > len(work.table.key):
+        return n
+    n_joint = len(work.residual)
+    supply(model, t, q, u, work)
+    factorise(model, q, 0.0, 0.0, work)
+    if n_joint > 0:
+        joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
+    work.step_size[0] = n_joint
+    work.step_size[1] = n
+    work.step_size[2] = fill_contact_rows(model, q, n, n_joint, work)
+    forces(model, t, q, u, work)
+    base = 2 * ndof
+    for i in range(base, len(out)):
+        out[i] = 0.0
+    for i in range(ndof):
+        work.free_u[i] = work.total[i]
+        out[i] = u[i]
+        out[base + DAMPING] -= work.dissipative[i] * u[i]
+        out[base + WORK] += work.driving[i] * u[i]
+    press(u, work, memory, base, out)
+    solve_vector(model, work, work.free_u)
+    if n_joint > 0:
+        first = int(np.int64(0))  # a literal would have kernels compiled once more
+        solve_rows(model, work, first, n_joint)
+        for r in range(n_joint):
+            work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
+        delassus(work.rows, work.solved, work.row_body, n_joint, work.G)
+        cholesky(work.G, n_joint, work.lower)
+        joint_impulses(work.free, n_joint, n_joint, work.lower, work.share, work.p)
+        apply_impulses(work.solved, work.row_body, first, n_joint, work.p, work.dof, work.free_u)
+        for r in range(n_joint):
+            if work.rate[r] != 0.0:
+                out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    for i in range(ndof):
+        out[ndof + i] = work.free_u[i]
+    return n
+
+
+@kernel
+def mobility(work: Workspace, r: int) -> float:
+    """G_nn of row r [1/kg], whose A^-1 row is known, without joints: not less than with them."""
+    total = 0.0
+    first = int(np.int64(0))  # a literal would have dot compiled once more
+    for i in range(2):
+        if work.row_body[r, i] >= 0:
+            total += dot(work.rows[r, i], work.solved[r, i], first, work.rows.shape[2])
+    return total
+
+
+@kernel
+def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> float:
+    """Highest sqrt(k G_nn) of the contacts that ``slope`` found [rad/s], each by itself."""
+    n_joint = work.step_size[0]
+    n = work.step_size[1]
+    solve_rows(model, work, n_joint, n_joint + n)
+    highest = 0.0
+    for k in range(n):
+        law = work.table.law[k]
+        if work.table.gap[k] < 0.0:
+            stiffness = stiffness_at(memory.kind[law], -work.table.gap[k], memory.parameters[law])
+            highest = max(highest, stiffness * mobility(work, n_joint + k))
+    return math.sqrt(highest)
+
+
+@kernel
+def travel_time(model: Model, y: FloatArray, slope: FloatArray) -> float:
+    """Time [s] in which no body turns by more than TURN nor travels farther than the extent of the smallest surface."""
+    size = math.inf
+    for extent in model.contacts.surface_extent:
+        if extent > 0.0:
+            size = min(size, extent)
+    longest = math.inf
+    ndof = model.bodies.dof[len(model.bodies.dof) - 1]
+    for b in range(len(model.bodies.mass)):
+        d = ndof + model.bodies.dof[b]
+        spin = abs(y[d + 2]) + math.sqrt(TURN * abs(slope[d + 2]))
+        if spin > 0.0:
+            longest = min(longest, TURN / spin)
+        if size < math.inf:
+            speed = math.hypot(y[d], y[d + 1]) + math.sqrt(size * math.hypot(slope[d], slope[d + 1]))
+            if speed > 0.0:
+                longest = min(longest, size / speed)
+    return longest
+
+
+@kernel
+def horizon(
+    model: Model, y: FloatArray, slope: FloatArray, margin: float, work: Workspace, memory: SmoothMemory
+) -> float:
+    """Longest step [s] that passes over no contact: error control does not see what no stage meets.
+
+    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further, so
+    that the pair is met. After ``slope`` at y. Negative: the table must hold as many entries.
+    """
+    ndof = len(work.free_u)
+    q = y[:ndof]
+    u = y[ndof : 2 * ndof]
+    longest = travel_time(model, y, slope)
+    n_joint = len(work.residual)
+    n = detect(model, q, margin, work.table)
+    if n > len(work.table.key):
+        return -float(n)
+    fill_contact_rows(model, q, n, n_joint, work)
+    solve_rows(model, work, n_joint, n_joint + n)
+    for k in range(n):
+        gap = work.table.gap[k]
+        approach = -row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)
+        if gap > 0.0 and approach > 0.0:
+            law = work.table.law[k]
+            inverse = mobility(work, n_joint + k)
+            if inverse > 0.0:
+                energy = 0.5 * approach * approach / inverse
+                gap += ONSET * indentation_of(memory.kind[law], energy, memory.parameters[law])
+            longest = min(longest, gap / approach)
+    return longest
+
+
+@kernel
+def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
+    """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
+    ndof = len(work.free_u)
+    q = y[:ndof]
+    u = y[ndof : 2 * ndof]
+    if tape.filled[0] >= len(tape.times):
+        return TAPE_FULL
+    needed = store_contacts(model, q, tape)
+    n = slope(model, t, y, work, memory, memory.slope)
+    if n > len(work.table.key):
+        memory.clock[DETAIL] = n
+        return GROW
+    if tape.filled[1] + n > len(tape.spots) and tape.filled[1] > 0:
+        return TAPE_FULL
+    if needed > len(tape.table.key) or n > len(tape.spots):
+        memory.clock[DETAIL] = max(needed, n)
+        return GROW_TAPE
+    base = 2 * ndof
+    tape.sums[0] = y[base + FRICTION]
+    tape.sums[1] = y[base + CONTACT_DAMPING]
+    tape.sums[2] = y[base + DAMPING]
+    tape.sums[3] = y[base + WORK]
+    for law in range(len(tape.total_impulse)):
+        for c in range(2):
+            tape.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
+    stored = 0.0
+    tangent = 0
+    n_joint = work.step_size[0]
+    for k in range(n):
+        law = work.table.law[k]
+        depth = max(-work.table.gap[k], 0.0)
+        tape.worst[1] = max(tape.worst[1], depth)
+        stored += stored_energy(memory.kind[law], depth, memory.parameters[law])
+        force_t = 0.0
+        state = SLIP
+        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+            r = n_joint + n + tangent
+            force_t = work.p[r]
+            if abs(row_velocity(work.rows, work.row_body, r, work.dof, u)) < memory.slip_speed[law]:
+                state = STICK
+            tangent += 1
+        place = contact_point(model, q, work.table, k)
+        note_contact(tape, law, place, work.table.normal[k], work.p[n_joint + k], force_t, state)
+    kinetic, elastic, potential = energies(model, q, u, work)
+    store_state(tape, t, q, u, kinetic, elastic + stored, potential)
+    return DONE
