@@ -72,13 +72,15 @@ def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> N
 
 @kernel
 def pose_position(
-    model: Model, step: float, n: int, q: FloatArray, flexibility: FloatArray, unit: FloatArray, work: Workspace
+    model: Model, step: float, n: int, before: FloatArray, flexibility: FloatArray, unit: FloatArray, work: Workspace
 ) -> int:
-    """Pose the problem of the first n contacts of the table at q, reached with the velocity ``work.free_u``.
+    """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
 
-    The static coordinates in q are those before the step. Scaled F and gaps go to work.Gc and work.bc; unit: the unit
-    of force [N], and the largest compliance [m/N]. Returns -1, or the contact that has no compliance.
+    Linearised about the static coordinates there; ``before`` (ndof,) has those before the step. Scaled F and gaps go
+    to work.Gc and work.bc; unit: the unit of force [N], and the largest compliance [m/N]. Returns -1, or the contact
+    that has no compliance.
     """
+    q = work.middle
     n_joint = len(work.residual)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
     total = n + n_tangent
@@ -93,12 +95,13 @@ def pose_position(
     softest = 0.0
     largest = 0.0
     for r in range(total):
-        b = -static_part(work, flexibility, n_joint + r, q)
+        b = 0.0
         if r < n:
-            b += work.table.gap[r]
+            b = work.table.gap[r] - static_part(work, flexibility, n_joint + r, q)
         else:  # with the row half a step ago, to second order
             slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
-            b += step * (slip - 0.5 * step * work.bias[n_joint + r])
+            b = step * (slip - 0.5 * step * work.bias[n_joint + r])
+            b -= static_part(work, flexibility, n_joint + r, before)
         work.bc[r] = b
         largest = max(largest, abs(b))
         softest = max(softest, work.Gc[r, r])

@@ -29,7 +29,7 @@ from lcpflex.dynamics import start
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
-from lcpflex.dynamics.mechanics import energies, factorise, forces, solve_rows, solve_vector, supply
+from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.static_modes import (
@@ -63,6 +63,8 @@ NOT_FINITE = 5
 TOO_LONG = 6
 STIFF = 7
 STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
+MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
+CURVED = 1e-3  # gap left by the linearisation, relative to the static displacement, that ends them
 MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 MADE, NUMBER, STORED, WITHIN, BEGUN, PARTS, CLOSED_THEN = 0, 1, 2, 3, 4, 5, 6  # entries of the clock
@@ -87,6 +89,7 @@ class Boundary(NamedTuple):
 
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
     acceleration: FloatArray  # (ndof,)
+    rate: FloatArray  # (ndof,) of change of the static coordinates, of which contacts are linearised about a guess
     guess: FloatArray  # (ndof,) velocity at which forces are evaluated
     unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
     power: FloatArray  # (2,) of dissipative forces, and of loads and drives [W]
@@ -110,15 +113,15 @@ def predict(
     largest = 0.0
     for i in range(len(q)):
         work.free_u[i] = u[i] + 0.5 * h * boundary.acceleration[i]
-        work.middle[i] = q[i] + h * work.free_u[i]
+        work.middle[i] = q[i] + h * (work.free_u[i] + boundary.rate[i])
         work.ahead[i] = work.middle[i]
         largest = max(largest, abs(q[i]))
     if h > 0.0 and len(work.residual) > 0:
         project_joints(model, t, work.middle, work.free_u, work, tape, 1e-12 * (1.0 + largest))
         for i in range(len(q)):
             work.free_u[i] += (work.middle[i] - work.ahead[i]) / h
-    margin = settings.gap_tolerance + 2.0 * static_sway(model, boundary.flexibility, q)
-    return detect(model, work.middle, margin, work.table)
+    sway = static_sway(model, boundary.flexibility, q) + static_sway(model, boundary.flexibility, work.middle)
+    return detect(model, work.middle, settings.gap_tolerance + sway, work.table)
 
 
 @kernel
@@ -248,17 +251,19 @@ def correct(
     tape: Tape,
 ) -> bool:
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
-    split_forces(work, boundary.unit)
-    static_response(work, boundary.flexibility, work.middle)
+    # rows of the deformed surfaces: with others, forces do work that is not stored
+    fill_contact_rows(model, work.middle, work.step_size[1], len(work.residual), work)
     boundary.count[CLOSED] = 0.0
     for k in range(work.step_size[1]):
-        refresh(model, work.middle, work.table, k)
         tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
         if work.normal[k] > 0.0:
             boundary.count[CLOSED] += 1.0
     drives = accelerate(model, t, h, boundary, work)
     finite = True
     for i in range(len(q)):
+        boundary.rate[i] = 0.0
+        if boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.count[CLOSED] > 0.0:
+            boundary.rate[i] = (work.middle[i] - q[i]) / h
         q[i] = work.middle[i]
         u[i] = work.free_u[i] + 0.5 * h * boundary.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])
@@ -305,6 +310,24 @@ def part_length(settings: Settings, boundary: Boundary, work: Workspace, clock: 
     clock[CLOSED_THEN] = boundary.count[CLOSED]
     remaining = settings.step - clock[WITHIN]
     return remaining / max(1.0, math.ceil(remaining / settings.step * clock[PARTS] - 1e-9))
+
+
+@kernel
+def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
+    """Static coordinates by the solution; gap that the curvature of the geometry leaves in closed contacts.
+
+    Relative to the largest static displacement of them.
+    """
+    split_forces(work, boundary.unit)
+    static_response(work, boundary.flexibility, work.middle)
+    left = 0.0
+    displaced = 0.0
+    for k in range(work.step_size[1]):
+        refresh(model, work.middle, work.table, k)
+        if work.normal[k] > 0.0:
+            left = max(left, abs(work.table.gap[k]))
+            displaced = max(displaced, boundary.unit[1] * work.Gc[k, k] * work.normal[k])
+    return left / displaced if displaced > 0.0 else 0.0
 
 
 @kernel
@@ -356,19 +379,22 @@ def advance(
         if clock[NUMBER] > len(work.table.key):
             return GROW
         n = int(clock[NUMBER])
-        clock[NUMBER] = pose_position(model, h, n, work.middle, boundary.flexibility, boundary.unit, work)
-        if clock[NUMBER] >= 0.0:
-            return STIFF
-        recall_basis(work)
-        clock[NUMBER] = solve_lcp(work)
-        if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
-            return SOLVER_FAILED
+        for _ in range(MOST_PASSES):
+            clock[NUMBER] = pose_position(model, h, n, q, boundary.flexibility, boundary.unit, work)
+            if clock[NUMBER] >= 0.0:
+                return STIFF
+            recall_basis(work)
+            clock[NUMBER] = solve_lcp(work)
+            if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
+                return SOLVER_FAILED
+            remember_basis(work)
+            if deform(model, boundary, work) <= CURVED:
+                break
         if h > 0.0 and not short_enough(model, settings, h, boundary, work):
             if clock[PARTS] >= settings.most_parts:
                 return TOO_LONG
             clock[PARTS] = min(math.ceil(1.1 * clock[PARTS] + 0.1), settings.most_parts)
             continue
-        remember_basis(work)
         if not correct(model, t + h, h, q, u, boundary, work, tape):
             return NOT_FINITE
         if h == 0.0:
@@ -561,7 +587,7 @@ class MasslessBoundary:
     step: float | None = None
     dynamic_modes: int | None = None
     substeps: bool = True
-    safety: float = 0.9
+    safety: float = 0.3
     gap_tolerance: float = 1e-9
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
@@ -664,6 +690,7 @@ def _boundary(flexibility: FloatArray, n_laws: int) -> Boundary:
         Boundary(
             flexibility=np.array(flexibility),
             acceleration=np.zeros(n),
+            rate=np.zeros(n),
             guess=np.zeros(n),
             unit=np.ones(2),
             power=np.zeros(2),
