@@ -52,6 +52,9 @@ class AlphaMemory(NamedTuple):
     number: IntArray  # (7,)
 
 
+NESTED: dict[str, Any] = {"sets": ContactSets, "resting": Held, "pressed": Held, "table": ContactTable}
+
+
 def held(system: System, capacity: int) -> Held:
     """An empty list of contacts."""
     table = contact_table(capacity, len(system.model.contacts.surface_body))
@@ -92,13 +95,13 @@ def larger(system: System, old: AlphaMemory, capacity: int) -> AlphaMemory:
     return new
 
 
-def _copy(old: Any, new: Any) -> None:
-    for name in old._fields:
+def _copy(old: Any, new: Any, fields: tuple[str, ...] = AlphaMemory._fields) -> None:
+    for name in fields:
         source, target = getattr(old, name), getattr(new, name)
         if isinstance(source, np.ndarray):
             target[tuple(slice(size) for size in source.shape)] = source
         else:
-            _copy(source, target)
+            _copy(source, target, NESTED[name]._fields)
 
 
 @kernel
