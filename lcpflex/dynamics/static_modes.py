@@ -45,10 +45,10 @@ def flexibilities(model: Model, dynamic_modes: int | None) -> FloatArray:
     touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts)} - {-1})
     largest = max((int(modes[b]) for b in touched), default=0)
     if touched and not (dynamic_modes or 0) < largest:
-        given = "" if dynamic_modes is None else f"dynamic_modes: {dynamic_modes} was given, expected less than "
+        given = f"{dynamic_modes} was given, expected less than {largest}" if largest else "no modes to choose from"
         raise ModelError(
-            f"{given}{largest} modes is the most that a body with a contact has: none is left to give way at contacts; "
-            "reduce the body to more modes, or use MoreauJean or EventDriven, which need no compliance"
+            f"dynamic_modes: {given}: of the bodies with a contact, the richest has {largest} modes, and some must be "
+            "left to give way; reduce it to more modes, or use MoreauJean or EventDriven, which need no compliance"
         )
     flexibility = np.zeros(int(dof[-1]))
     for b in touched:

@@ -331,9 +331,7 @@ def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
 
 
 @kernel
-def short_enough(
-    model: Model, settings: Settings, h: float, boundary: Boundary, work: Workspace
-) -> bool:
+def short_enough(model: Model, settings: Settings, h: float, boundary: Boundary, work: Workspace) -> bool:
     """Whether the scheme is stable with steps h [s] and the contacts that the present problem closes."""
     square = (2.0 * settings.safety / h) ** 2 - settings.spring
     if square <= 0.0 or h * settings.damper > settings.safety:
@@ -547,8 +545,8 @@ class MasslessBoundaryRun:
                 high = h
         parts = int(self._settings.most_parts)
         return (
-            f"the step {self._settings.step:g} s is too long for the system with its contacts closed, which admits "
-            f"{low:.6g} s (with safety {self._settings.safety:g}): shorten it, "
+            f"the step {self._settings.step:g} s is too long for the system with the contacts that close now, which "
+            f"admits {low:.6g} s (with safety {self._settings.safety:g}): shorten it, "
             + ("allow substeps, " if parts == 1 else f"for {parts} parts are the most, ")
             + "or keep fewer dynamic modes"
         )
