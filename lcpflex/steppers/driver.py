@@ -106,13 +106,14 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     """The contacts behind the LCP in ``work``, read off the form of :func:`assemble_friction_lcp`.
 
     Posed on index sets, the Delassus matrix holds the friction of sliding contacts in its normal columns and is
-    unsymmetric. Contacts that share a key (two at one place) come as an LCP.
+    unsymmetric. Contacts that share a key (two at one place) come as an LCP, and so does a problem that is shifted, as
+    the expansion of Poisson's impact is.
     """
     n = int(work.step_size[1])
     n_tangent = (int(work.step_size[3]) - n) // 2
     m = n + n_tangent
     keys = tuple(work.table.key[:n].tolist())
-    if len(set(keys)) < n:
+    if len(set(keys)) < n or work.q[m : m + n_tangent].any():
         return posed_lcp(work)
     twice_mu = work.M[m : m + n_tangent, :n]
     tangent = twice_mu.argmax(axis=1) if n else np.zeros(0, dtype=np.int64)
