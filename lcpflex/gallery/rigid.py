@@ -137,8 +137,8 @@ def double_pendulum(friction: float = 0.5, restitution: float = 0.5) -> Scene:
 def painleve_rod(friction: float = 1.4, degrees: float = 60.0, spin: float = 0.0, slip: float = -1.0) -> Scene:
     """A uniform rod (1 kg, half length 1 m, g = 1 m/s^2) touches a rough floor with its lower end.
 
-    It leans by ``degrees`` from the floor, that end slides at ``slip`` [m/s], and it turns at ``spin`` [rad/s]. For much
-    friction (:func:`painleve_friction`) no force can keep it sliding, or two motions are possible.
+    It leans by ``degrees`` from the floor, that end slides at ``slip`` [m/s], and it turns at ``spin`` [rad/s]. With
+    much friction (:func:`painleve_friction`) no force can keep it sliding, or two motions are possible.
     """
     angle = math.radians(degrees)
     scene = Scene(gravity=(0.0, -1.0))

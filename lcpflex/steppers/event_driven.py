@@ -15,41 +15,58 @@ from typing import Any
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets, assemble, lay_rows, position_errors, project
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, in_range
+from lcpflex.model import OPEN, STICK
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.event_impacts import collide
 from lcpflex.steppers.event_loop import (
     CHATTER,
+    CHOOSING,
+    COLLIDING,
     DONE,
     EVENTS_FULL,
     GROW,
     GROW_TAPE,
+    HIT_TOGETHER,
     MOST_EVENTS,
     SOLVER_FAILED,
     STEP_TOO_SHORT,
     STEPPING,
     TAPE_FULL,
+    TOO_OFTEN,
     advance,
     record,
 )
 from lcpflex.steppers.event_memory import (
     CONTACTS,
+    CUTS,
     DETAIL,
     EVENT_KINDS,
     EVENTS,
+    FIRST_JAM,
+    FIRST_SEVERAL,
+    FOUND,
+    JAMS,
     LAST_EVENT,
+    NUDGES,
+    NUDGING,
     PHASE,
+    SEVERAL,
     STEP,
     STEPS,
+    TARGET,
     TIME,
+    WINDOW,
     EventSettings,
     event_memory,
 )
 from lcpflex.steppers.event_segment import first_closing, gap_above, locate_gap, measure, search, slope, step
-from lcpflex.steppers.event_sets import choose, collide, gather
+from lcpflex.steppers.event_sets import choose, gather
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import store_contacts
@@ -74,7 +91,12 @@ class EventDrivenRun:
             stepper.gap_tolerance,
             stepper.velocity_threshold,
             stepper.solver_tolerance,
+            stepper.impact.code,
+            stepper.impact.sequential,
+            WINDOW / stepper.most_events,
         )
+        self._impact = stepper.impact
+        self._first_jam = ""
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
         self._work.solving[METHOD] = solver_method(stepper.solver)
@@ -113,7 +135,9 @@ class EventDrivenRun:
     @property
     def touching(self) -> list[int]:
         """Declared contacts of the present sets."""
-        return sorted(set(self._work.table.law[: int(self._memory.number[CONTACTS])].tolist()))
+        at_event = self._memory.number[PHASE] in (COLLIDING, CHOOSING)
+        count = int(self._memory.number[FOUND if at_event else CONTACTS])
+        return sorted(set(self._work.table.law[:count].tolist()))
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
@@ -126,7 +150,11 @@ class EventDrivenRun:
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps; empty, or why the run cannot go on."""
-        target = self.steps + n_steps
+        message = self._advance_to(self.steps + n_steps)
+        self.records.warnings[:] = self._warnings()
+        return message
+
+    def _advance_to(self, target: int) -> str:
         while True:
             status = self._advance(
                 self.system.model, self._settings, self._work, self._memory, self.records.tape, target
@@ -143,15 +171,71 @@ class EventDrivenRun:
             elif status == EVENTS_FULL:
                 _ = self.events
             elif status == SOLVER_FAILED:
-                if self._rescue(self._work, self.time):
+                if self._rescue(self._work, self.time) or self._jam():
                     continue
                 return unsolved(self._work, int(detail), self._settings.tolerance)
+            elif status == HIT_TOGETHER:
+                return (
+                    f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
+                    "close together here: use Energetic(sequential=True), Poisson() or Newton()"
+                )
+            elif status == TOO_OFTEN:
+                rate = WINDOW / self._settings.least_window
+                return (
+                    f"the last {WINDOW} events followed each other at more than {rate:g} a second (most_events): "
+                    "contacts that meet so often are taken together, step by step, by MoreauJean(step=...)"
+                )
             elif status == CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
             elif status == STEP_TOO_SHORT:
                 return "no step is short enough: the forces are not smooth, or the state grows without bound"
             else:
                 return "the state is no longer finite"
+
+    def _jam(self) -> bool:
+        """Where the acceleration level has no solution: let an impact without collision follow, at most ten."""
+        number, work = self._memory.number, self._work
+        if number[PHASE] != CHOOSING or number[NUDGES] >= MOST_JAMS:
+            return False
+        found = int(number[FOUND])
+        number[TARGET] = work.M[:found, :found].diagonal().argmin()  # < 0: its own force pulls this contact in
+        number[NUDGES] += 1
+        number[NUDGING] = 1
+        number[JAMS] += 1
+        number[PHASE] = COLLIDING
+        if number[JAMS] == 1:
+            self._memory.clock[FIRST_JAM] = self.time
+            self._first_jam = self._name(work.table.law[number[TARGET]])
+        return True
+
+    def _name(self, law: int) -> str:
+        return repr(self.system.names[law]) if self.system.names else f"number {law}"
+
+    def _warnings(self) -> list[str]:
+        """What the run has met so far that a reader must know: how often, and when first."""
+        number, clock = self._memory.number, self._memory.clock
+        warnings = []
+        if number[JAMS]:
+            warnings.append(
+                f"no acceleration was admissible (Painleve's paradox) {number[JAMS]} times, first at t = "
+                f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {self._first_jam} resolved it"
+            )
+        if number[SEVERAL]:
+            taken = ", ".join(
+                f"{self._name(law)} {'opens' if state == OPEN else 'sticks' if state == STICK else 'slides'}"
+                for law, state in enumerate(self._memory.taken.tolist())
+                if state >= 0
+            )
+            warnings.append(
+                f"several motions were admissible (Painleve's paradox) {number[SEVERAL]} times, first at t = "
+                f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
+            )
+        if number[CUTS]:
+            warnings.append(
+                f"chains of impacts did not end by themselves {number[CUTS]} times: simultaneous impacts without "
+                "restitution ended them"
+            )
+        return warnings
 
     def _grow(self, capacity: int) -> None:
         """Larger tables with the same content."""
@@ -161,7 +245,7 @@ class EventDrivenRun:
         new = event_memory(self.system, capacity)
         _copy(old_work.table, self._work.table, ContactTable._fields)
         _copy(old.sets, new.sets, ContactSets._fields)
-        for name in ("y", "clock", "number", "events"):
+        for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken"):
             getattr(new, name)[...] = getattr(old, name)
         self._memory = new
 
@@ -193,6 +277,9 @@ def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
         getattr(new, name)[tuple(slice(size) for size in source.shape)] = source
 
 
+MOST_JAMS = 10  # impacts without collision at one instant
+
+
 @dataclass(frozen=True, slots=True)
 class EventDriven:
     """Event-driven stepping with adaptive Runge-Kutta steps of order 5(4).
@@ -210,6 +297,10 @@ class EventDriven:
     velocity_threshold
         Slower approach than this [m/s] is stopped instead of reflected (e_N = 0), which ends the infinitely many
         impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick.
+    impact
+        :class:`Newton`, :class:`Poisson` or :class:`Energetic`: the meaning of the restitution of the contacts.
+    most_events
+        Events a second of simulated time, over the last 1000, beyond which the run ends.
     solver
         Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
@@ -227,19 +318,29 @@ class EventDriven:
     first_step: float | None = None
     gap_tolerance: float = 1e-9
     velocity_threshold: float = 1e-6
+    impact: ImpactLaw = field(default_factory=Newton)
+    most_events: float = 1e5
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        for name in ("rtol", "atol", "gap_tolerance", "velocity_threshold", "solver_tolerance"):
+        for name in ("rtol", "atol", "gap_tolerance", "velocity_threshold", "most_events", "solver_tolerance"):
             in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
         if not (isinstance(self.max_step, (int, float)) and self.max_step > 0.0):
             raise ModelError(f"max_step: {self.max_step!r} was given, expected a number > 0 (seconds)")
         if self.first_step is not None:
             in_range("first_step", self.first_step, 0.0, math.inf, open_ends=True)
+        if not isinstance(self.impact, ImpactLaw):
+            raise ModelError(f"impact: {self.impact!r} was given, expected Newton(), Poisson() or Energetic()")
         if not hasattr(self.solver, "solve"):
             raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(), such as Auto()")
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after impacts."""
+        tangential = system.model.contacts.tangential_restitution
+        if not isinstance(self.impact, Newton) and tangential.any():
+            raise ModelError(
+                f"impact: {self.impact} was given for a contact with tangential restitution {tangential.max():g}, "
+                "expected Newton(), the one law that knows it"
+            )
         return EventDrivenRun(system, self, duration, interval)

@@ -14,6 +14,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
+from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, collide
 from lcpflex.steppers.event_memory import (
     CAUSE,
     CLOSING,
@@ -24,7 +25,7 @@ from lcpflex.steppers.event_memory import (
     FOUND,
     HITS,
     LAST_EVENT,
-    NUDGE,
+    LOCATED,
     PHASE,
     SHARE,
     STEPS,
@@ -32,15 +33,17 @@ from lcpflex.steppers.event_memory import (
     STUCK,
     TAKEN,
     TIME,
+    TOO_MANY,
+    WINDOW,
     EventMemory,
     EventSettings,
 )
 from lcpflex.steppers.event_segment import SLIP_PART, search, slope, step, watch
-from lcpflex.steppers.event_sets import RESOLVED, choose, collide, fall_back, gather, note_changes
+from lcpflex.steppers.event_sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.runge_kutta import copy_state, interpolate
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
-__all__ = ["STEPPING", "advance", "record"]
+__all__ = ["CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 
 # what the loop returns
 DONE = 0
@@ -52,6 +55,8 @@ NOT_FINITE = 5
 EVENTS_FULL = 6
 CHATTER = 7
 STEP_TOO_SHORT = 8
+TOO_OFTEN = 9
+HIT_TOGETHER = 10
 
 # where it is, number[PHASE]
 BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
@@ -146,6 +151,11 @@ def close_step(settings: EventSettings, memory: EventMemory) -> None:
         again = clock[TIME] - clock[LAST_EVENT] <= SAME_TIME * settings.duration
         number[STUCK] = number[STUCK] + 1 if again else 0
         clock[LAST_EVENT] = clock[TIME]
+        place = number[LOCATED] % WINDOW
+        if number[LOCATED] >= WINDOW and clock[TIME] - memory.recent[place] < settings.least_window:
+            number[TOO_MANY] = 1
+        memory.recent[place] = clock[TIME]
+        number[LOCATED] += 1
 
 
 @kernel
@@ -235,18 +245,17 @@ def advance(
                 return GROW
             number[PHASE] = EMITTING
         elif phase == COLLIDING:
-            clock[DETAIL] = 0.0
-            if collide(model, settings, work, memory, tape) != RESOLVED:
+            outcome = collide(model, settings, work, memory, tape)
+            if outcome == RESOLVED:
+                number[PHASE] = CHOOSING
+            elif outcome == COUPLED:
+                return HIT_TOGETHER
+            elif outcome != AGAIN:
                 return SOLVER_FAILED
-            number[PHASE] = CHOOSING
         elif phase == CHOOSING:
-            if choose(model, settings, work, memory, tape) == RESOLVED:
-                number[PHASE] = TRYING
-            elif clock[NUDGE] > 0.0:
+            if choose(model, settings, work, memory, tape) != RESOLVED:
                 return SOLVER_FAILED
-            else:  # no solution (Painleve): an impact without collision
-                clock[NUDGE] = settings.velocity_threshold
-                number[PHASE] = COLLIDING
+            number[PHASE] = TRYING
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = number[CONTACTS]
             if phase == CLOSING_STEP:
@@ -261,6 +270,8 @@ def advance(
                     return EVENTS_FULL
                 if number[STUCK] > MOST_EVENTS:
                     return CHATTER
+                if number[TOO_MANY] == 1:
+                    return TOO_OFTEN
                 if not gather(model, settings, work, memory):
                     return GROW
                 n = number[FOUND]

@@ -13,16 +13,23 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable, contact_table
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
+from lcpflex.dynamics.impact import SEGMENTS
 from lcpflex.packed import pack
+from lcpflex.solvers.enumeration import enumeration_workspace
 from lcpflex.steppers.event_root import BRACKET
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
 __all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event"]
 
-EVENT_KINDS = ("impact", "touch-down", "lift-off", "stick", "slip", "slip reversal")
-IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS, REVERSES = 0, 1, 2, 3, 4, 5
+EVENT_KINDS = (
+    "impact", "touch-down", "lift-off", "stick", "slip", "slip reversal", "impact without collision",
+)  # fmt: skip
+IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS, REVERSES, JAMS_UP = range(7)
 EVENT_CAPACITY = 256
+WINDOW = 1000  # events over which their rate is measured
+TESTED = 6  # unknowns: choices of sets up to this size are tested for several motions
+SEVERAL_KEPT = 8
 
 # watched functions of a maintained contact, all positive while its sets hold
 PRESSURE, CONE, SLIDING, SPAN = 0, 1, 2, 3
@@ -40,6 +47,9 @@ class EventSettings(NamedTuple):
     gap_tolerance: float
     velocity_threshold: float
     tolerance: float
+    law: int  # of impact
+    sequential: bool
+    least_window: float  # [s] that WINDOW events take at least
 
 
 class EventMemory(NamedTuple):
@@ -52,23 +62,36 @@ class EventMemory(NamedTuple):
     before: FloatArray  # (ny,) state at the sample before
     slope: FloatArray  # (ny,)
     u: FloatArray  # (ndof,) velocity before an impact
+    reflected: FloatArray  # (ndof,) velocity that restitution reflects
+    approach: FloatArray  # (capacity,) normal velocities when last looked at
+    least: FloatArray  # (capacity,) least normal impulses of an expansion
+    segments: FloatArray  # (SEGMENTS, 2) impulses of the phases of an impact
+    found: FloatArray  # (SEVERAL_KEPT, TESTED) solutions of a choice of sets; work arrays of the enumeration
+    codes: IntArray
+    singular: IntArray
+    tried: FloatArray
+    order: IntArray
+    recent: FloatArray  # (WINDOW,) times of the last events
     sets: ContactSets
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
     value: FloatArray  # (4, capacity) watched functions at the last evaluation
     old_value: FloatArray  # (4, capacity) at the sample before
     bracket: FloatArray  # (BRACKET,) of the root finder
     force: FloatArray  # (1,) scale of the contact forces [N]
-    law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether it was hit
+    law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether, how it was hit
+    taken: IntArray  # (laws,) state where several motions were possible for the first time; -1: not closed
     law_work: FloatArray  # (laws,) work of its impulses [J]
     events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
-    number: IntArray  # (11,) see the names below
-    clock: FloatArray  # (8,) see the names below
+    number: IntArray  # see the names below
+    clock: FloatArray
 
 
 # number
 CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH, FOUND = range(11)
+ROUND, STAGE, ALONE, TARGET, JAMMING, NUDGING = range(11, 17)  # of impacts: see event_impacts
+JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # counts, of the run but NUDGES
 # clock
-TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, NUDGE = range(8)
+TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL = range(10)
 
 
 def event_memory(system: System, capacity: int) -> EventMemory:
@@ -77,6 +100,7 @@ def event_memory(system: System, capacity: int) -> EventMemory:
     laws = system.n_laws
     ny = 2 * ndof + 3 + 2 * laws
     zeros = np.zeros
+    tried, order = enumeration_workspace(TESTED)
     arrays = EventMemory(
         y=zeros(ny),
         end=zeros(ny),
@@ -85,6 +109,16 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         before=zeros(ny),
         slope=zeros(ny),
         u=zeros(ndof),
+        reflected=zeros(ndof),
+        approach=zeros(capacity),
+        least=zeros(capacity),
+        segments=zeros((SEGMENTS, 2)),
+        found=zeros((SEVERAL_KEPT, TESTED)),
+        codes=np.zeros(SEVERAL_KEPT, dtype=np.int64),
+        singular=np.zeros(1, dtype=np.int64),
+        tried=tried,
+        order=order,
+        recent=zeros(WINDOW),
         sets=contact_sets(capacity),
         seen=contact_table(capacity, len(system.model.contacts.surface_body)),
         value=zeros((4, capacity)),
@@ -92,10 +126,11 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         bracket=zeros(BRACKET),
         force=zeros(1),
         law_state=np.zeros((3, laws), dtype=np.int64),
+        taken=np.full(laws, -1, dtype=np.int64),
         law_work=zeros(laws),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(11, dtype=np.int64),
-        clock=zeros(8),
+        number=np.zeros(24, dtype=np.int64),
+        clock=zeros(10),
     )
     memory = pack(arrays)
     memory.y[:ndof] = system.q

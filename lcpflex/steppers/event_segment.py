@@ -81,6 +81,25 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
 
 
 @kernel
+def arc_margin(angle: float, start: float, extent: float) -> float:
+    """How far an angle is inside an arc [rad]."""
+    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
+        return math.inf
+    angle -= start + 0.5 * extent
+    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+
+
+@kernel
+def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside the arc that its slave is [rad]."""
+    if table.slave_radius[k] == 0.0:
+        return math.inf
+    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
+    angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
+    return arc_margin(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
+
+
+@kernel
 def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
     if table.kind[k] == SEGMENT:
@@ -99,12 +118,8 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
                 ax, ay = point_position(model.bodies, model.points, q, far)
                 margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
         return margin
-    extent = table.span[k, 1]
-    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
-        return math.inf
     angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k])
-    angle -= table.span[k, 0] + 0.5 * extent
-    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+    return arc_margin(angle, table.span[k, 0], table.span[k, 1])
 
 
 @kernel
@@ -121,6 +136,7 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         memory.value[CONE, k] = math.inf
         memory.value[SLIDING, k] = math.inf
         memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
+        memory.value[SPAN, k] = min(memory.value[SPAN, k], slave_margin(model, y[:ndof], work.table, k))
         size = abs(p_n)
         if work.Gc[k, k] > 0.0:
             size = max(size, abs(work.bc[k]) / work.Gc[k, k])
@@ -222,7 +238,8 @@ def gap_above(model: Model, settings: EventSettings, memory: EventMemory, k: int
     """Gap of entry k of what was seen; positive where the slave is beside its feature: it comes in from there."""
     refresh(model, q, memory.seen, k)
     gap = memory.seen.gap[k]
-    if foot_margin(model, q, memory.seen, k) < -SPAN_TOLERANCE:
+    margin = min(foot_margin(model, q, memory.seen, k), slave_margin(model, q, memory.seen, k))
+    if margin < -SPAN_TOLERANCE:
         return abs(gap) + settings.gap_tolerance
     return gap
 

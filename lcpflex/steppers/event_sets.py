@@ -1,16 +1,15 @@
-"""What happens at an event: impacts, then the choice of the index sets anew.
+"""The choice of the index sets at an event, after its impacts (:mod:`lcpflex.steppers.event_impacts`).
 
-1. All pairs with a closed gap enter the impulse-level LCP as long as one of them approaches faster than the velocity
+1. All pairs with a closed gap take part in impacts as long as one of them approaches faster than the velocity
    threshold. Slower approach is not reflected (e_N = 0) but stopped: this ends the infinitely many impacts
    of a bouncing body (Zeno) after finitely many.
 2. Those that do not leave enter the acceleration-level LCP: it tells who stays closed, sticks, slips, separates.
    Contacts without force are let go: a closed gap that carries nothing is watched like an open one.
-3. If that LCP has no solution (Painleve's paradox), an impulse resolves it: an impact without collision.
+3. If that LCP has no solution (Painleve's paradox), an impulse resolves it: an impact without collision. If it has
+   several motions, the run says so and goes on with the one that was found (tested up to 6 unknowns).
 """
 
 from __future__ import annotations
-
-import math
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect
@@ -19,29 +18,41 @@ from lcpflex.dynamics.acceleration import (
     SLIDE_FORTH,
     SMOOTH,
     STICKING,
+    ContactSets,
     assemble,
-    lay_rows,
     pose_sets,
+    sliding_sign,
 )
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.impulse import solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
+from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution
+from lcpflex.steppers.event_impacts import JAM, LOOKING, RESOLVED, UNSOLVED, note_certificate
 from lcpflex.steppers.event_memory import (
     CONE,
     CONTACTS,
     DETAIL,
+    FIRST_SEVERAL,
     FOUND,
     HITS,
     IMPACT,
+    JAMS_UP,
     LIFT_OFF,
-    NUDGE,
+    NUDGES,
+    NUDGING,
     PRESSURE,
     REVERSES,
+    ROUND,
+    SEVERAL,
+    SEVERAL_KEPT,
+    SEVERAL_NOW,
     SLIPS,
+    STAGE,
     STICKS,
     STORED,
+    TESTED,
     TIME,
     TOUCH_DOWN,
     EventMemory,
@@ -50,17 +61,15 @@ from lcpflex.steppers.event_memory import (
     note_event,
 )
 from lcpflex.steppers.event_segment import FORCE_TOLERANCE, SLIP_PART
-from lcpflex.steppers.tape import Tape, note_gain
+from lcpflex.steppers.tape import Tape
 
-__all__ = ["RESOLVED", "UNSOLVED", "choose", "collide", "fall_back", "gather", "note_changes"]
+__all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
 
 NO_EVENT = -1
 SLIP_BACK = SLIP + 1  # tells the direction, for events
-RESOLVED = 0
-UNSOLVED = 4
-ROUNDS = 30  # of impacts at one instant: the last third without restitution
 CARRIES = 1e-10  # part of the largest contact force below which a contact carries nothing
 INSIDE = 1e-6  # part of the largest contact force by which a sticking contact must be inside its cone
+APART = 1e-6  # relative distance of two motions
 
 
 @kernel
@@ -76,99 +85,6 @@ def law_states(work: Workspace, memory: EventMemory) -> None:
             memory.law_state[row, law] = STICK
         elif memory.law_state[row, law] == OPEN:
             memory.law_state[row, law] = SLIP if memory.sets.mode[k] != SLIDE_BACK else SLIP_BACK
-
-
-@kernel
-def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> None:
-    """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    base = 2 * len(u)
-    gained = 0.0
-    for r in range(n_joint + n + work.step_size[2]):
-        p = work.p[r]
-        if p == 0.0:
-            continue
-        before = row_velocity(work.rows, work.row_body, r, work.dof, memory.u)
-        done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, u))
-        if r < n_joint:
-            if work.rate[r] != 0.0:
-                memory.y[base + 2] += done
-            continue
-        gained += done
-        part = 0
-        if r < n_joint + n:
-            k = r - n_joint
-            tape.sums[1] -= done
-        else:
-            k = work.tangent[r - n_joint - n]
-            part = 1
-            memory.y[base] -= done
-        law = work.table.law[k]
-        memory.law_work[law] += done
-        memory.law_state[2, law] = 1
-        memory.y[base + 3 + 2 * law + part] += p
-    note_gain(tape, memory.clock[TIME], gained)
-
-
-@kernel
-def note_certificate(work: Workspace, tape: Tape) -> None:
-    """Keep the worst residual, size and pivots."""
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
-
-
-@kernel
-def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> None:
-    """Keep those contacts in the table that do not leave, by the rows laid."""
-    kept = 0
-    for k in range(memory.number[FOUND]):
-        if row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u) <= settings.velocity_threshold:
-            copy_entry(work.table, k, work.table, kept)
-            kept += 1
-    memory.number[FOUND] = kept
-
-
-@kernel
-def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
-    """Impulses until none of the closed contacts approaches; those that leave are dropped from the table.
-
-    clock[NUDGE] [m/s] is an approach assumed once where there is none.
-    """
-    n = memory.number[FOUND]
-    nudge = memory.clock[NUDGE]
-    ndof = len(memory.u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
-    for turn in range(ROUNDS):
-        lay_rows(model, memory.clock[TIME], q, u, n, work, memory.sets)
-        n_joint = work.step_size[0]
-        lowest = 0.0
-        for k in range(n):
-            lowest = min(lowest, row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u))
-        if lowest >= -settings.velocity_threshold and nudge == 0.0:
-            break
-        for i in range(ndof):
-            memory.u[i] = u[i]
-            work.free_u[i] = u[i]
-        threshold = settings.velocity_threshold if 3 * turn < 2 * ROUNDS else math.inf
-        pose(model, work, memory.u, 0.0, threshold)
-        for k in range(n):
-            work.q[k] -= nudge
-        nudge = 0.0
-        status = solve_lcp(work)
-        memory.clock[DETAIL] = status
-        if status != 0 or not work.certificate[0] <= settings.tolerance:
-            return UNSOLVED
-        note_certificate(work, tape)
-        distribute(work)
-        total = n_joint + n + work.step_size[2]
-        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
-        account(work, memory, tape, u)
-        memory.number[HITS] = 1
-    keep_closed(settings, work, memory, u)
-    return RESOLVED
 
 
 @kernel
@@ -243,6 +159,68 @@ def fall_back(memory: EventMemory) -> None:
 
 
 @kernel
+def difference(n: int, work: Workspace, sets: ContactSets, a: FloatArray, b: FloatArray) -> float:
+    """Distance of the accelerations of the contacts in two solutions of the LCP of the sets, relative to its terms."""
+    d = sets.solution
+    j = 0
+    for k in range(n):
+        d[k] = a[k] - b[k]
+        tangent = sets.tangent_of[k]
+        if sets.mode[k] == STICKING:
+            d[n + tangent] = a[n + j] - b[n + j] - work.mu[k] * d[k]
+            j += 1
+        elif tangent >= 0:
+            d[n + tangent] = -sliding_sign(sets.mode[k]) * work.mu[k] * d[k]
+    far = 0.0
+    size = 0.0
+    for r in range(n + work.step_size[2]):
+        change = 0.0
+        terms = 0.0
+        for c in range(n + work.step_size[2]):
+            change += work.Gc[r, c] * d[c]
+            terms += abs(work.Gc[r, c] * d[c])
+        far = max(far, abs(change))
+        size = max(size, max(terms, abs(work.bc[r])))
+    return far / size if size > 0.0 else 0.0
+
+
+@kernel
+def several_motions(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
+    """Whether the LCP of the sets admits different accelerations; False for what is too large to be tested."""
+    m = work.step_size[3]
+    if m > TESTED or work.step_size[2] == 0:
+        return False
+    kept, _ = enumerate_active_sets(
+        work.M,
+        work.q,
+        m,
+        settings.tolerance,
+        memory.found,
+        memory.codes,
+        memory.singular,
+        memory.tried,
+        memory.order,
+    )
+    for i in range(1, min(kept, SEVERAL_KEPT)):
+        if difference(n, work, memory.sets, memory.found[0], memory.found[i]) > APART:
+            return True
+    return False
+
+
+@kernel
+def note_paradox(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
+    """Remember that n contacts just chosen for may move in several ways, and which contacts the first ones were."""
+    memory.number[SEVERAL_NOW] = 0
+    if several_motions(n, settings, work, memory):
+        memory.number[SEVERAL_NOW] = 1
+        memory.number[SEVERAL] += 1
+        if memory.number[SEVERAL] == 1:
+            memory.clock[FIRST_SEVERAL] = memory.clock[TIME]
+            for k in range(n):
+                memory.taken[work.table.law[k]] = OPEN
+
+
+@kernel
 def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
     """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force."""
     n = memory.number[FOUND]
@@ -260,6 +238,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         if status != 0 or not work.certificate[0] <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
+        note_paradox(n, settings, work, memory)
         kept = read_sets(n, n_stick, work, memory)
     memory.number[CONTACTS] = kept
     return RESOLVED
@@ -270,6 +249,11 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
     """Events of every declared contact: what it was before, whether it was hit, what it is now."""
     law_states(work, memory)
     t = memory.clock[TIME]
+    if memory.number[SEVERAL_NOW] == 1 and memory.number[SEVERAL] == 1:
+        for law in range(len(memory.taken)):
+            if memory.taken[law] >= 0:
+                memory.taken[law] = memory.law_state[1, law]
+    memory.number[SEVERAL_NOW] = 0
     for law in range(memory.law_state.shape[1]):
         before = memory.law_state[0, law]
         after = memory.law_state[1, law]
@@ -277,8 +261,8 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
             kind = NO_EVENT
             change = 0.0
             if turn == 0:
-                if memory.law_state[2, law] == 1:
-                    kind = IMPACT
+                if memory.law_state[2, law] > 0:
+                    kind = JAMS_UP if memory.law_state[2, law] == JAM else IMPACT
                     change = memory.law_work[law]
             elif before == after or memory.number[STORED] == 0:
                 pass
@@ -306,7 +290,8 @@ def gather(model: Model, settings: EventSettings, work: Workspace, memory: Event
         memory.law_work[law] = 0.0
     memory.number[HITS] = 0
     memory.number[FOUND] = found
-    memory.clock[NUDGE] = 0.0
+    for item in (ROUND, STAGE, NUDGING, NUDGES):
+        memory.number[item] = LOOKING
     for k in range(found):
         copy_entry(memory.seen, k, work.table, k)
     return True

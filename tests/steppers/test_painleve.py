@@ -81,12 +81,12 @@ def test_user_system_and_joints() -> None:
     assert pushed.solutions[0].fate == (ContactFate.SLIDES_FORTH,)
     assert pushed.solutions[0].acceleration == pytest.approx([1.0, 0.0])
     pendulum = gallery.double_pendulum()
-    with pytest.raises(lf.ModelError, match="approaches at 0.134202 m/s"):
+    with pytest.raises(lf.ModelError, match=r"approaches at 0\.134202 m/s"):
         admissible_accelerations(pendulum)
 
 
 def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(lf.ModelError, match="q: "):
         admissible_accelerations(gallery.painleve_rod(), q=[0.0])
-    with pytest.raises(lf.ModelError, match="14 contacts|unknowns"):
+    with pytest.raises(lf.ModelError, match="expected at most 16"):
         admissible_accelerations(gallery.stack(boxes=10))

@@ -1,0 +1,77 @@
+"""What contacts do in an impact: the laws of Newton, Poisson and Stronge, as values.
+
+e_N is the restitution that each contact declares. Contacts that are closed take part, whether they approach or not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from lcpflex.errors import ModelError
+
+__all__ = ["ENERGETIC", "NEWTON", "POISSON", "Energetic", "ImpactLaw", "Newton", "Poisson"]
+
+NEWTON, POISSON, ENERGETIC = 0, 1, 2  # the same for kernels
+
+
+@dataclass(frozen=True, slots=True)
+class ImpactLaw:
+    """What all laws have in common.
+
+    Attributes
+    ----------
+    sequential
+        Contacts hit one after another, the one that approaches fastest first, until none approaches; otherwise all
+        closed contacts at once. A chain that has not ended after 1000 impacts is ended by one without restitution.
+    """
+
+    sequential: bool = False
+    code: ClassVar[int]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.sequential, bool):
+            raise ModelError(f"sequential: {self.sequential!r} was given, expected True or False")
+
+
+@dataclass(frozen=True, slots=True)
+class Newton(ImpactLaw):
+    """Normal velocities are reflected, gdot_N+ = -e_N gdot_N-, and tangential ones with e_T (Moreau 1988).
+
+        0 <= p_N  _|_  gdot_N+ + e_N gdot_N- >= 0,   p_T in mu p_N Sign(-(gdot_T+ + e_T gdot_T-))
+
+    With friction it may create energy (Kane's double pendulum); the result says so.
+    """
+
+    code: ClassVar[int] = NEWTON
+
+
+@dataclass(frozen=True, slots=True)
+class Poisson(ImpactLaw):
+    """Impulses are reflected, in two contact problems (Pfeiffer & Glocker 1996).
+
+        compression   0 <= p_C  _|_  gdot_N,C >= 0
+        expansion     0 <= p_E - e_N p_C  _|_  gdot_N,E >= 0
+
+    each with Coulomb friction of its own. Contacts that touched without approaching rebound, too, and none is left
+    approaching. Declared tangential restitution is refused.
+    """
+
+    code: ClassVar[int] = POISSON
+
+
+@dataclass(frozen=True, slots=True)
+class Energetic(ImpactLaw):
+    """The work of the normal impulse: in restitution it gives back e_N^2 of what compression took (Stronge 1990).
+
+    The velocities are integrated over the normal impulse p of one contact, through slip, stick and reversed slip, each
+    of which has constant rates:
+
+        d gdot_N / dp = G_NN + kappa G_NT,   d gdot_T / dp = G_TN + kappa G_TT,
+        kappa = -mu sign(gdot_T) in slip, -G_TN / G_TT in stick, possible if |G_TN| <= mu G_TT
+
+    Energy never grows for e_N <= 1. If contacts that influence each other close together, the run ends by a StepError,
+    unless ``sequential``. Declared tangential restitution is refused.
+    """
+
+    code: ClassVar[int] = ENERGETIC
