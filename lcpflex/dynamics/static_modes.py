@@ -194,7 +194,7 @@ def _span(start: IntArray, of: int) -> range:
 
 def _directional(model: Model, q: FloatArray, f: int, F: FloatArray) -> tuple[bool, bool]:
     """Whether F (2, 2) gives way along the normal and the tangent of a feature; for arcs, along any direction."""
-    values, vectors = np.linalg.eigh(F)
+    values, _vectors = np.linalg.eigh(F)
     if not values[1] > 0.0:
         return False, False
     if model.contacts.feature_kind[f] != SEGMENT:

@@ -1,0 +1,394 @@
+"""The compiled step of the massless-boundary scheme (see :class:`lcpflex.steppers.massless_boundary.MasslessBoundary`).
+
+A step is made of equal parts, as many as stability asks for. Each part is predicted, its contact problem is solved, and
+if the contacts that this closes do not admit its length, it is taken back and made shorter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.kinematics import contact_point
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
+from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
+from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import SLIP, STICK, Model
+from lcpflex.packed import pack
+from lcpflex.steppers.projection import project_joints
+from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+
+__all__ = ["Boundary", "Settings", "advance", "boundary_of", "short_enough", "stages"]
+
+DONE = 0
+TAPE_FULL = 1
+GROW = 2
+GROW_TAPE = 3
+SOLVER_FAILED = 4
+NOT_FINITE = 5
+TOO_LONG = 6
+STIFF = 7
+STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
+MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
+CURVED = 1e-3  # gap left by the linearisation, relative to the static displacement, that ends them
+MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
+MADE, NUMBER, STORED, WITHIN, BEGUN, PARTS, CLOSED_THEN = 0, 1, 2, 3, 4, 5, 6  # entries of the clock
+SPLIT, FINEST, CLOSED = 0, 1, 2  # entries of Boundary.tally
+
+
+class Settings(NamedTuple):
+    """Numbers of the scheme, as the compiled loop takes them."""
+
+    step: float
+    safety: float
+    parts: float  # into which every step is divided, and at the most
+    most_parts: float
+    gap_tolerance: float
+    tolerance: float
+    spring: float
+    damper: float
+
+
+class Boundary(NamedTuple):
+    """What goes from step to step besides the state."""
+
+    flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
+    acceleration: FloatArray  # (ndof,)
+    rate: FloatArray  # (ndof,) of change of the static coordinates, of which contacts are linearised about a guess
+    guess: FloatArray  # (ndof,) velocity at which forces are evaluated
+    unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
+    power: FloatArray  # (2,) of dissipative forces, and of loads and drives [W]
+    force: FloatArray  # (laws, 2) contact forces [N]
+    tally: FloatArray  # (3,) steps that were divided, most parts of one, contacts closed
+
+
+@kernel
+def predict(
+    model: Model,
+    settings: Settings,
+    t: float,
+    h: float,
+    q: FloatArray,
+    u: FloatArray,
+    boundary: Boundary,
+    work: Workspace,
+    tape: Tape,
+) -> int:
+    """q+ in ``work.middle`` and u_h in ``work.free_u``, at time t = end of the step; returns the contacts near."""
+    largest = 0.0
+    for i in range(len(q)):
+        work.free_u[i] = u[i] + 0.5 * h * boundary.acceleration[i]
+        work.middle[i] = q[i] + h * (work.free_u[i] + boundary.rate[i])
+        work.ahead[i] = work.middle[i]
+        largest = max(largest, abs(q[i]))
+    if h > 0.0 and len(work.residual) > 0:
+        project_joints(model, t, work.middle, work.free_u, work, tape, 1e-12 * (1.0 + largest))
+        for i in range(len(q)):
+            work.free_u[i] += (work.middle[i] - work.ahead[i]) / h
+    sway = static_sway(model, boundary.flexibility, q) + static_sway(model, boundary.flexibility, work.middle)
+    return detect(model, work.middle, settings.gap_tolerance + sway, work.table)
+
+
+@kernel
+def hold_joints(model: Model, t: float, h: float, boundary: Boundary, work: Workspace) -> float:
+    """Change the acceleration such that u_h + h/2 a fulfils the joints; power of the drives [W].
+
+    Without a step (h = 0) the acceleration itself fulfils them.
+    """
+    n_joint = len(work.residual)
+    if n_joint == 0:
+        return 0.0
+    a = boundary.acceleration
+    joint_rows(model, t, work.middle, boundary.guess, work.external, work.rows, work.row_body, work.rate, work.bias)
+    solve_rows(model, work, 0, n_joint)
+    delassus(work.rows, work.solved, work.row_body, n_joint, work.G)
+    cholesky(work.G, n_joint, work.lower)
+    for j in range(n_joint):
+        work.p[j] = -row_velocity(work.rows, work.row_body, j, work.dof, a)
+        if h > 0.0:
+            velocity = row_velocity(work.rows, work.row_body, j, work.dof, work.free_u)
+            work.p[j] -= 2.0 / h * (velocity + work.rate[j])
+        else:
+            work.p[j] -= work.bias[j]
+    cholesky_solve(work.lower, n_joint, work.p)
+    apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, a)
+    power = 0.0
+    for j in range(n_joint):
+        power -= work.p[j] * work.rate[j]
+    return power
+
+
+@kernel
+def accelerate(model: Model, t: float, h: float, boundary: Boundary, work: Workspace) -> float:
+    """a+ at ``work.middle`` under all forces but those of joints; modal damping is implicit.
+
+    Velocities for the forces: u_h + h/2 a, to second order; the diagonal of the damping acts on u+ itself.
+    """
+    a = boundary.acceleration
+    guess = boundary.guess
+    for i in range(len(a)):
+        guess[i] = work.free_u[i] + 0.5 * h * a[i]
+    supply(model, t, work.middle, guess, work)
+    forces(model, t, work.middle, guess, work)
+    factorise(model, work.middle, 0.5 * h, 0.0, work)
+    for i in range(len(a)):
+        a[i] = work.total[i]
+    for b in range(len(model.bodies.mass)):
+        for k in range(work.dof[b] + 3, work.dof[b + 1]):
+            a[k] += model.bodies.damping[k - 3 * (b + 1)] * (guess[k] - work.free_u[k])
+    n_joint = len(work.residual)
+    total = n_joint + work.step_size[1] + work.step_size[2]
+    apply_impulses(work.rows, work.row_body, n_joint, total, work.p, work.dof, a)
+    for i in range(len(a)):
+        if boundary.flexibility[i] > 0.0:
+            a[i] = 0.0
+    solve_vector(model, work, a)
+    return hold_joints(model, t, h, boundary, work)
+
+
+@kernel
+def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape) -> None:
+    """Add the step's work by kind, and its impulses, to the tape; trapezoidal in time, as Verlet's own balance is.
+
+    Friction: the mean of the forces at both ends times the slip, which is exact for the contact compliance.
+    """
+    lost = 0.0
+    for i in range(len(u)):
+        lost -= work.dissipative[i] * u[i]
+        drives += work.driving[i] * u[i]
+    tape.sums[2] += 0.5 * h * (boundary.power[0] + lost)
+    tape.sums[3] += 0.5 * h * (boundary.power[1] + drives)
+    boundary.power[0] = lost
+    boundary.power[1] = drives
+    for law in range(len(boundary.force)):
+        for i in range(2):
+            tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
+            boundary.force[law, i] = 0.0
+    n = work.step_size[1]
+    for k in range(n):
+        boundary.force[work.table.law[k], 0] += work.normal[k]
+    length = boundary.unit[0] * boundary.unit[1]
+    held = work.step_size[4]
+    for j in range(work.step_size[2]):
+        k = work.tangent[j]
+        boundary.force[work.table.law[k], 1] += work.tangential[j]
+        before = 0.0
+        for i in range(held):
+            if work.held_key[0, i] == work.table.key[k]:
+                before = work.held_gap[0, i]
+        work.held_key[1, j] = work.table.key[k]
+        work.held_gap[1, j] = work.tangential[j]
+        if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
+            tape.sums[0] -= 0.5 * (before + work.tangential[j]) * slip_of(work, n + j) * length
+    work.step_size[4] = work.step_size[2]
+    for j in range(work.step_size[2]):
+        work.held_key[0, j] = work.held_key[1, j]
+        work.held_gap[0, j] = work.held_gap[1, j]
+    for law in range(len(boundary.force)):
+        for i in range(2):
+            tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
+    tape.worst[0] = max(tape.worst[0], work.certificate[0])
+    tape.worst[3] = max(tape.worst[3], work.step_size[3])
+    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+
+
+@kernel
+def slip_of(work: Workspace, r: int) -> float:
+    """Slip of a step on contact row r, in the unit of the problem."""
+    n = work.step_size[1]
+    m = work.step_size[2]
+    slip = work.q[r]
+    for s in range(n + m):
+        slip += work.M[r, s] * work.z[s]
+    return slip
+
+
+@kernel
+def correct(
+    model: Model, t: float, h: float, q: FloatArray, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape
+) -> bool:
+    """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
+    # rows of the deformed surfaces: with others, forces do work that is not stored
+    fill_contact_rows(model, work.middle, work.step_size[1], len(work.residual), work)
+    boundary.tally[CLOSED] = 0.0
+    for k in range(work.step_size[1]):
+        tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
+        if work.normal[k] > 0.0:
+            boundary.tally[CLOSED] += 1.0
+    drives = accelerate(model, t, h, boundary, work)
+    finite = True
+    for i in range(len(q)):
+        boundary.rate[i] = 0.0
+        if boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.tally[CLOSED] > 0.0:
+            boundary.rate[i] = (work.middle[i] - q[i]) / h
+        q[i] = work.middle[i]
+        u[i] = work.free_u[i] + 0.5 * h * boundary.acceleration[i]
+        finite = finite and math.isfinite(q[i] + u[i])
+    audit(h, drives, u, boundary, work, tape)
+    return finite
+
+
+@kernel
+def record(
+    model: Model, t: float, q: FloatArray, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape
+) -> int:
+    """Store the present instant with its contact forces."""
+    needed = store_contacts(model, q, tape)
+    if needed > len(tape.table.key):
+        return needed
+    n = work.step_size[1]
+    tangent = 0
+    for k in range(n):
+        force_t = 0.0
+        slip = 1.0
+        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+            force_t = work.tangential[tangent]
+            slip = slip_of(work, n + tangent)
+            tangent += 1
+        if work.normal[k] > 0.0:
+            state = STICK if abs(slip) <= STICKING else SLIP
+            place = contact_point(model, q, work.table, k)
+            note_contact(tape, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
+    kinetic, elastic, potential = energies(model, q, u, work)
+    store_state(tape, t, q, u, kinetic, elastic, potential)
+    return needed
+
+
+@kernel
+def part_length(settings: Settings, boundary: Boundary, work: Workspace, clock: FloatArray) -> float:
+    """Length of the next part of the step [s]; 0 for the start, which only finds forces.
+
+    A step is divided anew whenever another number of contacts is closed.
+    """
+    if clock[BEGUN] == 0.0:
+        return 0.0
+    if clock[WITHIN] == 0.0 and boundary.tally[CLOSED] != clock[CLOSED_THEN]:
+        clock[PARTS] = settings.parts
+    clock[CLOSED_THEN] = boundary.tally[CLOSED]
+    remaining = settings.step - clock[WITHIN]
+    return remaining / max(1.0, math.ceil(remaining / settings.step * clock[PARTS] - 1e-9))
+
+
+@kernel
+def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
+    """Static coordinates by the solution; gap that the curvature of the geometry leaves in closed contacts.
+
+    Relative to the largest static displacement of them.
+    """
+    split_forces(work, boundary.unit)
+    static_response(work, boundary.flexibility, work.middle)
+    left = 0.0
+    displaced = 0.0
+    for k in range(work.step_size[1]):
+        refresh(model, work.middle, work.table, k)
+        if work.normal[k] > 0.0:
+            left = max(left, abs(work.table.gap[k]))
+            displaced = max(displaced, boundary.unit[1] * work.Gc[k, k] * work.normal[k])
+    return left / displaced if displaced > 0.0 else 0.0
+
+
+@kernel
+def short_enough(model: Model, settings: Settings, h: float, boundary: Boundary, work: Workspace) -> bool:
+    """Whether the scheme is stable with steps h [s] and the contacts that the present problem closes."""
+    square = (2.0 * settings.safety / h) ** 2 - settings.spring
+    if square <= 0.0 or h * settings.damper > settings.safety:
+        return False
+    return admissible(model, work.middle, square, boundary.flexibility, boundary.unit, work)
+
+
+@kernel
+def advance(
+    model: Model,
+    settings: Settings,
+    start: float,
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    boundary: Boundary,
+    work: Workspace,
+    tape: Tape,
+    n_steps: int,
+    stride: int,
+) -> int:
+    """At most n_steps steps from the state (q, u), which is stored before each ``stride``-th one.
+
+    clock: steps made; a number that explains the return value; the step last stored; time made of the present step;
+    whether forces are known; the parts of a step; contacts closed when that was chosen. Returns DONE, or why the next
+    step or record could not be made; the state is then that of the last whole part of a step (but NOT_FINITE).
+    """
+    last = clock[MADE] + n_steps
+    while True:
+        t = start + clock[MADE] * settings.step + clock[WITHIN]
+        if clock[BEGUN] > 0.0 and clock[WITHIN] == 0.0:
+            if clock[MADE] % stride == 0 and clock[STORED] != clock[MADE]:
+                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                    return TAPE_FULL
+                clock[NUMBER] = record(model, t, q, u, boundary, work, tape)
+                if clock[NUMBER] > len(tape.table.key):
+                    return GROW_TAPE
+                clock[STORED] = clock[MADE]
+            if clock[MADE] >= last:
+                return DONE
+        h = part_length(settings, boundary, work, clock)
+        clock[NUMBER] = predict(model, settings, t + h, h, q, u, boundary, work, tape)
+        if clock[NUMBER] > len(work.table.key):
+            return GROW
+        n = int(clock[NUMBER])
+        for _ in range(MOST_PASSES):
+            clock[NUMBER] = pose_position(model, h, n, q, boundary.flexibility, boundary.unit, work)
+            if clock[NUMBER] >= 0.0:
+                return STIFF
+            recall_basis(work)
+            clock[NUMBER] = solve_lcp(work)
+            if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
+                return SOLVER_FAILED
+            remember_basis(work)
+            if deform(model, boundary, work) <= CURVED:
+                break
+        if h > 0.0 and not short_enough(model, settings, h, boundary, work):
+            if clock[PARTS] >= settings.most_parts:
+                return TOO_LONG
+            clock[PARTS] = min(math.ceil(1.1 * clock[PARTS] + 0.1), settings.most_parts)
+            continue
+        if not correct(model, t + h, h, q, u, boundary, work, tape):
+            return NOT_FINITE
+        if h == 0.0:
+            clock[BEGUN] = 1.0
+        elif clock[WITHIN] + h >= settings.step * (1.0 - 1e-9):
+            if clock[PARTS] > 1.0:
+                boundary.tally[SPLIT] += 1.0
+                boundary.tally[FINEST] = max(boundary.tally[FINEST], clock[PARTS])
+            clock[MADE] += 1.0
+            clock[WITHIN] = 0.0
+        else:
+            clock[WITHIN] += h
+
+
+def stages() -> list[Callable[..., Any]]:
+    """The kernels of a step that call what may be replaced, callees first."""
+    return [project_joints, predict, accelerate, correct]
+
+
+def boundary_of(flexibility: FloatArray, n_laws: int) -> Boundary:
+    """At the start: everything at rest, no contact closed."""
+    n = len(flexibility)
+    return pack(
+        Boundary(
+            flexibility=np.array(flexibility),
+            acceleration=np.zeros(n),
+            rate=np.zeros(n),
+            guess=np.zeros(n),
+            unit=np.ones(2),
+            power=np.zeros(2),
+            force=np.zeros((n_laws, 2)),
+            tally=np.zeros(3),
+        )
+    )
