@@ -118,8 +118,8 @@ Integrator = ExplicitRungeKutta | Stiff | Verlet
 class Smooth:
     """Stepping under continuous contact forces.
 
-    Contacts count as sticking in the records below the slip speed of their law, as slipping above it. The restitution of
-    a declared contact is not used, and the result says so.
+    Contacts count as sticking in the records below the slip speed of their law, as slipping above it. The restitution
+    of a declared contact is not used, and the result says so.
 
     Attributes
     ----------

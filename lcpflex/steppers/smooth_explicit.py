@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.compiled import kernel
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
@@ -202,7 +202,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
 def advance_fixed(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape, last_step: int
 ) -> int:
-    """Steps of Verlet's method until their number is ``last_step`` or the duration is reached; DONE, or what is missing.
+    """Steps of Verlet's method until their number is ``last_step`` or the duration is reached; returns as ``advance``.
 
     Stores the start, each ``stride``-th step and the end.
     """

@@ -31,7 +31,6 @@ __all__ = ["StiffRun"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
 LEAST = 1e-2  # magnitude below which it is no longer relative
-DRIFT = 1e-10  # of joints, times 1 + the largest |q|: beyond it the state is put right and the method starts anew
 
 
 class StiffRun(SmoothRun):
@@ -154,7 +153,10 @@ class StiffRun(SmoothRun):
             self._handle(status)
 
     def _put_right(self, taken: float) -> None:
-        """Put the state onto the joints where it has drifted, from which the method must start anew."""
+        """Put the state onto the joints where it has drifted by more than the tolerance.
+
+        The method must start anew from there, one of many steps at order 1: so not for any less.
+        """
         memory = self._memory
         moved = memory.y.copy()
         n = len(self.system.q)
@@ -164,6 +166,7 @@ class StiffRun(SmoothRun):
         worst = self.records.tape.worst
         worst[2] = max(worst[2], drift)
         off = np.abs(moved[: 2 * n] - memory.y[: 2 * n]).max()
-        if off > DRIFT * (1.0 + np.abs(moved[: 2 * n]).max()) and self.time < self.duration:
+        tolerance = self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()
+        if off > tolerance and self.time < self.duration:
             memory.y[:] = moved
             self._start(min(taken, self.duration - self.time))

@@ -2,9 +2,9 @@
 
     M udot = h + J^T lambda_J + W_N lambda_N(q, u) + W_T lambda_T(q, u),   J udot + b = 0
 
-Contact forces are functions of the state (:mod:`lcpflex.contact.penalty`); only joints have unknown ones. The vector y holds
-q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of loads and drives
-[J], and the normal and tangential impulse of each declared contact [N s].
+Contact forces are functions of the state (:mod:`lcpflex.contact.penalty`); only joints have unknown ones. The vector y
+holds q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of loads and
+drives [J], and the normal and tangential impulse of each declared contact [N s].
 """
 
 from __future__ import annotations
@@ -252,8 +252,8 @@ def horizon(
 ) -> float:
     """Longest step [s] that passes over no contact: error control does not see what no stage meets.
 
-    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further, so
-    that the pair is met. After ``slope`` at y. Negative: the table must hold as many entries.
+    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further,
+    so that the pair is met. After ``slope`` at y. Negative: the table must hold as many entries.
     """
     ndof = len(work.free_u)
     q = y[:ndof]

@@ -1,0 +1,159 @@
+"""Rates of continuous contact forces: of the steps in smooth motion, of the tolerance, and of the stiffness."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import lcpflex as lf
+from lcpflex.contact.penalty import Penalty
+from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+
+Vector = npt.NDArray[np.float64]
+
+
+def rate(scales: Sequence[float], errors: Sequence[float]) -> float:
+    """Exponent of the power law through the points, by least squares of the logarithms."""
+    return float(np.polyfit(np.log(scales), np.log(errors), 1)[0])
+
+
+def rolling_disc() -> lf.Scene:
+    """A disc meets a rough floor obliquely; a heavy rod hinged to it swings."""
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    disc = scene.add(lf.Disc(radius=0.5, mass=1.0), name="disc", position=(0.0, 0.5), velocity=(1.0, -1.0))
+    rod = scene.add(
+        lf.RigidBody(mass=0.5, inertia=0.05, points={"top": (0.0, 0.4)}),
+        name="rod",
+        position=(0.0, 0.1),
+        velocity=(1.0, -1.0),
+    )
+    scene.join(lf.Revolute(rod.point("top"), disc.point("center")))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(disc.surface(), floor, friction=0.3, name="floor")
+    return scene
+
+
+SMOOTH_LAW = Penalty(
+    2e4, exponent=3.0, damping=0.1, slip_speed=0.5
+)  # the cube is smooth at the moment of touching, too
+IN_CONTACT = 0.1
+
+
+def final_state(stepper: Smooth) -> tuple[Vector, lf.Result]:
+    result = lf.simulate(rolling_disc(), IN_CONTACT, stepper, record=0.5 * IN_CONTACT)
+    assert result.force[1, 0, 0] > 0.0
+    assert result.force[2, 0, 0] > 0.0  # all the time
+    return np.concatenate([result.q[-1], result.u[-1]]), result
+
+
+def test_order_of_runge_kutta_in_contact() -> None:
+    """Order 5 with friction, damping and a joint, at steps that error control does not change."""
+
+    def end(steps: int) -> tuple[Vector, float]:
+        h = IN_CONTACT / steps
+        fixed = ExplicitRungeKutta(rtol=1e9, atol=1e9, first_step=h, max_step=h)
+        state, result = final_state(Smooth(SMOOTH_LAW, integrator=fixed))
+        assert result.steps == steps
+        return state, result.energies.largest_remainder
+
+    exact, _ = end(1600)
+    counts = (25, 50, 100, 200)
+    ends = [end(n) for n in counts]
+    order = -rate(counts, [float(np.abs(state - exact).max()) for state, _ in ends])
+    assert 4.7 < order < 5.6
+    assert -rate(counts, [remainder for _, remainder in ends]) > 4.7
+
+
+def test_order_of_verlet_in_contact() -> None:
+    """Order 2 without forces that depend on velocities, 1 with them."""
+
+    def errors(law: Penalty, friction: float) -> float:
+        def end(steps: int) -> Vector:
+            scene = lf.Scene(gravity=(0.0, -9.81))
+            disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.5), velocity=(1.0, -1.0))
+            floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+            scene.contact(disc.surface(), floor, friction=friction)
+            result = lf.simulate(scene, IN_CONTACT, Smooth(law, integrator=Verlet(IN_CONTACT / steps)))
+            assert result.steps == steps
+            return np.concatenate([result.q[-1], result.u[-1]])
+
+        exact = end(200_000)
+        counts = (100, 200, 400, 800)
+        return -rate(counts, [float(np.abs(end(n) - exact).max()) for n in counts])
+
+    assert errors(Penalty(2e4, exponent=3.0), 0.0) == pytest.approx(2.0, abs=0.05)
+    assert errors(SMOOTH_LAW, 0.3) == pytest.approx(1.0, abs=0.05)
+
+
+@pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "stiff"])
+def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
+    """Impact on a linear spring, kinks included: each decade of tolerance brings at least two thirds of one."""
+
+    def run(rtol: float) -> tuple[Vector, float]:
+        integrator = Stiff(rtol, 1e-2 * rtol) if implicit else ExplicitRungeKutta(rtol, 1e-2 * rtol)
+        scene = lf.Scene(gravity=(0.0, -9.81))
+        disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.15), velocity=(1.0, -1.0))
+        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        scene.contact(disc.surface(), floor, friction=0.2)
+        stepper = Smooth(Penalty(1e5, damping=0.2, slip_speed=0.1), integrator=integrator)
+        result = lf.simulate(scene, 0.2, stepper, record=0.02)
+        return np.concatenate([result.q[-1], result.u[-1]]), result.energies.relative_remainder
+
+    exact, _ = run(1e-12)
+    tolerances = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+    runs = [run(rtol) for rtol in tolerances]
+    assert rate(tolerances, [float(np.abs(state - exact).max()) for state, _ in runs]) > 0.66
+    assert rate(tolerances, [remainder for _, remainder in runs]) > 0.66
+    assert runs[-1][1] < 1e-6
+
+
+@pytest.mark.parametrize(("exponent", "expected"), [(1.0, 0.5), (1.5, 0.4)], ids=["linear", "hertz"])
+def test_bounce_approaches_rigid_impact(exponent: float, expected: float) -> None:
+    """A ball dropped from 1 m against the complementarity solution with e = 1.
+
+    It is late by the duration of contact, which goes with K^(-1/(n+1)).
+    """
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 1.1))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(ball.surface(), floor, restitution=1.0, name="floor")
+    rigid = lf.simulate(scene, 0.7, lf.EventDriven(), record=0.7)
+    landing = math.sqrt(2.0 / 9.81)
+    assert rigid.u[-1, 1] == pytest.approx(9.81 * (2.0 * landing - 0.7), rel=1e-7)
+    stiffnesses = (1e6, 1e7, 1e8, 1e9, 1e10)
+    errors = []
+    for stiffness in stiffnesses:
+        soft = lf.simulate(scene, 0.7, Smooth(Penalty(stiffness, exponent)), record=0.7)
+        errors.append(abs(float(soft.q[-1, 1] - rigid.q[-1, 1])))
+    assert -rate(stiffnesses, errors) == pytest.approx(expected, abs=0.02)
+    assert errors[-1] < 1e-3
+
+
+def test_sliding_approaches_coulomb_friction() -> None:
+    """A block brakes on a rough floor: its path against that of complementarity.
+
+    With dv/dt = -mu g tanh(v/v_s) the way to rest is longer by the integral of v (coth(v/v_s) - 1) dv / (mu g):
+    by pi^2 v_s^2 / (12 mu g). The stiffness is so large that the start, when the block sinks in, plays no part.
+    """
+
+    def scene() -> lf.Scene:
+        built = lf.Scene(gravity=(0.0, -9.81))
+        block = built.add(lf.Box(width=0.4, height=0.2, mass=1.0), position=(0.0, 0.1), velocity=(1.0, 0.0))
+        floor = built.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        built.contact(block.surface(), floor, friction=0.4, name="floor")
+        return built
+
+    rigid = lf.simulate(scene(), 0.4, lf.EventDriven(), record=0.4)
+    assert rigid.q[-1, 0] == pytest.approx(1.0 / (2.0 * 0.4 * 9.81), rel=1e-6)
+    speeds = (4e-2, 2e-2, 1e-2, 5e-3)
+    errors = []
+    for slip_speed in speeds:
+        law = Penalty(1e8, damping=1000.0, slip_speed=slip_speed)
+        soft = lf.simulate(scene(), 0.4, Smooth(law), record=0.4)
+        errors.append(float(soft.q[-1, 0] - rigid.q[-1, 0]))
+        assert errors[-1] == pytest.approx(math.pi**2 * slip_speed**2 / (12.0 * 0.4 * 9.81), rel=0.01)
+    assert rate(speeds, errors) == pytest.approx(2.0, abs=0.02)
