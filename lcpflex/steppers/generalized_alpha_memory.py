@@ -26,7 +26,7 @@ class Held(NamedTuple):
     """Contacts that carry something, with what they carry."""
 
     table: ContactTable
-    count: IntArray  # (1,)
+    filled: IntArray  # (1,) how many
     load: FloatArray  # (capacity, 2) normal and tangential
     mode: IntArray  # (capacity,) of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
 
@@ -58,8 +58,8 @@ NESTED: dict[str, Any] = {"sets": ContactSets, "resting": Held, "pressed": Held,
 def held(system: System, capacity: int) -> Held:
     """An empty list of contacts."""
     table = contact_table(capacity, len(system.model.contacts.surface_body))
-    count, mode = np.zeros(1, dtype=np.int64), np.zeros(capacity, dtype=np.int64)
-    return pack(Held(table, count, np.zeros((capacity, 2)), mode))
+    filled, mode = np.zeros(1, dtype=np.int64), np.zeros(capacity, dtype=np.int64)
+    return pack(Held(table, filled, np.zeros((capacity, 2)), mode))
 
 
 def alpha_memory(system: System, capacity: int) -> AlphaMemory:
@@ -110,10 +110,10 @@ def match(table: ContactTable, k: int, held: Held) -> int:
 
     The same pair of slave and feature, or the same slave where it has passed from one feature of a surface to the next.
     """
-    for i in range(held.count[0]):
+    for i in range(held.filled[0]):
         if held.table.key[i] == table.key[k]:
             return i
-    for i in range(held.count[0]):
+    for i in range(held.filled[0]):
         if held.table.law[i] == table.law[k] and held.table.slave[i] == table.slave[k]:
             return i
     return -1
@@ -122,9 +122,9 @@ def match(table: ContactTable, k: int, held: Held) -> int:
 @kernel
 def hold(table: ContactTable, k: int, normal: float, tangential: float, mode: int, held: Held) -> None:
     """Add entry k of the table with its load."""
-    i = held.count[0]
+    i = held.filled[0]
     copy_entry(table, k, held.table, i)
     held.load[i, 0] = normal
     held.load[i, 1] = tangential
     held.mode[i] = mode
-    held.count[0] = i + 1
+    held.filled[0] = i + 1

@@ -231,7 +231,7 @@ def note_smooth(work: Workspace, memory: AlphaMemory, when: int) -> None:
     working = memory.working[when]
     law_force = memory.law_force[when]
     law_force[:, :] = 0.0
-    memory.resting.count[0] = 0
+    memory.resting.filled[0] = 0
     for i in range(len(memory.v_new)):
         working[FRICTION, i] = 0.0
         working[NORMAL, i] = 0.0
@@ -300,7 +300,7 @@ def apply_smooth(
         return
     note_smooth(work, memory, NEXT)
     memory.number[PHASE] = POSITION
-    memory.pressed.count[0] = 0
+    memory.pressed.filled[0] = 0
     resting = memory.resting
-    for i in range(resting.count[0]):
+    for i in range(resting.filled[0]):
         hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], memory.pressed)

@@ -64,9 +64,9 @@ def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memor
     """Closed pairs at the present configuration, and those that carried something in the last pass; their number."""
     n = detect(model, memory.q_new, settings.gap_tolerance, work.table)
     pressed = memory.pressed
-    if n + pressed.count[0] > len(work.table.key):
-        return n + pressed.count[0]
-    for i in range(pressed.count[0]):
+    if n + pressed.filled[0] > len(work.table.key):
+        return n + pressed.filled[0]
+    for i in range(pressed.filled[0]):
         memory.matched[i] = 0
     near = n
     for k in range(near):
@@ -75,7 +75,7 @@ def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memor
         if i >= 0 and memory.matched[i] == 0:
             memory.total[k] = pressed.load[i, 0]
             memory.matched[i] = 1
-    for i in range(pressed.count[0]):
+    for i in range(pressed.filled[0]):
         if memory.matched[i] == 0:
             copy_entry(pressed.table, i, work.table, n)
             refresh(model, memory.q_new, work.table, n)
@@ -150,7 +150,7 @@ def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memor
     joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
     for r in range(n_joint + n):
         work.p[r] *= settings.step
-    memory.pressed.count[0] = 0
+    memory.pressed.filled[0] = 0
     for k in range(n):
         if work.z[k] > 0.0:
             hold(work.table, k, work.z[k], 0.0, FRICTIONLESS, memory.pressed)
@@ -268,7 +268,7 @@ def broken(settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> boo
             return True
         if carries:
             kept += 1
-    if kept != memory.resting.count[0]:
+    if kept != memory.resting.filled[0]:
         return True
     for j in range(work.step_size[2]):
         i = memory.matched[work.tangent[j]]
