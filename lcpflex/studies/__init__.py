@@ -13,13 +13,34 @@ from typing import TYPE_CHECKING, Any
 _HOME = {
     "Criteria": "outcome",
     "Outcome": "outcome",
+    "Output": "outputs",
     "StabilityMap": "stability_map",
     "Verdict": "outcome",
+    "WorkPoint": "work_points",
+    "WorkPrecision": "work_points",
     "acceleration_level": "acceleration_level",
+    "graph_distance": "graph_distance",
+    "outcome_legend": "stability_chart",
     "stability": "stability",
+    "standard_methods": "standard_methods",
+    "work_precision": "work_precision",
 }
 
-__all__ = ["Criteria", "Outcome", "StabilityMap", "Verdict", "acceleration_level", "stability"]
+__all__ = [
+    "Criteria",
+    "Outcome",
+    "Output",
+    "StabilityMap",
+    "Verdict",
+    "WorkPoint",
+    "WorkPrecision",
+    "acceleration_level",
+    "graph_distance",
+    "outcome_legend",
+    "stability",
+    "standard_methods",
+    "work_precision",
+]
 
 
 def __getattr__(name: str) -> Any:
@@ -48,6 +69,12 @@ sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
     from lcpflex.studies.acceleration_level import acceleration_level
+    from lcpflex.studies.graph_distance import graph_distance
     from lcpflex.studies.outcome import Criteria, Outcome, Verdict
+    from lcpflex.studies.outputs import Output
     from lcpflex.studies.stability import stability
+    from lcpflex.studies.stability_chart import outcome_legend
     from lcpflex.studies.stability_map import StabilityMap
+    from lcpflex.studies.standard_methods import standard_methods
+    from lcpflex.studies.work_points import WorkPoint, WorkPrecision
+    from lcpflex.studies.work_precision import work_precision

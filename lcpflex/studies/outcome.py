@@ -50,6 +50,12 @@ class Outcome(Enum):
         return member
 
 
+PARADOXES = {  # the words by which warnings report them
+    "no acceleration was admissible": Outcome.NO_SOLUTION,
+    "several motions were admissible": Outcome.NOT_UNIQUE,
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """An outcome, and why."""
@@ -152,10 +158,11 @@ def _divergence(result: Result, criteria: Criteria) -> Verdict | None:
 
 
 def _absence(result: Result, criteria: Criteria) -> Verdict | None:
-    """Forces that do not exist, for which an impulse stood in."""
-    for event in result.events:
-        if "without collision" in event.kind:
-            return Verdict(Outcome.NO_SOLUTION, f"{event.kind} of {event.contact} at t = {event.time:.6g} s")
+    """Painleve's paradoxes, which a stepper gets past and reports."""
+    for words, outcome in PARADOXES.items():
+        for warning in result.warnings:
+            if words in warning:
+                return Verdict(outcome, warning)
     return None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from lcpflex.studies.stability_map import StabilityMap
 
-__all__ = ["chart", "draw_map"]
+__all__ = ["chart", "draw_map", "outcome_legend"]
 
 # After Okabe and Ito, told apart with any colour vision; the letters say the same without colours.
 COLOURS = {
@@ -39,6 +39,7 @@ COLOURS = {
 }
 DARK = (Outcome.GAINING, Outcome.DIVERGED, Outcome.SOLVER_FAILED, Outcome.NO_SOLUTION, Outcome.STOPPED)
 LETTERED = 26  # cells along an axis up to which every cell carries its letter
+NAMED = 6  # values of an axis up to which each has its tick
 CURVES: tuple[Any, ...] = ("-", "--", ":", "-.")
 
 
@@ -59,7 +60,7 @@ def chart(chosen: StabilityMap, curves: Mapping[str, tuple[Sequence[float], Sequ
         if k + columns >= count:  # the lowest of its column
             ax.tick_params(labelbottom=True)
             ax.set_xlabel(next(iter(chosen.axes)))
-    figure.legend(handles=legend_handles(chosen, curves), loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(handles=outcome_legend(chosen, curves=curves), loc="outside lower center", ncols=4, frameon=False)
     return figure
 
 
@@ -99,26 +100,20 @@ def draw_map(
     ax.set_title(method, fontsize="medium", loc="left")
 
 
-def legend_handles(
-    chosen: StabilityMap, curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None
-) -> list[Any]:
-    """A patch for each outcome that occurs, a line for each curve."""
+def outcome_legend(*maps: StabilityMap, curves: Iterable[str] = ()) -> list[Any]:
+    """Handles for ``figure.legend``: a patch for each outcome that occurs in the maps, a line for each curve."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    present = set(chosen.outcomes.ravel().tolist())
-    lettered = max(chosen.outcomes.shape[1:]) <= LETTERED
-    patches: list[Any] = [
-        Patch(
-            facecolor=COLOURS[kind], edgecolor="#666666",
-            label=f"{kind.letter}  {kind.value}" if lettered else kind.value,
-        )
+    present = {outcome for one in maps for outcome in one.outcomes.ravel().tolist()}
+    handles: list[Any] = [
+        Patch(facecolor=COLOURS[kind], edgecolor="#666666", label=f"{kind.letter}  {kind.value}")
         for kind in Outcome
         if kind in present
-    ]  # fmt: skip
-    for k, label in enumerate(curves or {}):
-        patches.append(Line2D([], [], color="k", linestyle=CURVES[k % len(CURVES)], linewidth=2.0, label=label))
-    return patches
+    ]
+    for k, label in enumerate(curves):
+        handles.append(Line2D([], [], color="k", linestyle=CURVES[k % len(CURVES)], linewidth=2.0, label=label))
+    return handles
 
 
 def _letter(ax: Axes, cells: Any, x: FloatArray, y: FloatArray) -> None:
@@ -148,7 +143,8 @@ class _Scale:
         """Scale and ticks."""
         if self.log:
             axis.axes.set(**{f"{axis.axis_name}scale": "log"})
-        elif not self.numeric:
+        if not self.numeric or len(self.centers) <= NAMED:
+            axis.set_ticks([], minor=True)
             axis.set_ticks(self.centers, [axis_label(value) for value in self.values])
 
 

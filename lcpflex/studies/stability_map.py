@@ -19,6 +19,7 @@ from lcpflex.solvers.comparison import as_markdown
 from lcpflex.studies.outcome import Outcome
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -117,6 +118,17 @@ class StabilityMap:
         from lcpflex.studies.stability_chart import chart
 
         return chart(self, curves or {})
+
+    def draw(
+        self,
+        axes: Axes,
+        method: str,
+        curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
+    ) -> None:
+        """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend."""
+        from lcpflex.studies.stability_chart import draw_map
+
+        draw_map(axes, self, method, curves or {})
 
     def __str__(self) -> str:
         """The counts of each method, and where along the first axis it is sound."""

@@ -11,6 +11,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.contact.penalty import Penalty
+from lcpflex.steppers.smooth import Smooth, Verlet
 from lcpflex.studies import Criteria, Outcome, StabilityMap, acceleration_level, stability
 
 
@@ -67,6 +69,38 @@ def test_fast_spin_turns_painleves_missing_motion_into_two() -> None:
         [Outcome.SOUND, Outcome.NOT_UNIQUE],
     ]
     assert found.messages[0, 1, 1].startswith("2 motions: ")
+
+
+def test_steppers_report_paradoxes() -> None:
+    axes = {"spin": [0.0, 1.2], "friction": [0.5, 1.4]}
+    found = stability(gallery.painleve_rod, {"event-driven": lf.EventDriven()}, axes, duration=1e-3)
+    assert found.of("event-driven").tolist() == [
+        [Outcome.SOUND, Outcome.NO_SOLUTION],
+        [Outcome.SOUND, Outcome.NOT_UNIQUE],
+    ]
+
+
+def pressed_disc() -> lf.Scene:
+    """The force grows so slowly that the disc stays on the floor."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.1))
+    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.load(lf.Force(disc.point("center"), (0.0, lf.Table([0.0, 0.5, 1.0], [0.0, -10.0, -10.0]))))
+    return scene
+
+
+def test_stiff_penalty_explodes_beyond_two_over_omega_and_soft_penalty_sinks() -> None:
+    def penalty(step: float, stiffness: float) -> Smooth:
+        return Smooth(Penalty(stiffness=stiffness), integrator=Verlet(step))
+
+    axes = {"step": np.geomspace(3e-4, 1e-1, 14), "stiffness": np.geomspace(3e3, 3e6, 7)}
+    swings = Criteria(growth=0.3, remainder=0.3)
+    found = stability(pressed_disc, {"penalty": penalty}, axes, duration=1.0, criteria=swings)
+    beyond = axes["step"][:, None] * np.sqrt(axes["stiffness"]) > 2.0
+    unstable = np.isin(found.of("penalty"), [Outcome.GAINING, Outcome.DIVERGED])
+    np.testing.assert_array_equal(unstable, beyond)
+    sinks = (10.0 / axes["stiffness"] > 1e-3 * 0.2)[None, :] & ~beyond
+    np.testing.assert_array_equal(found.of("penalty") == Outcome.DRIFTING, sinks)
 
 
 def test_newtons_law_gains_energy_where_friction_and_restitution_are_large() -> None:
