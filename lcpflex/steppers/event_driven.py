@@ -180,10 +180,11 @@ class EventDrivenRun:
                     "close together here: use Energetic(sequential=True), Poisson() or Newton()"
                 )
             elif status == TOO_OFTEN:
-                rate = WINDOW / self._settings.least_window
+                names = ", ".join(self._name(law) for law in sorted({event[2] for event in self.events[-WINDOW:]}))
                 return (
-                    f"the last {WINDOW} events followed each other at more than {rate:g} a second (most_events): "
-                    "contacts that meet so often are taken together, step by step, by MoreauJean(step=...)"
+                    f"the last {WINDOW} events, of contacts {names}, followed each other at more than "
+                    f"{WINDOW / self._settings.least_window:g} a second (most_events): MoreauJean(step=...) takes the "
+                    "impacts of a step together"
                 )
             elif status == CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
@@ -217,7 +218,7 @@ class EventDrivenRun:
         warnings = []
         if number[JAMS]:
             warnings.append(
-                f"no acceleration was admissible (Painleve's paradox) {number[JAMS]} times, first at t = "
+                f"no acceleration was admissible (Painleve's paradox) {_times(number[JAMS])}, first at t = "
                 f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {self._first_jam} resolved it"
             )
         if number[SEVERAL]:
@@ -227,13 +228,13 @@ class EventDrivenRun:
                 if state >= 0
             )
             warnings.append(
-                f"several motions were admissible (Painleve's paradox) {number[SEVERAL]} times, first at t = "
+                f"several motions were admissible (Painleve's paradox) {_times(number[SEVERAL])}, first at t = "
                 f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
             )
         if number[CUTS]:
             warnings.append(
-                f"chains of impacts did not end by themselves {number[CUTS]} times: simultaneous impacts without "
-                "restitution ended them"
+                f"a chain of impacts did not end by itself {_times(number[CUTS])}: simultaneous impacts without "
+                "restitution ended it"
             )
         return warnings
 
@@ -268,6 +269,10 @@ _PARTS: list[Callable[..., Any]] = [
     store_contacts,
     record,
 ]  # those that call what may be replaced, callees first
+
+
+def _times(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
 
 
 def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:

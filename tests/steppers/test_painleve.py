@@ -10,6 +10,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.accelerations import ContactFate, Count, admissible_accelerations
+from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 
 
 @pytest.mark.parametrize(
@@ -90,3 +91,94 @@ def test_what_cannot_be_is_refused() -> None:
         admissible_accelerations(gallery.painleve_rod(), q=[0.0])
     with pytest.raises(lf.ModelError, match="expected at most 16"):
         admissible_accelerations(gallery.stack(boxes=10))
+
+
+def tip(rod: lf.Result) -> np.ndarray:
+    return rod.velocity("rod", (-1.0, 0.0))
+
+
+def rod_with(restitution: float, mu: float = 1.4) -> lf.Scene:
+    """The rod of the paradox, with restitution."""
+    angle = math.radians(60.0)
+    scene = lf.Scene(gravity=(0.0, -1.0))
+    rod = scene.add(
+        lf.RigidBody(mass=1.0, inertia=1.0 / 3.0),
+        name="rod",
+        position=(math.cos(angle), math.sin(angle)),
+        angle=angle,
+        velocity=(-1.0, 0.0),
+    )
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(rod.node(-1.0, 0.0), floor, friction=mu, restitution=restitution, name="floor")
+    return scene
+
+
+@pytest.mark.parametrize("law", [Newton(), Poisson(), Energetic(), Energetic(sequential=True)], ids=repr)
+def test_impact_without_collision(law: ImpactLaw) -> None:
+    """Without restitution all laws stop the tip: p = -G^-1 (gdot_T, 0), which costs 1/2 (G^-1)_TT = 0.21875 J."""
+    result = lf.simulate(rod_with(0.0), 0.01, lf.EventDriven(impact=law), record=1e-3)
+    first = result.events[0]
+    assert (first.kind, first.time, first.contact) == ("impact without collision", 0.0, "floor")
+    assert first.energy_change == pytest.approx(-0.21875, abs=1e-9)
+    assert tip(result)[1] == pytest.approx([0.0, 0.0], abs=2e-6)
+    assert [w for w in result.warnings if "Painleve" in w] == [
+        "no acceleration was admissible (Painleve's paradox) once, first at t = 0 s: an impact without collision of "
+        "contact 'floor' resolved it"
+    ]
+
+
+def test_restitution_of_an_impact_without_collision() -> None:
+    """Newton has no approach to reflect; Poisson and Stronge give back what the jamming has compressed."""
+    e = 0.5
+    newton, poisson, stronge = (
+        lf.simulate(rod_with(e), 0.01, lf.EventDriven(impact=law), record=1e-3)
+        for law in (Newton(), Poisson(), Energetic())
+    )
+    assert abs(tip(newton)[1, 1]) < 2e-6
+    gnn, gtt, gnt = 1.75, 3.25, 0.75 * math.sqrt(3.0)  # slip to the left: gdot_T < 0 pulls the tip in
+    stuck = gnn - gnt**2 / gtt  # d gdot_N / dp in stick
+    slipped = 1.0 / (1.4 * gtt - gnt)  # impulse that stops the slip of 1 m/s
+    depth = (1.4 * gnt - gnn) * slipped  # approach by then
+    compression = slipped + depth / stuck
+    assert tip(poisson)[1, 1] == pytest.approx(e * compression * stuck, rel=1e-4)
+    work = 0.5 * depth * compression
+    assert tip(stronge)[1, 1] == pytest.approx(math.sqrt(2.0 * stuck * e**2 * work), abs=1e-9)
+
+
+def test_choice_among_several_motions_is_told() -> None:
+    result = lf.simulate(gallery.painleve_rod(1.4, 60.0, 1.2), 0.01, lf.EventDriven(), record=1e-3)
+    assert [w for w in result.warnings if "Painleve" in w] == [
+        "several motions were admissible (Painleve's paradox) once, first at t = 0 s: taken was the one in which "
+        "contact 'floor' opens"
+    ]
+
+
+def test_runs_away_from_the_paradox_are_not_warned_of() -> None:
+    for scene in (gallery.painleve_rod(0.5, 60.0), gallery.stack(boxes=2), gallery.spring_block()):
+        result = lf.simulate(scene, 0.01, lf.EventDriven(), record=1e-3)
+        assert not any("Painleve" in w for w in result.warnings)
+
+
+def test_user_system_meets_the_paradox_in_the_python_loop() -> None:
+    """The same rod by its own equations q = (x, y, phi) of the centre."""
+    phi = math.radians(60.0)
+
+    def rows(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        sin, cos = math.sin(q[2]), math.cos(q[2])
+        return np.array([[0.0], [1.0], [-cos]]), np.array([[1.0], [0.0], [sin]])
+
+    system = lf.UserSystem(
+        q=[math.cos(phi), math.sin(phi), phi],
+        u=[-1.0, 0.0, 0.0],
+        mass=np.diag([1.0, 1.0, 1.0 / 3.0]),
+        force=lambda t, q, u: np.array([0.0, -1.0, 0.0]),
+        gaps=lambda q: np.array([q[1] - math.sin(q[2])]),
+        normals=lambda q: rows(q)[0],
+        tangents=lambda q: rows(q)[1],
+        friction=1.4,
+        names=("tip",),
+    )
+    assert admissible_accelerations(system).count is Count.NONE
+    result = lf.simulate(system, 0.01, lf.EventDriven(), record=1e-3)
+    assert result.events[0].kind == "impact without collision"
+    assert any("contact 'tip' resolved it" in w for w in result.warnings)
