@@ -50,6 +50,13 @@ _HOME = {
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
     "AdaptiveStep": "lcpflex.steppers.adaptive",
+    "GeneralizedAlpha": "lcpflex.steppers.generalized_alpha",
+    "MasslessBoundary": "lcpflex.steppers.massless_boundary",
+    "Smooth": "lcpflex.steppers.smooth",
+    "ExplicitRungeKutta": "lcpflex.steppers.smooth",
+    "Stiff": "lcpflex.steppers.smooth",
+    "Verlet": "lcpflex.steppers.smooth",
+    "Penalty": "lcpflex.contact.penalty",
     "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
     "RecordProblems": "lcpflex.recorder",
@@ -74,13 +81,17 @@ __all__ = [
     "DrivenDisplacement",
     "EnergyGrowth",
     "EventDriven",
+    "ExplicitRungeKutta",
     "Force",
+    "GeneralizedAlpha",
     "Harmonic",
     "LcpflexError",
     "Lemke",
+    "MasslessBoundary",
     "Matrices",
     "ModelError",
     "MoreauJean",
+    "Penalty",
     "PointOnLine",
     "Polygon",
     "Prismatic",
@@ -91,13 +102,16 @@ __all__ = [
     "Revolute",
     "RigidBody",
     "Scene",
+    "Smooth",
     "SolverError",
     "Spring",
     "StepError",
+    "Stiff",
     "Table",
     "Torque",
     "TorsionSpring",
     "UserSystem",
+    "Verlet",
     "Weld",
     "__version__",
     "simulate",
@@ -133,6 +147,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.contact.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
@@ -146,5 +161,8 @@ if TYPE_CHECKING:
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven import EventDriven
+    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+    from lcpflex.steppers.massless_boundary import MasslessBoundary
     from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
     from lcpflex.user_system import UserSystem

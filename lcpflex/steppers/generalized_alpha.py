@@ -1,5 +1,8 @@
 """Nonsmooth generalised-alpha time stepping: order 2 in smooth motion, no drift, high modes damped as asked for.
 
+Smooth motion includes joints, damping, and contacts that rest, slide, roll, or come to stick. Across impacts and where
+a slip turns about the order is 1.
+
 A step from (q, u) solves three problems, decoupled from each other:
 
 1. smooth motion: M(q~) w = f(t + h, q~, v~) + J^T lambda_J + W lambda, (1 - alpha_m) a+ + alpha_m a =
@@ -29,7 +32,9 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.generalized_alpha_adaptive import AdaptiveGeneralizedAlphaRun
 from lcpflex.steppers.generalized_alpha_memory import (
     BETWEEN,
     PHASE,
@@ -83,7 +88,7 @@ def advance(
             if clock[0] % stride == 0 and clock[2] != clock[0]:
                 if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
                     return TAPE_FULL
-                clock[1] = record(model, settings, t, q, u, work, tape)
+                clock[1] = record(model, settings.step, t, q, u, work, tape)
                 if clock[1] > len(tape.table.key):
                     return GROW_TAPE
                 clock[2] = clock[0]
@@ -170,6 +175,8 @@ class GeneralizedAlphaRun:
             self._made += whole
             self._start += whole * step
             self._settings = self._settings._replace(step=self._phases[1][0])
+            memory = self._memory  # a stands for udot at t + (alpha_m - alpha_f) h
+            memory.a[:] = memory.w + (memory.a - memory.w) * self._settings.step / step
             self._clock[:] = (0.0, 0.0, 0.0)
         if not message:
             self._phases.pop(0)
@@ -235,6 +242,8 @@ class GeneralizedAlpha:
         Gaps up to this count as closed [m].
     velocity_threshold
         A closed contact with a slower normal velocity [m/s] is at rest, one with a slower slip may stick.
+    adaptive
+        Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
         Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
@@ -250,6 +259,7 @@ class GeneralizedAlpha:
     rho_inf: float = 0.8
     gap_tolerance: float = 1e-9
     velocity_threshold: float = 1e-8
+    adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
@@ -259,6 +269,8 @@ class GeneralizedAlpha:
         in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
         for name in ("velocity_threshold", "solver_tolerance"):
             in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
+        if not isinstance(self.adaptive, AdaptiveStep | None):
+            raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
         if not hasattr(self.solver, "solve"):
             raise ModelError(
                 f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
@@ -281,6 +293,10 @@ class GeneralizedAlpha:
             self.solver_tolerance,
         )
 
-    def start(self, system: System, duration: float, interval: float) -> GeneralizedAlphaRun:
+    def start(
+        self, system: System, duration: float, interval: float
+    ) -> GeneralizedAlphaRun | AdaptiveGeneralizedAlphaRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        if self.adaptive is not None:
+            return AdaptiveGeneralizedAlphaRun(system, self.settings(), self.adaptive, self.solver, duration, interval)
         return GeneralizedAlphaRun(system, self, duration, interval)

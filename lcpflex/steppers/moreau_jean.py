@@ -71,7 +71,7 @@ def advance(
         if clock[0] % stride == 0 and clock[2] != clock[0]:
             if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
                 return TAPE_FULL
-            clock[1] = record(model, settings, t, q, u, work, tape)
+            clock[1] = record(model, settings.step, t, q, u, work, tape)
             if clock[1] > len(tape.table.key):
                 return GROW_TAPE
             clock[2] = clock[0]

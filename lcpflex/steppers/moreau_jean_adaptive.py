@@ -102,11 +102,7 @@ def advance_adaptive(
         if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
             if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
                 return TAPE_FULL
-            recent = Settings(
-                clock[RECENT], settings.theta, settings.activation, settings.gap_tolerance, settings.projection,
-                settings.tolerance,
-            )  # fmt: skip
-            clock[DETAIL] = record(model, recent, t, q, u, work, tape)
+            clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
             if clock[DETAIL] > len(tape.table.key):
                 return GROW_TAPE
             clock[DUE] = math.inf if ended else t + limits.interval

@@ -164,10 +164,8 @@ def correct(
 
 
 @kernel
-def record(
-    model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
-) -> int:
-    """Store the present instant; the contact forces are the impulses of the last step over its length."""
+def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
+    """Store the present instant; the contact forces are the impulses of the last step over its length ``step`` [s]."""
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
@@ -186,9 +184,7 @@ def record(
         if p_n > 0.0:
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
-            note_contact(
-                tape, work.table.law[k], place, work.table.normal[k], p_n / settings.step, p_t / settings.step, state
-            )
+            note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
     kinetic, elastic, potential = energies(model, q, u, work)
     store_state(tape, t, q, u, kinetic, elastic, potential)
     return needed

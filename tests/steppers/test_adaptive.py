@@ -108,3 +108,50 @@ def test_refuses_numbers_out_of_range(name: str, value: float) -> None:
 def test_refuses_another_object() -> None:
     with pytest.raises(lf.ModelError, match="adaptive"):
         lf.MoreauJean(step=1e-3, adaptive=1e-6)
+
+
+def controlled_alpha(tolerance: float, **options: object) -> lf.GeneralizedAlpha:
+    return lf.GeneralizedAlpha(step=1e-4, adaptive=AdaptiveStep(rtol=tolerance, atol=1e-2 * tolerance), **options)
+
+
+def swinging_mass() -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    bob = scene.add(lf.RigidBody(mass=1.0, inertia=0.1), position=(1.0, 0.0))
+    scene.join(lf.Distance(bob.point("center"), scene.ground.at(0.0, 0.0)))
+    return scene
+
+
+def test_generalised_alpha_keeps_its_order_while_its_step_changes() -> None:
+    """Local errors of order 3 under control: steps go with tolerance^(-1/3), the final error with tolerance^(2/3)."""
+    exact = lf.simulate(swinging_mass(), 3.0, lf.EventDriven(rtol=1e-11, atol=1e-12)).q[-1]
+    tolerances = np.array([1e-4, 1e-5, 1e-6, 1e-7])
+    runs = [lf.simulate(swinging_mass(), 3.0, controlled_alpha(tolerance)) for tolerance in tolerances]
+    errors = [np.abs(run.q[-1] - exact).max() for run in runs]
+    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(2.0 / 3.0, abs=0.1)
+    assert np.polyfit(np.log(tolerances), np.log([run.steps for run in runs]), 1)[0] == pytest.approx(-1 / 3, abs=0.05)
+
+
+def test_generalised_alpha_shortens_its_step_at_impacts() -> None:
+    result = lf.simulate(gallery.bouncing_ball(), 1.0, controlled_alpha(1e-6), record=0.0)
+    lengths = np.diff(result.times)
+    jumps = np.diff(result.u[:, 1]) > 1.0
+    assert jumps.sum() == 2
+    assert lengths[jumps].max() < 1e-5
+    assert lengths.max() > 100.0 * lengths[jumps].max()
+    assert result.times[1:][jumps][0] == pytest.approx(math.sqrt(2.0 / 9.81), abs=1e-5)
+
+
+def test_generalised_alpha_with_friction_by_both_drivers() -> None:
+    scene = gallery.stick_slip_block()
+    compiled = lf.simulate(scene, 1.9, controlled_alpha(1e-6, solver=lf.Lemke()))
+    python = lf.simulate(scene, 1.9, controlled_alpha(1e-6, solver=InPython()))
+    assert compiled.q[-1, 0] == pytest.approx(0.332714308, abs=1e-4)
+    assert python.steps == compiled.steps
+    np.testing.assert_allclose(python.q, compiled.q, rtol=0.0, atol=1e-13)
+
+
+def test_generalised_alpha_makes_room_for_more_contacts() -> None:
+    """Twenty-five boxes touch at a hundred places: the tables of a run begin smaller."""
+    result = lf.simulate(gallery.stack(boxes=25), 0.05, controlled_alpha(1e-4))
+    assert result.complete
+    assert np.abs(result.q[-1] - result.q[0]).max() < 1e-8

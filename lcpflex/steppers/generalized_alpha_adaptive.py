@@ -1,0 +1,348 @@
+"""Generalised-alpha time stepping with step control: the problems of a step in another loop.
+
+The recursive acceleration a of the scheme stands for udot at t + (alpha_m - alpha_f) h; where the step changes from h
+to h', a' = udot + (a - udot) h'/h keeps it of the order of the scheme.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.adaptive import (
+    DEEPEST,
+    DETAIL,
+    DUE,
+    RECENT,
+    SHORTEST,
+    STEP,
+    STEPS,
+    TIME,
+    AdaptiveStep,
+    Backup,
+    Limits,
+    after_rejection,
+    after_success,
+    backup,
+    deepest,
+    doubling_error,
+    position_tolerance,
+    put_back,
+    put_by,
+    shortest_steps_warning,
+)
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.event_memory import copy_entry
+from lcpflex.steppers.generalized_alpha_memory import (
+    PHASE,
+    VELOCITY,
+    WARM,
+    AlphaMemory,
+    Held,
+    alpha_memory,
+    larger,
+)
+from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
+from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict, stages
+from lcpflex.steppers.moreau_jean_step import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, grown, record
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.system import System
+from lcpflex.steppers.tape import Tape
+
+__all__ = ["AdaptiveGeneralizedAlphaRun"]
+
+PART, TRIED, SCALED = (
+    9,
+    10,
+    11,
+)  # further entries of the clock: part of a step, its length, the length a belongs to
+FRESH, LONG, FIRST, SECOND, ALONE = 0.0, 1.0, 2.0, 3.0, 4.0  # clock[PART]
+
+
+@kernel
+def copy_held(source: Held, target: Held) -> None:
+    """One list of contacts becomes another."""
+    target.filled[0] = source.filled[0]
+    for i in range(source.filled[0]):
+        copy_entry(source.table, i, target.table, i)
+        target.mode[i] = source.mode[i]
+        target.load[i, 0] = source.load[i, 0]
+        target.load[i, 1] = source.load[i, 1]
+
+
+@kernel
+def copy_memory(source: AlphaMemory, target: AlphaMemory) -> None:
+    """What a step takes over from the one before."""
+    for i in range(len(source.a)):
+        target.a[i] = source.a[i]
+        target.w[i] = source.w[i]
+        for kind in range(source.working.shape[1]):
+            target.working[0, kind, i] = source.working[0, kind, i]
+    for law in range(source.law_force.shape[1]):
+        target.law_force[0, law, 0] = source.law_force[0, law, 0]
+        target.law_force[0, law, 1] = source.law_force[0, law, 1]
+    for i in range(len(source.number)):
+        target.number[i] = source.number[i]
+    copy_held(source.resting, target.resting)
+
+
+@kernel
+def scale_acceleration(clock: FloatArray, length: float, memory: AlphaMemory) -> None:
+    """Carry the recursive acceleration from steps of length clock[SCALED] to ``length``."""
+    ratio = length / clock[SCALED]
+    for i in range(len(memory.a)):
+        memory.a[i] = memory.w[i] + ratio * (memory.a[i] - memory.w[i])
+    clock[SCALED] = length
+
+
+@kernel
+def with_step(settings: AlphaSettings, h: float) -> AlphaSettings:
+    """The same numbers for steps of length h."""
+    return AlphaSettings(
+        h,
+        settings.alpha_m,
+        settings.alpha_f,
+        settings.gamma,
+        settings.beta,
+        settings.gap_tolerance,
+        settings.velocity_threshold,
+        settings.tolerance,
+    )
+
+
+@kernel
+def begin(
+    limits: Limits,
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+    tape: Tape,
+    kept: Backup,
+    kept_memory: AlphaMemory,
+) -> None:
+    """Choose the length of the next step and keep the state it starts from."""
+    rest = limits.duration - clock[TIME]
+    h = min(clock[STEP], rest)
+    if rest - h < 0.01 * h:
+        h = rest
+    clock[TRIED] = h
+    clock[PART] = ALONE if h <= limits.shortest else LONG
+    put_by(q, u, work, tape, kept)
+    copy_memory(memory, kept_memory)
+    scale_acceleration(clock, h, memory)
+
+
+@kernel
+def undo(
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+    tape: Tape,
+    kept: Backup,
+    kept_memory: AlphaMemory,
+) -> None:
+    """Back to the start of the step."""
+    put_back(q, u, work, tape, kept)
+    copy_memory(kept_memory, memory)
+    clock[SCALED] = clock[RECENT]
+
+
+@kernel
+def advance_adaptive(
+    model: Model,
+    settings: AlphaSettings,
+    limits: Limits,
+    clock: FloatArray,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    memory: AlphaMemory,
+    kept: Backup,
+    kept_memory: AlphaMemory,
+    tape: Tape,
+    last_step: int,
+) -> int:
+    """Steps until their number reaches ``last_step`` or the duration is reached; DONE, or what is missing.
+
+    A step that could not be finished goes on, at the next call, at the problem where it stopped.
+    """
+    while True:
+        if clock[PART] == FRESH:
+            t = clock[TIME]
+            ended = t >= limits.duration
+            if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
+                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                    return TAPE_FULL
+                clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
+                if clock[DETAIL] > len(tape.table.key):
+                    return GROW_TAPE
+                clock[DUE] = math.inf if ended else t + limits.interval
+            if ended or clock[STEPS] >= last_step:
+                return DONE
+            begin(limits, clock, q, u, work, memory, tape, kept, kept_memory)
+        h = clock[TRIED]
+        part = clock[PART]
+        length = h if part in (LONG, ALONE) else 0.5 * h
+        now = clock[TIME] + (length if part == SECOND else 0.0)
+        scaled = with_step(settings, length)
+        at = kept.long_q if part == LONG else q
+        rate = kept.long_u if part == LONG else u
+        clock[DETAIL] = predict(model, scaled, now, at, rate, work, memory)
+        if clock[DETAIL] > len(work.table.key):
+            return GROW
+        if memory.number[WARM] == 1:
+            recall_basis(work)
+        clock[DETAIL] = solve_lcp(work)
+        status = AGAIN
+        if clock[DETAIL] != 0 or not work.certificate[0] <= settings.tolerance:
+            if give_up_smooth(memory):
+                continue
+            status = SOLVER_FAILED
+        else:
+            if memory.number[PHASE] == VELOCITY:
+                remember_basis(work)
+            status = correct(model, scaled, now, at, rate, work, memory, tape)
+        if status == AGAIN:
+            continue
+        if status != STEPPED and part == ALONE:
+            return status
+        if status == STEPPED and part == LONG:
+            undo(clock, q, u, work, memory, tape, kept, kept_memory)
+            scale_acceleration(clock, 0.5 * h, memory)
+            clock[PART] = FIRST
+            continue
+        if status == STEPPED and part == FIRST:
+            clock[PART] = SECOND
+            continue
+        error = 0.0
+        sunk = 0.0
+        if status == STEPPED:
+            sunk = deepest(model, q, tape.table)
+            if part == SECOND:
+                error = doubling_error(limits, q, u, kept)
+                # a pair that closes late in the step is seen by neither result
+                error = max(error, (sunk - clock[DEEPEST]) / position_tolerance(limits, q))
+        else:
+            error = math.inf
+        clock[PART] = FRESH
+        if not error <= 1.0:
+            undo(clock, q, u, work, memory, tape, kept, kept_memory)
+            after_rejection(limits, clock, h, error)
+            continue
+        clock[DEEPEST] = sunk
+        after_success(limits, clock, h, error)
+        clock[TIME] = limits.duration if clock[TIME] + h >= limits.duration else clock[TIME] + h
+        clock[RECENT] = length
+        clock[STEPS] += 1.0 if part == ALONE else 2.0
+        clock[SHORTEST] += 1.0 if part == ALONE else 0.0
+
+
+class AdaptiveGeneralizedAlphaRun:
+    """A generalised-alpha run with step control in progress."""
+
+    def __init__(
+        self,
+        system: System,
+        settings: AlphaSettings,
+        control: AdaptiveStep,
+        solver: LcpSolver,
+        duration: float,
+        interval: float,
+    ) -> None:
+        self.system = system
+        self.records = Records(system)
+        self.q = system.q.copy()
+        self.u = system.u.copy()
+        self._settings = settings
+        self._limits = Limits(duration, interval, control.rtol, control.atol, control.shortest, control.limit(duration))
+        self._rescue = Rescue(solver, settings.tolerance)
+        self._work = system.workspace(16)
+        self._work.solving[METHOD] = solver_method(solver)
+        self._memory, self._kept_memory = alpha_memory(system, 16), alpha_memory(system, 16)
+        self._kept = backup(system, 16)
+        self._clock = np.zeros(12)
+        self._clock[STEP] = min(max(settings.step, control.shortest), self._limits.longest)
+        self._clock[RECENT] = self._clock[SCALED] = self._clock[STEP]
+        hooks = {**system.hooks, **solver_hooks(solver, system.watch)}
+        self._advance = link([*stages(), advance_adaptive], hooks)
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return float(self._clock[TIME])
+
+    @property
+    def steps(self) -> int:
+        """Steps made, without those rejected and without the long ones that only measure the error."""
+        return int(self._clock[STEPS])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.time >= self._limits.duration and self._clock[DUE] == math.inf
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held."""
+        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Time stepping locates no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
+        target = self.steps + n_steps
+        while True:
+            status = self._advance(
+                self.system.model,
+                self._settings,
+                self._limits,
+                self._clock,
+                self.q,
+                self.u,
+                self._work,
+                self._memory,
+                self._kept,
+                self._kept_memory,
+                self.records.tape,
+                target,
+            )
+            detail = int(self._clock[DETAIL])
+            if status == DONE:
+                shortest_steps_warning(self.records, self._clock, self._limits.shortest)
+                return ""
+            if status == TAPE_FULL:
+                self.records.empty()
+            elif status == GROW_TAPE:
+                self.records.grow(detail)
+            elif status == GROW:
+                self._grow(2 * detail)
+            elif status == SOLVER_FAILED:
+                if self._rescue(self._work, self.time):
+                    continue
+                return unsolved(self._work, detail, self._settings.tolerance)
+            else:
+                return "the state is no longer finite: the forces of this scene grow without bound"
+
+    def _grow(self, capacity: int) -> None:
+        """Larger tables with the same content."""
+        self._work = grown(self.system, self._work, capacity)
+        self._memory = larger(self.system, self._memory, capacity)
+        self._kept_memory = larger(self.system, self._kept_memory, capacity)
+        kept = backup(self.system, capacity)
+        for name in Backup._fields:
+            source = getattr(self._kept, name)
+            getattr(kept, name)[tuple(slice(size) for size in source.shape)] = source
+        self._kept = kept
