@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -66,7 +68,7 @@ def test_it_is_that_of_dense_clouds_of_points(one, other) -> None:
     def cloud(graph):
         points = np.column_stack(graph)
         share = np.linspace(0.0, 1.0, 400)[:, None]
-        return np.vstack([a + share * (b - a) for a, b in zip(points[:-1], points[1:], strict=True)])
+        return np.vstack([a + share * (b - a) for a, b in pairwise(points)])
 
     a, b = cloud(one), cloud(other)
     expected = max(cKDTree(b).query(a)[0].max(), cKDTree(a).query(b)[0].max())

@@ -1,0 +1,272 @@
+"""What a run is measured by: numbers and graphs over time, each with the scale that its error is relative to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, in_range
+from lcpflex.studies.graph_distance import graph_distance
+
+if TYPE_CHECKING:
+    from lcpflex.result import Result
+
+__all__ = [
+    "Measured",
+    "Output",
+    "Part",
+    "as_curves",
+    "chosen_outputs",
+    "error_between",
+    "is_nothing",
+    "resolution",
+    "scale_text",
+    "standard_outputs",
+]
+
+STILL = 1e-9  # a range below this, relative to the values, is rounding
+SLOW = 1e-3  # of the size of a body: motions smaller than this are as good as rest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Curves y(t) that share one scale.
+
+    Attributes
+    ----------
+    name
+        What they are, for the text that states the scale.
+    curves
+        (m, c, d): c curves in R^d at the m stored instants.
+    floor
+        Smallest scale.
+    """
+
+    name: str
+    curves: FloatArray
+    floor: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """Something that every run is measured by.
+
+    Attributes
+    ----------
+    name
+        What it is called in tables and charts.
+    function
+        result -> a number; or an array with one row for each stored instant: (m,), (m, d) for a curve in R^d, or
+        (m, c, d) for c of them; or a list of :class:`Part`. Numbers are compared by |x - x_ref|/scale, curves by
+        :func:`graph_distance` with t/duration and y/scale, the farthest of them counts.
+    scale
+        What errors are relative to, in the unit of the output. By default |x_ref| of a number, and of curves the
+        largest range that one of them covers.
+    """
+
+    name: str
+    function: Callable[[Result], Any]
+    scale: float | None = None
+
+    def __post_init__(self) -> None:
+        if not callable(self.function):
+            raise ModelError(
+                f"outputs[{self.name!r}]: {self.function!r} was given, expected a function of a Result, or an Output"
+            )
+        if self.scale is not None:
+            in_range(f"outputs[{self.name!r}].scale", self.scale, 0.0, float("inf"), open_ends=True)
+
+    def of(self, result: Result) -> Measured:
+        """The output of a result. Raises ModelError for what is neither a number nor one row for each instant."""
+        value = self.function(result)
+        if isinstance(value, (list, tuple)) and value and all(isinstance(part, Part) for part in value):
+            return Measured(result.times, tuple(value), None)
+        array = np.asarray(value, dtype=float)
+        if array.ndim == 0:
+            return Measured(result.times, (), float(array))
+        if array.ndim > 3 or len(array) != len(result.times):
+            raise ModelError(
+                f"outputs[{self.name!r}]: an array of shape {array.shape}; expected a number or one row for each "
+                f"of the {len(result.times)} stored instants"
+            )
+        return Measured(result.times, (Part(self.name, as_curves(array)),), None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """One output of one run: curves at ``times``, or a number."""
+
+    times: FloatArray
+    parts: tuple[Part, ...]
+    number: float | None
+
+
+def as_curves(array: FloatArray) -> FloatArray:
+    """(m,) and (m, d) as (m, 1, d)."""
+    return array.reshape(len(array), 1, -1) if array.ndim < 3 else array
+
+
+def error_between(output: Output, measured: Measured, reference: Measured, duration: float) -> float:
+    """Relative error; infinite for what is not finite. Raises ModelError where the two cannot be compared."""
+    if (measured.number is None) != (reference.number is None):
+        raise ModelError(f"reference: {output.name!r} is a number here and a curve there; expected twice the same")
+    if measured.number is not None and reference.number is not None:
+        scale = _scale_of_number(output, reference.number)
+        error = abs(measured.number - reference.number) / scale
+        return error if np.isfinite(error) else float("inf")
+    worst = 0.0
+    for part, other in zip(measured.parts, reference.parts, strict=True):
+        if part.curves.shape[1:] != other.curves.shape[1:]:
+            raise ModelError(
+                f"outputs: {output.name!r} has curves of shape {part.curves.shape[1:]}, its reference "
+                f"{other.curves.shape[1:]}; expected the same: choose outputs that all these scenes have"
+            )
+        if not np.isfinite(part.curves).all():
+            return float("inf")
+        scale = _scale_of_part(output, other)
+        for k in range(part.curves.shape[1]):
+            distance = graph_distance(
+                measured.times, part.curves[:, k], reference.times, other.curves[:, k], duration, scale
+            )
+            worst = max(worst, distance)
+    return worst
+
+
+def resolution(output: Output, reference: Measured, duration: float) -> float:
+    """How well the stored instants describe the curves: the distance to what every second of them says."""
+    if reference.number is not None or len(reference.times) < 3:
+        return 0.0
+    kept = np.append(np.arange(0, len(reference.times) - 1, 2), len(reference.times) - 1)
+    coarser = tuple(Part(part.name, part.curves[kept], part.floor) for part in reference.parts)
+    return error_between(output, Measured(reference.times[kept], coarser, None), reference, duration)
+
+
+def scale_text(output: Output, reference: Measured) -> str:
+    """What the errors of this output are relative to."""
+    if reference.number is not None:
+        return f"{_scale_of_number(output, reference.number):.4g}"
+    scales = ", ".join(f"{part.name} {_scale_of_part(output, part):.4g}" for part in reference.parts)
+    return f"{scales}; time: the duration"
+
+
+def _scale_of_number(output: Output, reference: float) -> float:
+    scale = output.scale if output.scale is not None else abs(reference)
+    if scale == 0.0:
+        raise ModelError(f"outputs[{output.name!r}].scale: not given, and the reference is 0; expected a number > 0")
+    return scale
+
+
+def _scale_of_part(output: Output, part: Part) -> float:
+    """Largest range of a curve, its size where it does not change, and never less than the floor."""
+    if output.scale is not None:
+        return output.scale
+    ranges = float(np.linalg.norm(np.ptp(part.curves, axis=0), axis=-1).max(initial=0.0))
+    size = float(np.linalg.norm(part.curves, axis=-1).max(initial=0.0))
+    scale = max(ranges if ranges > STILL * size else size, part.floor)
+    return scale if scale > 0.0 else 1.0
+
+
+def standard_outputs() -> tuple[Output, ...]:
+    """Trajectory, impulses of the contacts, peak force and stored energy."""
+    return (
+        Output("trajectory", trajectory),
+        Output("impulses", _impulses),
+        Output("peak force", _peak_force),
+        Output("energy", _energy),
+    )
+
+
+def is_nothing(measured: Measured) -> bool:
+    """Whether there is nothing that an error could be relative to: no contact, no force."""
+    if measured.number is not None:
+        return measured.number == 0.0
+    return all(not np.any(part.curves) for part in measured.parts)
+
+
+def chosen_outputs(outputs: Any) -> tuple[Output, ...]:
+    """A mapping or sequence of outputs, functions and names of standard ones, as outputs."""
+    if isinstance(outputs, (str, Output)) or callable(outputs):
+        outputs = (outputs,)
+    if isinstance(outputs, Mapping):
+        chosen = tuple(
+            value if isinstance(value, Output) else Output(str(name), value) for name, value in outputs.items()
+        )
+    elif isinstance(outputs, Sequence):
+        chosen = tuple(_output(value) for value in outputs)
+    else:
+        raise ModelError(f"outputs: {outputs!r} was given, expected functions of a Result by name")
+    names = [output.name for output in chosen]
+    if not names or len(set(names)) < len(names):
+        raise ModelError(f"outputs: {names!r} were given, expected at least one, with names that differ")
+    return chosen
+
+
+def _output(value: Any) -> Output:
+    if isinstance(value, Output):
+        return value
+    standard = {output.name: output for output in standard_outputs()}
+    if isinstance(value, str):
+        if value not in standard:
+            raise ModelError(f"outputs: no output {value!r}; expected one of {', '.join(standard)}, or a function")
+        return standard[value]
+    return Output(getattr(value, "__name__", "output"), value)
+
+
+def trajectory(result: Result) -> list[Part]:
+    """Position and velocity: of two points of each body, or every coordinate of a system of the user's own.
+
+    The points are the frame and a point of it one radius of gyration away of a rigid body, and the two ends of what is
+    known of a flexible one. Positions and velocities have one scale each.
+    """
+    if result.compiled is None:
+        names = result.coordinate_names()
+        return [
+            Part(f"{name}{mark}", values[:, k].reshape(-1, 1, 1), 0.0)
+            for mark, values in (("", result.q), ("'", result.u))
+            for k, name in enumerate(names)
+        ]
+    places = [(body, place) for body in result.compiled.layout.bodies for place in _two_places(result, body)]
+    position = np.stack([result.point(*at) for at in places], axis=1)
+    velocity = np.stack([result.velocity(*at) for at in places], axis=1)
+    length = float(np.linalg.norm(np.ptp(position, axis=0), axis=-1).max(initial=0.0))
+    reach = max(length, SLOW * result.compiled.size)
+    return [
+        Part("position", position, floor=SLOW * result.compiled.size),
+        Part("velocity", velocity, floor=SLOW * reach / result.duration),
+    ]
+
+
+def _two_places(result: Result, body: str) -> list[tuple[float, float]]:
+    """Undeformed places [m] that between them see a body translate, turn and bend."""
+    assert result.compiled is not None
+    model = result.compiled.model
+    b = result.compiled.layout.bodies.index(body)
+    own = model.points.place[model.points.body == b]
+    if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3:
+        arm = float(np.sqrt(model.bodies.inertia[b] / model.bodies.mass[b]))
+        return [(0.0, 0.0), (arm, 0.0)]
+    if not len(own):
+        raise ModelError(f"outputs: the flexible body {body!r} has no point whose motion is known; choose outputs")
+    first = own[np.linalg.norm(own - own.mean(axis=0), axis=1).argmax()]
+    last = own[np.linalg.norm(own - first, axis=1).argmax()]
+    return [(float(x), float(y)) for x, y in (first, last)]
+
+
+def _impulses(result: Result) -> list[Part]:
+    """Accumulated impulse of each contact, normal and tangential."""
+    return [Part("impulse", result.impulse)]
+
+
+def _peak_force(result: Result) -> float:
+    return float(result.force[:, :, 0].max(initial=0.0))
+
+
+def _energy(result: Result) -> list[Part]:
+    """Stored energy, relative to its largest value above the lowest potential energy: it may be constant."""
+    stored = result.energies.stored
+    floor = max(result.energies.scale, 1e-6 * float(np.abs(stored).max(initial=0.0)))
+    return [Part("stored energy", stored.reshape(-1, 1, 1), floor)]

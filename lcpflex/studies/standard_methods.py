@@ -1,0 +1,33 @@
+"""The methods that a work-precision study tries where none are given."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lcpflex.steppers.adaptive import AdaptiveStep
+from lcpflex.steppers.event_driven import EventDriven
+from lcpflex.steppers.moreau_jean import MoreauJean
+
+__all__ = ["standard_methods"]
+
+COARSEST = 1.0 / 50.0  # step, as a share of the duration
+FACTOR = 3.0
+LEVELS = 10
+
+
+def standard_methods(duration: float) -> dict[str, tuple[Any, ...]]:
+    """By label the series of every scheme, from coarse to fine, for a scene of ``duration`` [s].
+
+    Steps from a fiftieth of the duration downwards by factors of three, tolerances from 1e-2 downwards by factors of
+    ten. What takes too long is left out by the limit of the study, what does not apply by the scene.
+    """
+    steps = [COARSEST * duration / FACTOR**k for k in range(LEVELS)]
+    tolerances = [10.0**-k for k in range(2, 11)]
+    return {
+        "Moreau-Jean": tuple(MoreauJean(step=h) for h in steps),
+        "Moreau-Jean, adaptive": tuple(
+            MoreauJean(step=1e-3 * duration, adaptive=AdaptiveStep(rtol=r, atol=0.1 * r, shortest=1e-2 * r * duration))
+            for r in tolerances
+        ),
+        "event-driven": tuple(EventDriven(rtol=r, atol=0.1 * r) for r in tolerances),
+    }

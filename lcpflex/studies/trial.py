@@ -1,0 +1,172 @@
+"""One scheme with its numbers on one scene: what it cost, what came out, or why it failed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.energy import EnergyGrowth
+from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.result import Result
+from lcpflex.simulate import simulate
+from lcpflex.studies.outputs import Measured, Output
+from lcpflex.studies.time_limit import TimeLimit
+
+if TYPE_CHECKING:
+    from lcpflex.simulate import Stepper
+
+__all__ = ["Conditions", "Trial", "brief", "in_order", "refined", "run_series", "trial"]
+
+PATIENCE = 3.0  # a run is ended after this many times the limit that it was predicted to keep
+GUESS = 3.0  # how much longer the next run takes where nothing tells
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """How every run of a scene is made."""
+
+    build: Callable[[], Any]
+    duration: float
+    outputs: tuple[Output, ...]
+    instants: int  # stored where the accuracy is measured
+    repeats: int
+    limit: float  # [s] of computing
+    energy_growth: EnergyGrowth
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """What came of one stepper: times of the repeated runs [s], outputs, and why it counts as failed, if so."""
+
+    stepper: Any
+    steps: int = 0
+    times: tuple[float, ...] = ()
+    measured: Mapping[str, Measured] | None = None
+    failure: str = ""
+    refused: bool = False  # before time was spent: it does not apply
+
+    @property
+    def wall_time(self) -> float:
+        """Median [s]."""
+        return float(np.median(self.times)) if self.times else float("nan")
+
+
+def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) -> Trial:
+    """Run once with many stored instants, which warms up and is measured, then again for the time."""
+    repeats = conditions.repeats if repeats is None else repeats
+    limited: Any = TimeLimit(stepper, PATIENCE * conditions.limit)
+    try:
+        first = _run(conditions, limited, conditions.duration / conditions.instants)
+    except StepError as error:
+        return _failed(stepper, error)
+    except ModelError as error:
+        return Trial(stepper, failure=str(error), refused=True)
+    except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
+        return Trial(stepper, failure=f"{type(error).__name__}: {error}")
+    measured = {output.name: output.of(first) for output in conditions.outputs}
+    times = [first.wall_time]
+    if repeats and first.wall_time <= conditions.limit:
+        times = [_run(conditions, limited, None).wall_time for _ in range(repeats)]
+    return Trial(stepper, first.steps, tuple(times), measured, "; ".join(first.warnings))
+
+
+def _run(conditions: Conditions, stepper: Any, record: float | None) -> Result:
+    result = simulate(
+        conditions.build(), conditions.duration, stepper,
+        record=record, progress=False, energy_growth=conditions.energy_growth,
+    )  # fmt: skip
+    if not result.complete and result.message.startswith("interrupted"):
+        raise KeyboardInterrupt
+    return result
+
+
+def _failed(stepper: Any, error: StepError) -> Trial:
+    result: Result | None = error.result
+    if result is None:
+        return Trial(stepper, failure=str(error))
+    return Trial(stepper, result.steps, (result.wall_time,), failure=str(error))
+
+
+def run_series(
+    conditions: Conditions, steppers: Sequence[Stepper], done: Callable[[], object] = lambda: None
+) -> tuple[list[Trial], str]:
+    """The steppers of a series from coarse to fine, and which were left out because they would take too long."""
+    trials: list[Trial] = []
+    steppers = in_order(steppers)
+    for k, stepper in enumerate(steppers):
+        expected = _predicted(trials, stepper)
+        if expected > conditions.limit:
+            more = " and finer ones" if k + 1 < len(steppers) else ""
+            return trials, (
+                f"{brief(stepper)}{more} left out: about {expected:.2g} s a run, limit {conditions.limit:g} s"
+            )
+        trials.append(trial(conditions, stepper))
+        done()
+    return trials, ""
+
+
+def _predicted(trials: Sequence[Trial], stepper: Any) -> float:
+    """Wall time [s] of the next run: in proportion to the steps, or growing as it did before."""
+    timed = [trial for trial in trials if trial.times]
+    if not timed:
+        return 0.0
+    last = timed[-1]
+    now, before = fineness(stepper), fineness(last.stepper)
+    if now and before and now[0] == before[0] == "step":
+        return last.wall_time * max(1.0, before[1] / now[1])
+    growth = last.wall_time / timed[-2].wall_time if len(timed) > 1 else GUESS
+    return last.wall_time * min(max(growth, 1.0), 10.0)
+
+
+def fineness(stepper: Any) -> tuple[str, float] | None:
+    """What makes a stepper accurate: its tolerance or its step; None if it has neither."""
+    control = getattr(stepper, "adaptive", None)
+    for name, owner in (("rtol", control), ("rtol", stepper), ("step", stepper)):
+        value = getattr(owner, name, None)
+        if isinstance(value, (int, float)) and value > 0.0:
+            return name, float(value)
+    return None
+
+
+def in_order(steppers: Sequence[Stepper]) -> list[Stepper]:
+    """From coarse to fine, where one kind of number tells; else as they were given."""
+    known = [fineness(stepper) for stepper in steppers]
+    if any(one is None for one in known) or len({one[0] for one in known if one}) != 1:
+        return list(steppers)
+    order = sorted(range(len(steppers)), key=lambda k: -(known[k] or ("", 0.0))[1])
+    return [steppers[k] for k in order]
+
+
+def refined(stepper: Any, factor: float) -> Any:
+    """The stepper with its step, or its tolerances, divided by ``factor``; None where it has neither."""
+    found = fineness(stepper)
+    if found is None or not is_dataclass(stepper) or isinstance(stepper, type):
+        return None
+    control = getattr(stepper, "adaptive", None)
+    if control is not None:
+        return replace(stepper, adaptive=_divided(control, ("rtol", "atol", "shortest"), factor))
+    return _divided(stepper, ("rtol", "atol") if found[0] == "rtol" else ("step",), factor)
+
+
+def _divided(owner: Any, names: Sequence[str], factor: float) -> Any:
+    values = {name: getattr(owner, name) / factor for name in names if hasattr(owner, name)}
+    return replace(owner, **{name: min(value, 1.0) for name, value in values.items() if math.isfinite(value)})
+
+
+def brief(thing: Any) -> str:
+    """The ``repr`` of a stepper without the numbers that are as they are by default."""
+    if isinstance(thing, float):
+        return f"{thing:.4g}"
+    if not is_dataclass(thing) or isinstance(thing, type):
+        return repr(thing)
+    told = []
+    for one in fields(thing):
+        value = getattr(thing, one.name)
+        usual = one.default_factory() if one.default_factory is not MISSING else one.default
+        if one.repr and (usual is MISSING or repr(value) != repr(usual)):
+            told.append(f"{one.name}={brief(value)}")
+    return f"{type(thing).__name__}({', '.join(told)})"

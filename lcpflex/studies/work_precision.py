@@ -1,0 +1,284 @@
+"""Work against precision: what an accuracy costs by each method, on a scene of your own.
+
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.studies import work_precision
+
+chart = work_precision(
+    gallery.scenes()["stick_slip"],
+    {
+        "Moreau-Jean": [lf.MoreauJean(step=h) for h in (1e-2, 1e-3, 1e-4)],
+        "event-driven": [lf.EventDriven(rtol=r, atol=1e-2 * r) for r in (1e-4, 1e-6, 1e-8)],
+    },
+)
+print(chart)
+chart.plot().savefig("work-precision.png")
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from lcpflex.bodies.body import whole_number
+from lcpflex.energy import EnergyGrowth
+from lcpflex.errors import ModelError, in_range
+from lcpflex.studies.outputs import Output, chosen_outputs, error_between, is_nothing, standard_outputs
+from lcpflex.studies.reference import Reference, analytic_reference, converged_reference, series_reference
+from lcpflex.studies.standard_methods import standard_methods
+from lcpflex.studies.trial import Conditions, Trial, brief, run_series
+from lcpflex.studies.work_points import SceneStudy, WorkPoint, WorkPrecision
+
+if TYPE_CHECKING:
+    from lcpflex.simulate import Stepper
+
+__all__ = ["work_precision"]
+
+ENTRIES = 600_000  # coordinates and velocities over all instants that are stored by default
+FEWEST, MOST = 1000, 20_000
+
+
+def work_precision(
+    scenes: Any,
+    methods: Mapping[str, Sequence[Stepper] | Stepper] | None = None,
+    reference: Mapping[str, Any] | Stepper | None = None,
+    *,
+    outputs: Any = None,
+    duration: float | None = None,
+    repeats: int = 3,
+    limit: float = 10.0,
+    instants: int | None = None,
+    energy_growth: EnergyGrowth = EnergyGrowth.WARN,
+    progress: bool | None = None,
+    **varied: Sequence[Any],
+) -> WorkPrecision:
+    """Run scenes by several methods, each with a series of numbers; measure errors and wall times.
+
+    Each run is made once with many stored instants, from which the errors are taken and which warms up; then
+    ``repeats`` times as :func:`simulate` does by default, for the median and spread of its wall time.
+
+    Parameters
+    ----------
+    scenes
+        A :class:`Case`, a function that builds a scene, a :class:`Scene` or :class:`UserSystem`; or several of them,
+        as a sequence or by label.
+    methods
+        By label the steppers of a series, which are run from coarse to fine: largest step or tolerance first. By
+        default those of :func:`standard_methods`.
+    reference
+        Exact values by output: a number, or a function of times (m,) that returns a row for each. Or a stepper, which
+        is run, and run once more with twice the step or ten times the tolerances: the difference is the error of the
+        reference. Or None: the method that has converged best is refined once more.
+    outputs
+        By name functions of a :class:`Result` that return a number or an array with a row for each stored instant, or
+        :class:`Output`; or names of standard ones. By default trajectory, impulses, peak force and energy.
+    duration
+        Time to simulate [s]; that of the case by default.
+    repeats
+        Timed runs; 0 takes the time of the first one.
+    limit
+        Wall time [s] of a run. Where the next one of a series is predicted to take longer, the series ends.
+    instants
+        Stored where errors are measured. By default up to 20 000, fewer with many coordinates.
+    energy_growth
+        As in :func:`simulate`. A result that warns counts as failed.
+    progress
+        Show a progress bar; by default on a terminal, after two seconds.
+    varied
+        Values for parameters of the functions that build the scenes, such as ``modes=[2, 4, 8]``. Each combination
+        makes lines of its own; all are compared with the reference of the last combination.
+
+    Raises
+    ------
+    ModelError
+        For arguments out of range; where no reference can be found; for outputs that cannot be compared.
+    """
+    named = _named_scenes(scenes)
+    growth = energy_growth if isinstance(energy_growth, EnergyGrowth) else None
+    if growth is None:
+        raise ModelError(f"energy_growth: {energy_growth!r} was given, expected one of EnergyGrowth")
+    request = _Request(
+        None if methods is None else _checked_methods(methods),
+        reference,
+        standard_outputs() if outputs is None else chosen_outputs(outputs),
+        None if duration is None else in_range("duration", duration, 0.0, math.inf, open_ends=True),
+        whole_number("repeats", repeats, 0),
+        in_range("limit", limit, 0.0, math.inf, open_ends=True),
+        None if instants is None else whole_number("instants", instants, 2),
+        growth,
+        progress,
+    )
+    variants = _variants(varied)
+    return WorkPrecision(tuple(_study(request, label, scene, variants) for label, scene in named.items()))
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """The arguments, checked."""
+
+    methods: Mapping[str, tuple[Any, ...]] | None
+    reference: Any
+    outputs: tuple[Output, ...]
+    duration: float | None
+    repeats: int
+    limit: float
+    instants: int | None
+    energy_growth: EnergyGrowth
+    progress: bool | None
+
+
+def _named_scenes(scenes: Any) -> dict[str, Any]:
+    if isinstance(scenes, Mapping):
+        named = {str(label): scene for label, scene in scenes.items()}
+    elif isinstance(scenes, (list, tuple)):
+        named = {}
+        for scene in scenes:
+            label, count = _label(scene), 2
+            while label in named:
+                label, count = f"{_label(scene)} ({count})", count + 1
+            named[label] = scene
+    else:
+        named = {_label(scenes): scenes}
+    if not named:
+        raise ModelError("scenes: none was given, expected at least one")
+    return named
+
+
+def _label(scene: Any) -> str:
+    return str(getattr(scene, "name", None) or getattr(scene, "__name__", "scene"))
+
+
+def _checked_methods(methods: Any) -> dict[str, tuple[Any, ...]]:
+    if not isinstance(methods, Mapping) or not methods:
+        raise ModelError(f"methods: {methods!r} was given, expected series of steppers by label")
+    checked = {}
+    for label, series in methods.items():
+        steppers = tuple(series) if isinstance(series, Sequence) else (series,)
+        if not steppers or any(isinstance(one, type) or not hasattr(one, "start") for one in steppers):
+            raise ModelError(f"methods[{label!r}]: {series!r} was given, expected a sequence of steppers")
+        checked[str(label)] = steppers
+    return checked
+
+
+def _variants(varied: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    for name, values in varied.items():
+        if isinstance(values, str) or not isinstance(values, Sequence) or not values:
+            raise ModelError(
+                f"{name}: {values!r} was given, expected a sequence of values for the builder of the scene"
+            )
+    return [dict(zip(varied, values, strict=True)) for values in itertools.product(*varied.values())]
+
+
+def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping[str, Any]]) -> SceneStudy:
+    """All methods on all variants of one scene, and their errors."""
+    duration = request.duration or getattr(scene, "duration", None)
+    if duration is None:
+        raise ModelError(f"duration: not given, and {label!r} does not say; expected a number of seconds > 0")
+    series: dict[str, list[Trial]] = {}
+    notes: list[str] = []
+    conditions = None
+    for variant in variants:
+        conditions = _conditions(request, _builder(label, scene, variant), duration)
+        found, more = _all_methods(request, conditions, "".join(f", {k}={v}" for k, v in variant.items()))
+        notes += more
+        series |= found
+        last = found
+    assert conditions is not None
+    reference = _reference(request, label, conditions, last)
+    used = tuple(output for output in conditions.outputs if output.name in reference.measured)
+    known = {output.name for output in standard_outputs()}
+    used = (
+        tuple(  # what never was, as contact forces without contacts, cannot be relative to anything
+            output
+            for output in used
+            if output.name not in known or output.scale is not None or not is_nothing(reference.measured[output.name])
+        )
+        or used[:1]
+    )
+    points = tuple(
+        _point(label, method, one, used, reference, duration) for method, trials in series.items() for one in trials
+    )
+    return SceneStudy(label, duration, used, reference, points, tuple(notes))
+
+
+def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[], Any]:
+    """What makes the scene anew; a function may return a case."""
+    build = getattr(scene, "build", scene)
+    if not callable(build):
+        if variant:
+            raise ModelError(f"{next(iter(variant))}: {label!r} is no function whose parameters could be varied")
+        return lambda: scene
+
+    def made() -> Any:
+        try:
+            result = build(**variant)
+        except TypeError as error:
+            raise ModelError(f"scenes[{label!r}]: the function does not take {dict(variant)!r}: {error}") from error
+        return result.build() if hasattr(result, "build") and hasattr(result, "duration") else result
+
+    return made
+
+
+def _conditions(request: _Request, build: Callable[[], Any], duration: float) -> Conditions:
+    instants = request.instants
+    if instants is None:
+        instants = int(min(max(ENTRIES / (2 * _coordinates(build())), FEWEST), MOST))
+    return Conditions(build, duration, request.outputs, instants, request.repeats, request.limit, request.energy_growth)
+
+
+def _coordinates(scene: Any) -> int:
+    if hasattr(scene, "compile"):
+        return max(1, int(scene.compile().q.size))
+    return max(1, len(getattr(scene, "q", ())))
+
+
+def _all_methods(request: _Request, conditions: Conditions, suffix: str) -> tuple[dict[str, list[Trial]], list[str]]:
+    from tqdm import tqdm
+
+    methods = request.methods or standard_methods(conditions.duration)
+    series, notes = {}, []
+    bar: Any = tqdm(
+        total=sum(len(steppers) for steppers in methods.values()), unit="run", leave=False,
+        delay=0.0 if request.progress else 2.0, disable=None if request.progress is None else not request.progress,
+    )  # fmt: skip
+    with bar:
+        for method, steppers in methods.items():
+            bar.set_postfix_str(method + suffix)
+            series[method + suffix], left_out = run_series(conditions, steppers, bar.update)
+            if left_out:
+                notes.append(f"{method}{suffix}: {left_out}")
+    return series, notes
+
+
+def _reference(
+    request: _Request, label: str, conditions: Conditions, series: Mapping[str, Sequence[Trial]]
+) -> Reference:
+    given = request.reference
+    if isinstance(given, Mapping) and label in given:  # one for each scene
+        given = given[label]
+    if given is None:
+        return series_reference(conditions, series)
+    if isinstance(given, Mapping):
+        return analytic_reference(given, conditions.outputs, conditions.duration)
+    if isinstance(given, type) or not hasattr(given, "start"):
+        raise ModelError(f"reference: {given!r} was given, expected exact values by output, a stepper or None")
+    return converged_reference(conditions, given)
+
+
+def _point(
+    scene: str, method: str, one: Trial, outputs: Sequence[Output], reference: Reference, duration: float
+) -> WorkPoint:
+    errors = {}
+    if one.measured is not None:
+        errors = {
+            output.name: error_between(output, one.measured[output.name], reference.measured[output.name], duration)
+            for output in outputs
+        }
+    return WorkPoint(
+        scene, method, brief(one.stepper), one.steps, one.wall_time,
+        min(one.times, default=math.nan), max(one.times, default=math.nan), len(one.times),
+        errors, one.failure, one.refused,
+    )  # fmt: skip
