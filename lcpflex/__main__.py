@@ -13,6 +13,8 @@ import numpy as np
 
 from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.studies.commands_chart import add_chart
+from lcpflex.studies.commands_stability import add_stability
 
 if TYPE_CHECKING:
     from lcpflex.gallery import Case
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 DEMO = "pendulum"  # the flexible pendulum that falls onto its stop, with friction
+STEPPERS = ("moreau-jean", "event-driven", "generalized-alpha", "massless-boundary", "smooth")
 STEP = 1e-4  # of a stepper that is asked for by name without a step [s]
 
 
@@ -67,8 +70,9 @@ def _parser() -> argparse.ArgumentParser:
 
     run = commands.add_parser("run", help="run one scene and print its summary")
     run.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
-    run.add_argument("--stepper", choices=("moreau-jean", "event-driven"), help="default: the one of the scene")
-    run.add_argument("--step", type=float, metavar="SECONDS", help="step of Moreau-Jean, largest step of event-driven")
+    run.add_argument("--stepper", choices=STEPPERS, help="default: the one of the scene")
+    run.add_argument("--step", type=float, metavar="SECONDS", help="step; largest step of event-driven and smooth")
+    run.add_argument("--stiffness", type=float, metavar="N/M", help="of every contact, for --stepper smooth")
     run.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
     run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
     run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
@@ -82,6 +86,8 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--plot", type=Path, metavar="FILE", help="write a performance profile to this png, pdf or svg")
     check.set_defaults(command=_cross_check)
 
+    add_chart(commands, _scene)
+    add_stability(commands, _found)
     warmup = commands.add_parser("warmup", help="compile every kernel into the cache, once for this machine")
     warmup.set_defaults(command=_warmup)
     return parser
@@ -118,10 +124,10 @@ def _gallery(request: argparse.Namespace) -> int:
 def _run(request: argparse.Namespace) -> int:
     from lcpflex.simulate import simulate
 
-    for option in ("step", "duration"):
+    for option, unit in (("step", "seconds"), ("duration", "seconds"), ("stiffness", "N/m")):
         value = getattr(request, option)
         if value is not None and not 0.0 < value < float("inf"):
-            raise ModelError(f"--{option}: {value!r}; expected a number of seconds > 0")
+            raise ModelError(f"--{option}: {value!r}; expected a number of {unit} > 0")
     for path in (request.save, request.plot):
         if path is not None:
             _checked_folder(path.parent)
@@ -129,7 +135,7 @@ def _run(request: argparse.Namespace) -> int:
     duration = request.duration or duration
     if duration is None:
         raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
-    stepper = _stepper(request.stepper, request.step, stepper)
+    stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
     result = simulate(scene, duration, stepper)
     print(result.summary())
     if request.save is not None:
@@ -232,15 +238,20 @@ def _case(name: str) -> Case:
     return cases[name]
 
 
-def _scene(text: str) -> tuple[Any, float | None, Any]:
-    """Scene, its duration [s] and its stepper, the last two None where only a scene was given."""
+def _found(text: str) -> Any:
+    """The case of the gallery, or the function of a file, that SCENE names."""
     path, colon, function = text.rpartition(":")
     if not (colon and path.endswith(".py")):
-        case = _case(text)
-        return case.build(), case.duration, case.stepper
-    made = _load_function(Path(path), function)()
+        return _case(text)
+    return _load_function(Path(path), function)
+
+
+def _scene(text: str) -> tuple[Any, float | None, Any]:
+    """Scene, its duration [s] and its stepper, the last two None where only a scene was given."""
     from lcpflex.gallery import Case
 
+    found = _found(text)
+    made = found if isinstance(found, Case) else found()
     if isinstance(made, Case):
         return made.build(), made.duration, made.stepper
     return made, None, None
@@ -265,21 +276,32 @@ def _load_function(path: Path, name: str) -> Any:
     return function
 
 
-def _stepper(name: str | None, step: float | None, own: Any) -> Any:
-    """The stepper asked for, else the scene's own, with the step asked for."""
-    from dataclasses import replace
+def _stepper(name: str | None, step: float | None, stiffness: float | None, own: Any) -> Any:
+    """The stepper asked for, else the scene's own, with the numbers asked for."""
+    from dataclasses import fields, replace
 
-    from lcpflex import EventDriven, MoreauJean
+    import lcpflex as lf
 
-    if name is None:
-        name = "moreau-jean" if own is None else None
-    kind: Any = {"moreau-jean": MoreauJean, "event-driven": EventDriven, None: type(own)}[name]
+    if stiffness is not None and name != "smooth":
+        raise ModelError("--stiffness: given without --stepper smooth; rigid contact has none")
+    kinds: dict[str, Any] = {
+        "moreau-jean": lf.MoreauJean,
+        "event-driven": lf.EventDriven,
+        "generalized-alpha": lf.GeneralizedAlpha,
+        "massless-boundary": lf.MasslessBoundary,
+    }
+    if name == "smooth":
+        if stiffness is None:
+            raise ModelError("--stiffness: not given; expected the stiffness of the contacts in N/m")
+        integrator = lf.ExplicitRungeKutta() if step is None else lf.ExplicitRungeKutta(max_step=step)
+        return lf.Smooth(lf.Penalty(stiffness), integrator=integrator)
+    kind: Any = lf.MoreauJean if name is None and own is None else type(own) if name is None else kinds[name]
+    option = "step" if "step" in {field.name for field in fields(kind)} else "max_step"
     if type(own) is kind:
-        option = "step" if kind is MoreauJean else "max_step"
         return own if step is None else replace(own, **{option: step})
-    if kind is MoreauJean:
-        return MoreauJean(step=step or STEP)
-    return EventDriven() if step is None else EventDriven(max_step=step)
+    if kind in (lf.MoreauJean, lf.GeneralizedAlpha):
+        return kind(step=step or STEP)
+    return kind() if step is None else kind(**{option: step})
 
 
 def _telling_time(result: Result) -> float:

@@ -40,7 +40,7 @@ def test_python_m_lcpflex_prints_the_version() -> None:
 def test_without_a_command_it_explains_itself(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     printed = capsys.readouterr().out
-    assert all(command in printed for command in ("demo", "gallery", "run", "warmup"))
+    assert all(command in printed for command in ("demo", "gallery", "run", "chart", "stability", "warmup"))
 
 
 def test_gallery_lists_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
@@ -67,8 +67,27 @@ def test_run_a_scene_of_ones_own(scene_file: Path, capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["moreau-jean"], "MoreauJean(step=0.0001"),
+        (["event-driven", "--step", "0.01"], "max_step=0.01"),
+        (["generalized-alpha", "--step", "1e-3"], "GeneralizedAlpha(step=0.001"),
+        (["smooth", "--stiffness", "1e5"], "Penalty(stiffness=100000.0"),
+    ],
+)
+def test_run_by_every_stepper(
+    scene_file: Path, capsys: pytest.CaptureFixture[str], options: list[str], named: str
+) -> None:
+    assert main(["run", f"{scene_file}:ball", "--duration", "0.1", "--stepper", *options]) == 0
+    assert named in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["run", "{file}:ball", "--duration", "1", "--stepper", "smooth"], "--stiffness: not given"),
+        (["run", "{file}:ball", "--duration", "1", "--stiffness", "1"], "--stiffness: given without"),
+        (["run", "{file}:ball", "--duration", "1", "--stepper", "massless-boundary"], "MoreauJean"),
         (["run", "no such scene"], "no scene 'no such scene'; expected file.py:function or one of"),
         (["run", "missing.py:ball"], "no file 'missing.py'"),
         (["run", "{file}:bal"], "has no function 'bal'"),
