@@ -25,6 +25,7 @@ from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solut
 __all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
 
 RIGID = 1e-12  # compliance below this part of the largest of the problem
+REDUNDANT = 1e-10  # pivot, relative to the compliance of its row, that counts as zero
 
 
 @kernel
@@ -153,69 +154,77 @@ def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> 
 
 
 @kernel
-def positive_definite(A: FloatArray, n: int) -> bool:
-    """Whether A[:n, :n], symmetric, is; its lower triangle is overwritten by its factor."""
+def semidefinite(A: FloatArray, n: int, scale: FloatArray) -> bool:
+    """Whether the symmetric A[:n, :n] is positive semidefinite; its lower triangle is overwritten by its factor.
+
+    To rounding, relative to the diagonal of ``scale`` (n, n): contacts at one place are redundant.
+    """
     for i in range(n):
         for j in range(i + 1):
             total = A[i, j]
             for k in range(j):
                 total -= A[i, k] * A[j, k]
-            if j < i:
+            if j == i:
+                if total < -REDUNDANT * scale[i, i]:
+                    return False
+                A[i, i] = math.sqrt(total) if total > REDUNDANT * scale[i, i] else 0.0
+            elif A[j, j] > 0.0:
                 A[i, j] = total / A[j, j]
-            elif total > 0.0:
-                A[i, i] = math.sqrt(total)
-            else:
+            elif total * total > REDUNDANT * scale[i, i] * scale[j, j]:
                 return False
+            else:
+                A[i, j] = 0.0
     return True
 
 
 @kernel
-def admissible(
-    model: Model,
-    q: FloatArray,
-    square: float,
-    flexibility: FloatArray,
-    unit: FloatArray,
-    work: Workspace,
-) -> bool:
-    """Whether no frequency of the system with its closed contacts stuck exceeds sqrt(square) [1/s].
+def stiffens(work: Workspace, r: int) -> bool:
+    """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
+    n = work.step_size[1]
+    if r < n:
+        return work.z[r] > 0.0
+    k = work.tangent[r - n]
+    return 0.0 < work.z[r] < 2.0 * work.mu[k] * work.z[k]
 
-    Of M udd + (K + W F^-1 W^T) q = 0, W the rows of the contacts with z_N > 0: with s = ``square``, M - K/s and
-    F - W^T (M - K/s)^-1 W / s must be positive definite. This is exact (Schur's complement), free of eigenvalue
-    estimates; joints only lower the frequencies. Overwrites the factors of M, and the solved rows of the contacts.
+
+@kernel
+def admissible(
+    model: Model, q: FloatArray, square: float, flexibility: FloatArray, unit: FloatArray, work: Workspace
+) -> bool:
+    """Whether no frequency of the system with its contacts as they are closed exceeds sqrt(square) [1/s].
+
+    Of M udd + (K + W F^-1 W^T) q = 0, W the rows of closed normals and of tangents that stick: with s = ``square``,
+    M - K/s and F - W^T (M - K/s)^-1 W / s must be positive semidefinite: exact, by Schur's complement, without an
+    eigenvalue; joints only lower the frequencies. The force of sliding contacts is no spring, and not in it.
+    Overwrites the factors of M, and the solved rows of the contacts.
     """
     bodies = model.bodies
     for b in range(len(bodies.mass)):
-        d = bodies.dof[b]
-        for k in range(d + 3, bodies.dof[b + 1]):
-            if flexibility[k] == 0.0 and not bodies.stiffness[k - 3 * (b + 1)] < square:
+        for i in range(bodies.dof[b] + 3, bodies.dof[b + 1]):
+            if flexibility[i] == 0.0 and not bodies.stiffness[i - 3 * (b + 1)] < square:
                 return False
     n_joint = work.step_size[0]
-    n = work.step_size[1]
-    total = n + work.step_size[2]
-    closed = 0
-    for k in range(n):
-        if work.z[k] > 0.0:
-            closed += 1
-    if closed == 0:
+    total = work.step_size[1] + work.step_size[2]
+    springs = 0
+    for r in range(total):
+        if stiffens(work, r):
+            springs += 1
+    if springs == 0:
         return True
     factorise(model, q, 0.0, -1.0 / square, work)
     for r in range(total):
-        k = r if r < n else work.tangent[r - n]
-        if work.z[k] > 0.0:
+        if stiffens(work, r):
             solve_rows(model, work, n_joint + r, n_joint + r + 1)
             clear_static(work, flexibility, n_joint + r)
     delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.G)
     scale = 1.0 / (square * unit[1])
     for r in range(total):
-        k = r if r < n else work.tangent[r - n]
         for s in range(r + 1):
-            i = s if s < n else work.tangent[s - n]
-            if work.z[k] > 0.0 and work.z[i] > 0.0:
+            if stiffens(work, r) and stiffens(work, s):
                 work.G[r, s] = work.Gc[r, s] - scale * work.G[r, s]
             else:
                 work.G[r, s] = 1.0 if r == s else 0.0
-    return positive_definite(work.G, total)
+    return semidefinite(work.G, total, work.Gc)
 
 
 @kernel

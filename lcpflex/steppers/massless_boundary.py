@@ -64,6 +64,7 @@ from lcpflex.steppers.system import System
 
 __all__ = ["MasslessBoundary"]
 
+SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 
@@ -180,7 +181,7 @@ class MasslessBoundaryRun:
                     "has any compliance: use more modes, or MoreauJean or EventDriven"
                 )
             elif status == TOO_LONG:
-                return self._too_long()
+                return self._limit()
             else:
                 return "the state is no longer finite: the step is too long for the forces of this scene"
 
@@ -193,7 +194,7 @@ class MasslessBoundaryRun:
             f"system has frequencies beyond the limit 2/h of the step h = {self._asked:g} s"
         ]
 
-    def _too_long(self) -> str:
+    def _limit(self) -> str:
         """What step the posed problem admits, by bisection."""
         low, high = 0.0, self._settings.step
         for _ in range(50):
@@ -202,6 +203,12 @@ class MasslessBoundaryRun:
                 low = h
             else:
                 high = h
+        if low < SHORTEST * high:
+            return (
+                "the contacts that close now have too little compliance for any step: their bodies have fewer static "
+                "modes than these contacts have closed normal and sticking tangential directions; lower "
+                "dynamic_modes, or reduce the bodies to more modes"
+            )
         parts = int(self._settings.most_parts)
         return (
             f"the step {self._settings.step:g} s is too long for the system with the contacts that close now, which "
