@@ -237,9 +237,9 @@ class GeneralizedAlpha:
         Step length h [s], > 0.
     rho_inf
         0 ... 1: by how much modes far above 1/h shrink in a step. 1 conserves the energy of linear elasticity, 0 takes
-        such modes out at once.
+        such modes out at once. What that takes is part of ``energies.damping``.
     gap_tolerance
-        Gaps up to this count as closed [m].
+        Gaps up to this count as closed [m], > 0: positions are met to rounding.
     velocity_threshold
         A closed contact with a slower normal velocity [m/s] is at rest, one with a slower slip may stick.
     adaptive
@@ -266,8 +266,7 @@ class GeneralizedAlpha:
     def __post_init__(self) -> None:
         in_range("step", self.step, 0.0, math.inf, open_ends=True)
         in_range("rho_inf", self.rho_inf, 0.0, 1.0)
-        in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
-        for name in ("velocity_threshold", "solver_tolerance"):
+        for name in ("gap_tolerance", "velocity_threshold", "solver_tolerance"):
             in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")

@@ -17,9 +17,9 @@ __all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]
 
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # what is solved next, number[PHASE]
 PHASE, PASS, BETWEEN, SKIP, FOUND, WARM, UNSETTLED = range(7)  # entries of AlphaMemory.number
-CHANGE = 0  # entry of AlphaMemory.value
+CHANGE, NUMERICAL = 0, 1  # entries of AlphaMemory.value
 NOW, NEXT = 0, 1
-FRICTION, NORMAL, DAMPING, DRIVE = 0, 1, 2, 3  # entries of AlphaMemory.working, in the order of the sums of a tape
+FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
 
 class Held(NamedTuple):
@@ -40,15 +40,16 @@ class AlphaMemory(NamedTuple):
     w_new: FloatArray  # (ndof,) iterate of udot at its end
     q_new: FloatArray  # (ndof,) configuration at its end
     v_new: FloatArray  # (ndof,) velocity at its end without impulses
-    push: FloatArray  # (ndof,) M w
+    push: FloatArray  # (ndof,) a product with M
+    mean: FloatArray  # (ndof,) velocity over the step
     sets: ContactSets
     resting: Held  # contacts of the smooth motion with their forces [N]
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
     matched: IntArray  # (capacity,) the resting contact that each one of the table is, or -1
     total: FloatArray  # (capacity,) nu of each contact of the table [N s]
     law_force: FloatArray  # (2, laws, 2) smooth contact forces at start and end of the step [N]
-    working: FloatArray  # (2, 4, ndof) generalised forces that do work, at start and end of the step
-    value: FloatArray  # (1,) last change of an acceleration
+    working: FloatArray  # (2, 5, ndof) generalised forces that do work, at start and end of the step
+    value: FloatArray  # (2,) last change of an acceleration; energy lost to numerical damping in this step [J]
     number: IntArray  # (7,)
 
 
@@ -74,14 +75,15 @@ def alpha_memory(system: System, capacity: int) -> AlphaMemory:
         q_new=zeros(ndof),
         v_new=zeros(ndof),
         push=zeros(ndof),
+        mean=zeros(ndof),
         sets=contact_sets(capacity),
         resting=held(system, capacity),
         pressed=held(system, capacity),
         matched=np.zeros(capacity, dtype=np.int64),
         total=zeros(capacity),
         law_force=zeros((2, system.n_laws, 2)),
-        working=zeros((2, 4, ndof)),
-        value=zeros(1),
+        working=zeros((2, 5, ndof)),
+        value=zeros(2),
         number=np.zeros(7, dtype=np.int64),
     )
     arrays.number[BETWEEN] = 1

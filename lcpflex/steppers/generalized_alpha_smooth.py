@@ -48,6 +48,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     POSITION,
     SKIP,
     SMOOTH,
+    STORED,
     UNSETTLED,
     WARM,
     AlphaMemory,
@@ -237,6 +238,7 @@ def note_smooth(work: Workspace, memory: AlphaMemory, when: int) -> None:
         working[NORMAL, i] = 0.0
         working[DAMPING, i] = work.dissipative[i]
         working[DRIVE, i] = work.driving[i]
+        working[STORED, i] = work.conservative[i]
     for r in range(n_joint):
         if work.rate[r] != 0.0:
             add_row(work, r, work.p[r], working[DRIVE])

@@ -1,4 +1,4 @@
-"""The problems of a generalised-alpha step, posed and applied one by one; here those of position and velocity.
+"""The problems of a generalised-alpha step, posed and applied one by one; here that of velocities.
 
 See :mod:`lcpflex.steppers.generalized_alpha` for the scheme. All contact problems of a step are solved at one place
 of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
@@ -11,34 +11,38 @@ from collections.abc import Callable
 from typing import Any
 
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.contact.detection import detect, refresh
-from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.acceleration import STICKING, condense_rows
-from lcpflex.dynamics.constraint_rows import joint_residual
-from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute
-from lcpflex.dynamics.mechanics import energies, supply
+from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
-from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
     BETWEEN,
+    DAMPING,
     DRIVE,
     FOUND,
     NEXT,
     NOW,
+    NUMERICAL,
     PASS,
     PHASE,
     POSITION,
     RESTART,
     SKIP,
     SMOOTH,
+    STORED,
     VELOCITY,
     WARM,
     AlphaMemory,
-    hold,
     match,
+)
+from lcpflex.steppers.generalized_alpha_position import (
+    apply_position,
+    gather_pressed,
+    pose_position,
+    position_error,
 )
 from lcpflex.steppers.generalized_alpha_smooth import (
     AlphaSettings,
@@ -55,114 +59,33 @@ __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict", "stages"]
 
 AGAIN = 0  # the step has another problem to solve
 STEPPED = 1
-MOST_LIFTS = 8  # passes of the position problem
-CLOSED = 2e-14  # times 1 + |q|: drift and penetration that are left
 
 
 @kernel
-def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> int:
-    """Closed pairs at the present configuration, and those that carried something in the last pass; their number."""
-    n = detect(model, memory.q_new, settings.gap_tolerance, work.table)
-    pressed = memory.pressed
-    if n + pressed.filled[0] > len(work.table.key):
-        return n + pressed.filled[0]
-    for i in range(pressed.filled[0]):
-        memory.matched[i] = 0
-    near = n
-    for k in range(near):
-        memory.total[k] = 0.0
-        i = match(work.table, k, pressed)
-        if i >= 0 and memory.matched[i] == 0:
-            memory.total[k] = pressed.load[i, 0]
-            memory.matched[i] = 1
-    for i in range(pressed.filled[0]):
-        if memory.matched[i] == 0:
-            copy_entry(pressed.table, i, work.table, n)
-            refresh(model, memory.q_new, work.table, n)
-            memory.total[n] = pressed.load[i, 0]
-            n += 1
-    return n
+def numerical_damping(
+    model: Model, settings: AlphaSettings, u: FloatArray, work: Workspace, memory: AlphaMemory
+) -> float:
+    """Energy that the smooth motion has lost by not being that of the trapezoidal rule, which conserves it [J].
 
-
-@kernel
-def position_error(model: Model, t: float, n: int, work: Workspace, memory: AlphaMemory) -> float:
-    """Largest violation of joints, of closed gaps that carry and of all others below zero [m or rad]."""
-    n_joint = len(work.residual)
-    worst = 0.0
-    if n_joint > 0:
-        supply(model, t, memory.q_new, memory.v_new, work)
-        joint_residual(model, t, memory.q_new, work.external, work.residual)
-    for r in range(n_joint):
-        worst = max(worst, abs(work.residual[r]))
-    for k in range(n):
-        gap = work.table.gap[k]
-        worst = max(worst, abs(gap) if memory.total[k] > 0.0 else -gap)
-    return worst
-
-
-@kernel
-def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspace, memory: AlphaMemory) -> int:
-    """0 <= g + W^T A^-1 W (nu - nu_last) _|_ nu >= 0 and phi = 0 at t; where they hold, the velocity problem is next.
-
-    nu [N s] times the step moves the configuration. That of a resting contact starts at half of its impulse: without
-    its force it would penetrate, so it stays closed unless that is taken away from it.
+    dv M (u + v~)/2 - dq (f + f~)/2 with dv = v~ - u - h (w + w~)/2 and dq = q~ - q - h (u + v~)/2.
     """
-    n = gather_pressed(model, settings, work, memory)
-    if n > len(work.table.key):
-        return n
-    largest = 0.0
-    for i in range(len(memory.q_new)):
-        largest = max(largest, abs(memory.q_new[i]))
-    worst = position_error(model, t, n, work, memory)
-    if worst <= CLOSED * (1.0 + largest) or memory.number[PASS] >= MOST_LIFTS:
-        memory.number[PHASE] = VELOCITY
-        memory.number[FOUND] = n
-        return n
     h = settings.step
-    scale = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
-    lay(model, t, scale / h, scale, n, work, memory)
-    n_joint = work.step_size[0]
-    work.step_size[2] = 0
-    for r in range(n_joint):
-        work.free[r] = work.residual[r] / h
-    for k in range(n):
-        work.free[n_joint + k] = work.table.gap[k] / h
-    condense_rows(work)
-    for k in range(n):
-        work.q[k] = work.bc[k]
-        for c in range(n):
-            work.M[k, c] = work.Gc[k, c]
-            work.q[k] -= work.Gc[k, c] * memory.total[c]
-    work.step_size[3] = n
-    memory.number[WARM] = 1
-    return n
-
-
-@kernel
-def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
-    """Move the configuration; what that does to the energy of bodies that have just met counts as loss by impact."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    meet = False
-    for k in range(n):
-        work.p[n_joint + k] = work.z[k] - memory.total[k]
-        meet = meet or (work.z[k] > 0.0 and memory.total[k] == 0.0)
-    joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
-    for r in range(n_joint + n):
-        work.p[r] *= settings.step
-    memory.pressed.filled[0] = 0
-    for k in range(n):
-        if work.z[k] > 0.0:
-            hold(work.table, k, work.z[k], 0.0, FRICTIONLESS, memory.pressed)
-    sign = 1.0
-    for _ in range(2 if meet else 1):
-        if meet:
-            kinetic, elastic, potential = energies(model, memory.q_new, memory.v_new, work)
-            tape.sums[1] += sign * (kinetic + elastic + potential)
-        if sign > 0.0:
-            apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, memory.q_new)
-        sign = -1.0
-    memory.number[PASS] += 1
+    for i in range(len(u)):
+        memory.mean[i] = 0.5 * (u[i] + memory.v_new[i])
+    multiply(model, memory.q_new, memory.mean, work, memory.push)
+    gained = 0.0
+    for i in range(len(u)):
+        a = memory.a[i]
+        a_new = memory.a_new[i]
+        dv = (1.0 - settings.gamma) * a + settings.gamma * a_new - 0.5 * (memory.w[i] + memory.w_new[i])
+        dq = (
+            (0.5 - settings.beta) * a
+            + settings.beta * a_new
+            - 0.5 * ((1.0 - settings.gamma) * a + settings.gamma * a_new)
+        )
+        force = 0.5 * (memory.working[NOW, STORED, i] + memory.working[NEXT, STORED, i])
+        gained += h * (dv * memory.push[i] - h * dq * force)
+    return -gained
 
 
 @kernel
@@ -176,6 +99,7 @@ def pose_velocity(
     """
     n = memory.number[FOUND]
     n_tangent = lay(model, t, 0.0, 0.0, n, work, memory)
+    memory.value[NUMERICAL] = numerical_damping(model, settings, u, work, memory)
     n_joint = work.step_size[0]
     total = n_joint + n + n_tangent
     h = settings.step
@@ -228,6 +152,7 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
             force = memory.working[NOW, kind, i] + memory.working[NEXT, kind, i]
             done += force * (u[i] + memory.v_new[i])
         tape.sums[kind] += 0.25 * h * (done if kind == DRIVE else -done)
+    tape.sums[DAMPING] += memory.value[NUMERICAL]
     for law in range(memory.law_force.shape[1]):
         for i in range(2):
             mean = 0.5 * (memory.law_force[NOW, law, i] + memory.law_force[NEXT, law, i])
@@ -301,7 +226,7 @@ def apply_velocity(
         memory.a[i] = memory.a_new[i]
         memory.w[i] = memory.w_new[i]
         finite = finite and math.isfinite(q[i] + u[i])
-        for kind in range(4):
+        for kind in range(5):
             memory.working[NOW, kind, i] = memory.working[NEXT, kind, i]
     for law in range(memory.law_force.shape[1]):
         for i in range(2):
@@ -383,6 +308,7 @@ def stages() -> list[Callable[..., Any]]:
         position_error,
         pose_position,
         apply_position,
+        numerical_damping,
         pose_velocity,
         predict,
         correct,
