@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import inspect
+import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ SHARE = 1e-4  # of the duration, the step around which they lie where the steppe
 CHARTS = (".png", ".pdf", ".svg")
 RANGE = "NAME=START:STOP:COUNT"
 STEPPED = "moreau-jean"
+STEP = 1e-4  # of methods where neither an axis nor the scene's own stepper gives one [s]
 
 
 def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
@@ -34,7 +37,9 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
         help="map where in a plane of two parameters the methods work and how they fail elsewhere",
         description="Map where in a plane of two parameters the methods work and how they fail elsewhere. An axis is a "
         f"parameter of the scene or of the methods with its values, {RANGE} or NAME=VALUE,VALUE,... Ranges whose ends "
-        f"are more than {WIDE:g} apart in ratio are spaced logarithmically.",
+        f"are at least {WIDE:g} apart in ratio are spaced logarithmically. Parameters of the methods: step (all; the "
+        "longest of event-driven), theta (moreau-jean), rtol (event-driven), rho_inf (generalized-alpha), stiffness "
+        "and damping (penalty, Verlet's steps). acceleration-level asks, without time stepping, whether the start has one motion.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--x", metavar=RANGE, help="default: the step, about that of the scene")
@@ -60,7 +65,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     scene = find(request.scene)
     if not (callable(scene) or hasattr(scene, "build")):
         raise ModelError(f"SCENE: {request.scene!r} is {scene!r}; expected a Case or a function that builds a scene")
-    known = _methods()
+    known = _methods(getattr(getattr(scene, "stepper", None), "step", STEP))
     methods = {label: known[label] for label in request.method or [STEPPED]}
     asked = [("--x", request.x), ("--y", request.y)]
     axes: dict[str, list[Any]] = {}
@@ -84,31 +89,46 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     return 0 if found.complete else 130
 
 
-def _methods() -> dict[str, Callable[..., Any]]:
-    """By name, each with the parameters that can be an axis."""
+def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
+    """By name, each with the parameters that can be an axis; ``step`` [s] where none is."""
     return {
-        STEPPED: _moreau_jean,
+        STEPPED: partial(_moreau_jean, step=step),
         "event-driven": _event_driven,
-        "generalized-alpha": _generalized_alpha,
+        "generalized-alpha": partial(_generalized_alpha, step=step),
+        "penalty": partial(_penalty, step=step),
+        "acceleration-level": _acceleration_level,
     }
 
 
-def _moreau_jean(step: float = 1e-4, theta: float = 0.5) -> Any:
+def _moreau_jean(step: float, theta: float = 0.5) -> Any:
     from lcpflex.steppers.moreau_jean import MoreauJean
 
     return MoreauJean(step=step, theta=theta)
 
 
-def _event_driven(step: float | None = None, rtol: float = 1e-8) -> Any:
+def _event_driven(step: float = math.inf, rtol: float = 1e-8) -> Any:
     from lcpflex.steppers.event_driven import EventDriven
 
-    return EventDriven(rtol=rtol) if step is None else EventDriven(rtol=rtol, max_step=step)
+    return EventDriven(rtol=rtol, max_step=step)
 
 
-def _generalized_alpha(step: float = 1e-4, rho_inf: float = 0.8) -> Any:
+def _generalized_alpha(step: float, rho_inf: float = 0.8) -> Any:
     from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
 
     return GeneralizedAlpha(step=step, rho_inf=rho_inf)
+
+
+def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
+    from lcpflex.contact.penalty import Penalty
+    from lcpflex.steppers.smooth import Smooth, Verlet
+
+    return Smooth(Penalty(stiffness=stiffness, damping=damping), integrator=Verlet(step))
+
+
+def _acceleration_level(scene: Any) -> Any:
+    from lcpflex.studies.acceleration_level import acceleration_level
+
+    return acceleration_level(scene)
 
 
 def _axis(option: str, text: str, owners: tuple[Callable[..., Any], ...]) -> tuple[str, list[Any]]:

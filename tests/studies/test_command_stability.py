@@ -47,6 +47,20 @@ def test_steps_are_the_default_axis(capsys: pytest.CaptureFixture[str]) -> None:
     assert "| step | 0.0001 | 0.0003162 | 0.001 | 0.003162 | 0.01 | 0.03162 | 0.1 |" in capsys.readouterr().out
 
 
+def test_paradoxes_without_time_stepping(capsys: pytest.CaptureFixture[str]) -> None:
+    axes = ["--x", "degrees=30,60", "--y", "friction=0.5:1.4:2"]
+    assert run("painleve_rod", "--method", "acceleration-level", *axes) == 0
+    assert "| 1.4 | sound | no solution |" in capsys.readouterr().out
+
+
+def test_methods_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    methods = ["--method", "moreau-jean", "--method", "penalty"]
+    assert run("three_balls", *methods, "--x", "stiffness=1e2:1e10:3", "--duration", "0.1") == 0
+    printed = capsys.readouterr().out
+    assert "moreau-jean: 3 sound (3 cells)" in printed  # with the step of the case, 1e-3
+    assert "| drifting | energy unexplained | diverged |" in printed  # soft, h omega = 1.7, h omega = 170
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
