@@ -57,6 +57,10 @@ _HOME = {
     "Stiff": "lcpflex.steppers.smooth",
     "Verlet": "lcpflex.steppers.smooth",
     "Penalty": "lcpflex.contact.penalty",
+    "admissible_accelerations": "lcpflex.accelerations",
+    "Energetic": "lcpflex.contact.impact_laws",
+    "Poisson": "lcpflex.contact.impact_laws",
+    "Newton": "lcpflex.contact.impact_laws",
     "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
     "RecordProblems": "lcpflex.recorder",
@@ -68,6 +72,7 @@ _HOME = {
     "SolverError": "lcpflex.errors",
     "StepError": "lcpflex.errors",
 }
+_PACKAGES = ("gallery", "solvers", "studies")  # loaded when they are first named
 
 __all__ = [
     "AdaptiveStep",
@@ -79,6 +84,7 @@ __all__ = [
     "Distance",
     "DrivenAngle",
     "DrivenDisplacement",
+    "Energetic",
     "EnergyGrowth",
     "EventDriven",
     "ExplicitRungeKutta",
@@ -91,8 +97,10 @@ __all__ = [
     "Matrices",
     "ModelError",
     "MoreauJean",
+    "Newton",
     "Penalty",
     "PointOnLine",
+    "Poisson",
     "Polygon",
     "Prismatic",
     "QuadraticProgram",
@@ -114,12 +122,15 @@ __all__ = [
     "Verlet",
     "Weld",
     "__version__",
+    "admissible_accelerations",
     "simulate",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name from its module at first use."""
+    if name in _PACKAGES:
+        return import_module(f"lcpflex.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'lcpflex' has no attribute {name!r}")
     value = getattr(import_module(_HOME[name]), name)
@@ -128,7 +139,7 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_PACKAGES})
 
 
 class _Package(ModuleType):
@@ -143,10 +154,12 @@ class _Package(ModuleType):
 sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
+    from lcpflex.accelerations import admissible_accelerations
     from lcpflex.bodies.beam import Bar, Beam
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
     from lcpflex.contact.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
