@@ -226,7 +226,7 @@ class MasslessBoundary:
     ----------
     step
         Step length h [s], > 0. None: ``safety`` times the limit of the system with one contact closed, as estimated
-        at the start.
+        at the start, and at most a thousandth of the duration.
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
         contacts. None: half of its modes, rounded down. Fewer allow longer steps; 1/omega^2 of the modes above them
@@ -235,7 +235,8 @@ class MasslessBoundary:
         Divide steps that the stability limit 2/omega does not admit, where omega is the highest frequency of the
         system with its contacts closed as they are. False: stop instead, with the admissible step.
     safety
-        In (0, 1]: part of that limit that a step may use.
+        In (0, 1]: part of that limit that a step may use. Stable up to 1 with contacts that stay closed or open; one
+        that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in the limit.
     gap_tolerance
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
     solver
