@@ -39,7 +39,8 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
         f"parameter of the scene or of the methods with its values, {RANGE} or NAME=VALUE,VALUE,... Ranges whose ends "
         f"are at least {WIDE:g} apart in ratio are spaced logarithmically. Parameters of the methods: step (all; the "
         "longest of event-driven), theta (moreau-jean), rtol (event-driven), rho_inf (generalized-alpha), stiffness "
-        "and damping (penalty, Verlet's steps). acceleration-level asks, without time stepping, whether the start has one motion.",
+        "and damping (penalty, Verlet's steps). acceleration-level asks, without time stepping, "
+        "whether the start has one motion.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--x", metavar=RANGE, help="default: the step, about that of the scene")
