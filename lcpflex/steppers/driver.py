@@ -19,7 +19,17 @@ from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
-__all__ = ["Watch", "link", "Rescue", "posed_lcp", "posed_problem", "solver_hooks", "solver_method", "unsolved"]
+__all__ = [
+    "Watch",
+    "link",
+    "Rescue",
+    "posed_lcp",
+    "posed_problem",
+    "put_solution",
+    "solver_hooks",
+    "solver_method",
+    "unsolved",
+]
 
 Watch = Callable[[Workspace], None]
 
@@ -91,9 +101,14 @@ class Rescue:
         solution = self._solver.solve(posed_problem(work))
         if not solution.residual <= self._tolerance:
             return False
-        _put(work, solution)
-        work.solving[KNOWN] = SOLUTION_KNOWN
+        put_solution(work, solution)
         return True
+
+
+def put_solution(work: Workspace, solution: Solution) -> None:
+    """Leave in ``work`` what is known to solve the problem posed there, for when it is posed again."""
+    _put(work, solution)
+    work.solving[KNOWN] = SOLUTION_KNOWN
 
 
 def posed_lcp(work: Workspace) -> Lcp:
