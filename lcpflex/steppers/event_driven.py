@@ -21,8 +21,9 @@ from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import OPEN, STICK
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.problem import LcpSolver
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.solvers.enumeration import Enumeration
+from lcpflex.solvers.problem import LcpSolver, Status
+from lcpflex.steppers.driver import Rescue, link, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_impacts import collide
 from lcpflex.steppers.event_loop import (
     CHATTER,
@@ -97,6 +98,7 @@ class EventDrivenRun:
         )
         self._impact = stepper.impact
         self._first_jam = ""
+        self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
         self._work.solving[METHOD] = solver_method(stepper.solver)
@@ -194,10 +196,21 @@ class EventDrivenRun:
                 return "the state is no longer finite"
 
     def _jam(self) -> bool:
-        """Where the acceleration level has no solution: let an impact without collision follow, at most ten."""
+        """Where the acceleration level has no solution: let an impact without collision follow, at most ten.
+
+        A solution that the solver has missed is taken instead where all sets can be tried.
+        """
         number, work = self._memory.number, self._work
         if number[PHASE] != CHOOSING or number[NUDGES] >= MOST_JAMS:
             return False
+        if work.step_size[3] <= MOST_TRIED:  # is there really none?
+            solution = Enumeration().solve(posed_lcp(work))
+            if solution.solved:
+                put_solution(work, solution)
+                return True
+            self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
+        else:
+            self._proven = False
         found = int(number[FOUND])
         number[TARGET] = work.M[:found, :found].diagonal().argmin()  # < 0: its own force pulls this contact in
         number[NUDGES] += 1
@@ -217,8 +230,9 @@ class EventDrivenRun:
         number, clock = self._memory.number, self._memory.clock
         warnings = []
         if number[JAMS]:
+            known = "admissible" if self._proven else "found"
             warnings.append(
-                f"no acceleration was admissible (Painleve's paradox) {_times(number[JAMS])}, first at t = "
+                f"no acceleration was {known} (Painleve's paradox) {_times(number[JAMS])}, first at t = "
                 f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {self._first_jam} resolved it"
             )
         if number[SEVERAL]:
@@ -283,6 +297,7 @@ def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
 
 
 MOST_JAMS = 10  # impacts without collision at one instant
+MOST_TRIED = 12  # unknowns of problems that are proven to have no solution
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,6 +27,7 @@ from lcpflex.steppers.event_memory import (
     NUDGING,
     ROUND,
     STAGE,
+    STOPPING,
     TARGET,
     TIME,
     EventMemory,
@@ -35,7 +36,7 @@ from lcpflex.steppers.event_memory import (
 )
 from lcpflex.steppers.tape import Tape, note_gain
 
-__all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "UNSOLVED", "collide", "note_certificate"]
+__all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide", "note_certificate"]
 
 # what a call returns
 RESOLVED = 0
@@ -47,6 +48,7 @@ LOOKING, STRIKING, EXPANDING = 0, 1, 2  # number[STAGE]
 HIT, JAM = 1, 2  # law_state[2]
 
 ROUNDS = 30  # simultaneous impacts at one instant: the last third without restitution
+SLOWEST = 1e-3  # of the velocity threshold: slower approach is none
 CHAIN = 1000  # impacts of single contacts at one instant, after which they are simultaneous and without restitution
 
 
@@ -77,7 +79,7 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
             memory.y[base] -= done
         law = work.table.law[k]
         memory.law_work[law] += done
-        if memory.law_state[2, law] == 0:
+        if memory.law_state[2, law] == 0 and memory.number[STOPPING] != 1:
             memory.law_state[2, law] = JAM if memory.number[JAMMING] == 1 else HIT
         memory.y[base + 3 + 2 * law + part] += p
 
@@ -111,6 +113,9 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
     threshold = settings.velocity_threshold
     n = number[FOUND]
     guarded = settings.law == ENERGETIC and not settings.sequential and number[ROUND] > 0
+    if number[STOPPING] == 1:
+        threshold *= SLOWEST
+        guarded = False
     at = 0
     lowest = 0.0
     coupled = False
@@ -149,6 +154,8 @@ def begin(settings: EventSettings, work: Workspace, memory: EventMemory) -> None
     number[STAGE] = STRIKING
     number[JAMMING] = number[NUDGING]
     number[ALONE] = 1 if settings.sequential or settings.law == ENERGETIC else 0
+    if number[STOPPING] == 1:
+        number[ALONE] = 0
     if number[ALONE] == 1 and number[ROUND] > CHAIN:
         number[ALONE] = 0
         if number[ROUND] == CHAIN + 1:
@@ -163,7 +170,10 @@ def end(memory: EventMemory, tape: Tape) -> None:
     """End an impact."""
     memory.number[STAGE] = LOOKING
     memory.number[NUDGING] = 0
-    memory.number[HITS] = 1
+    if memory.number[STOPPING] == 1:
+        memory.number[STOPPING] = 2
+    else:
+        memory.number[HITS] = 1
     note_gain(tape, memory.clock[TIME], memory.clock[GAINED])
 
 
@@ -201,9 +211,9 @@ def strike_by_energy(
 
 @kernel
 def without_restitution(memory: EventMemory) -> bool:
-    """Whether there have been so many impacts at this instant that they are to end."""
+    """Whether the approach is slow, or there have been so many impacts at this instant that they are to end."""
     most = CHAIN if memory.number[ALONE] == 1 or memory.number[ROUND] > CHAIN else 2 * ROUNDS // 3
-    return memory.number[ROUND] > most
+    return memory.number[ROUND] > most or memory.number[STOPPING] == 1
 
 
 @kernel
@@ -242,7 +252,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         begin(settings, work, memory)
         if number[ALONE] == 1:
             return AGAIN
-    law = NEWTON if number[ROUND] > CHAIN else settings.law
+    law = NEWTON if number[ROUND] > CHAIN or number[STOPPING] == 1 else settings.law
     threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
     for i in range(ndof):
         memory.u[i] = u[i]

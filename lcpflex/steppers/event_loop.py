@@ -14,7 +14,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
-from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, collide
+from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_memory import (
     CAUSE,
     CLOSING,
@@ -253,9 +253,10 @@ def advance(
             elif outcome != AGAIN:
                 return SOLVER_FAILED
         elif phase == CHOOSING:
-            if choose(model, settings, work, memory, tape) != RESOLVED:
+            outcome = choose(model, settings, work, memory, tape)
+            if outcome == UNSOLVED:
                 return SOLVER_FAILED
-            number[PHASE] = TRYING
+            number[PHASE] = TRYING if outcome == RESOLVED else COLLIDING
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = number[CONTACTS]
             if phase == CLOSING_STEP:

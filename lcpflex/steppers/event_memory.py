@@ -90,6 +90,7 @@ class EventMemory(NamedTuple):
 CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH, FOUND = range(11)
 ROUND, STAGE, ALONE, TARGET, JAMMING, NUDGING = range(11, 17)  # of impacts: see event_impacts
 JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # counts, of the run but NUDGES
+STOPPING = 24  # of contacts that approach slower than the threshold: 1 while, 2 after
 # clock
 TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL = range(10)
 
@@ -129,7 +130,7 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         taken=np.full(laws, -1, dtype=np.int64),
         law_work=zeros(laws),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(24, dtype=np.int64),
+        number=np.zeros(25, dtype=np.int64),
         clock=zeros(10),
     )
     memory = pack(arrays)

@@ -29,7 +29,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution
-from lcpflex.steppers.event_impacts import JAM, LOOKING, RESOLVED, UNSOLVED, note_certificate
+from lcpflex.steppers.event_impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED, note_certificate
 from lcpflex.steppers.event_memory import (
     CONE,
     CONTACTS,
@@ -51,6 +51,7 @@ from lcpflex.steppers.event_memory import (
     SLIPS,
     STAGE,
     STICKS,
+    STOPPING,
     STORED,
     TESTED,
     TIME,
@@ -221,8 +222,25 @@ def note_paradox(n: int, settings: EventSettings, work: Workspace, memory: Event
 
 
 @kernel
+def still_approach(n: int, settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> bool:
+    """Whether contacts about to be let go approach, slower than the threshold: they would close again and again."""
+    largest = 0.0
+    for k in range(n):
+        largest = max(largest, work.z[k])
+    for k in range(n):
+        if work.z[k] <= CARRIES * largest:
+            v = row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u)
+            if v < -SLOWEST * settings.velocity_threshold:
+                return True
+    return False
+
+
+@kernel
 def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
-    """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force."""
+    """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force.
+
+    AGAIN: those let go have to be stopped first.
+    """
     n = memory.number[FOUND]
     ndof = len(memory.u)
     q = memory.y[:ndof]
@@ -238,6 +256,9 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         if status != 0 or not work.certificate[0] <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
+        if memory.number[STOPPING] == 0 and still_approach(n, settings, work, memory, u):
+            memory.number[STOPPING] = 1
+            return AGAIN
         note_paradox(n, settings, work, memory)
         kept = read_sets(n, n_stick, work, memory)
     memory.number[CONTACTS] = kept
@@ -290,7 +311,7 @@ def gather(model: Model, settings: EventSettings, work: Workspace, memory: Event
         memory.law_work[law] = 0.0
     memory.number[HITS] = 0
     memory.number[FOUND] = found
-    for item in (ROUND, STAGE, NUDGING, NUDGES):
+    for item in (ROUND, STAGE, NUDGING, NUDGES, STOPPING):
         memory.number[item] = LOOKING
     for k in range(found):
         copy_entry(memory.seen, k, work.table, k)

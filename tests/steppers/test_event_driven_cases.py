@@ -239,6 +239,50 @@ def test_spinning_beam_in_flight_keeps_its_momenta() -> None:
     assert np.ptp(result.energies.stored) < 1e-9 * result.energies.stored[0]
 
 
+def heap(seed: int) -> lf.Scene:
+    """Discs and boxes fall into a trough."""
+    generator = np.random.default_rng(seed)
+    scene = lf.Scene(gravity=(0.0, -G))
+    for point, normal in (((0.0, 0.0), (0.0, 1.0)), ((-0.6, 0.0), (1.0, 0.0)), ((0.6, 0.0), (-1.0, 0.0))):
+        scene.ground.half_plane(point, normal)
+    for k in range(5):
+        scene.add(
+            lf.Box(width=0.2, height=0.1, mass=1.0) if k % 2 else lf.Disc(radius=0.08, mass=1.0),
+            name=f"body {k}",
+            position=(generator.uniform(-0.3, 0.3), 0.2 + 0.25 * k),
+            angle=generator.uniform(-1.0, 1.0),
+            velocity=generator.uniform(-1.0, 1.0, 2),
+        )
+    scene.contact_all(friction=0.4, restitution=0.3)
+    return scene
+
+
+@pytest.mark.parametrize(
+    "law", [Poisson(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True)], ids=repr
+)
+@pytest.mark.parametrize("seed", [4, 8])
+def test_heap_keeps_its_laws_under_all_laws_of_impact(law: ImpactLaw, seed: int) -> None:
+    """Hundreds of impacts, many of several contacts: no penetration, no energy from nowhere, few idle events.
+
+    Contacts that approached slower than the velocity threshold, and were let go, closed every microsecond.
+    """
+    result = lf.simulate(heap(seed), 2.0, lf.EventDriven(impact=law), record=0.01)
+    assert len(times(result, "impact")) > 100
+    assert result.steps < 2000
+    assert np.nanmin(result.gap) > -1e-8
+    assert result.energies.relative_remainder < 1e-7
+    assert np.diff(result.energies.friction + result.energies.impact).min() > -1e-8
+    assert result.spots.force[:, 0].min() > -1e-6
+
+
+def test_woodpecker_pecks_as_published() -> None:
+    result = lf.simulate(gallery.woodpecker(), 0.4, lf.EventDriven(), record=1e-3)
+    pecks = times(result, "impact", "beak")
+    assert pecks == pytest.approx([0.08102, 0.2269, 0.3730], abs=1e-4)
+    height = np.interp(pecks, result.times, result.q[:, 0])
+    assert 0.5 * (height[2] - height[0]) == pytest.approx(-19.4e-3, abs=1e-4)  # a cycle, of the first two
+
+
 def flat_bounces(**options: Any) -> lf.Result:
     scene = lf.Scene(gravity=(0.0, -G))
     ball = scene.add(lf.Disc(radius=0.1, mass=1.0), name="ball", position=(0.0, 0.1), velocity=(0.0, 2e-5))
