@@ -203,7 +203,7 @@ class MasslessBoundaryRun:
                 low = h
             else:
                 high = h
-        if low < SHORTEST * high:
+        if low < SHORTEST * self._settings.step:
             return (
                 "the contacts that close now have too little compliance for any step: their bodies have fewer static "
                 "modes than these contacts have closed normal and sticking tangential directions; lower "
@@ -236,7 +236,7 @@ class MasslessBoundary:
         system with its contacts closed as they are. False: stop instead, with the admissible step.
     safety
         In (0, 1]: part of that limit that a step may use. Stable up to 1 with contacts that stay closed or open; one
-        that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in the limit.
+        that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in it.
     gap_tolerance
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
     solver

@@ -279,6 +279,30 @@ def test_springs_and_dampers_are_in_the_limit(stiffness: float, damping: float) 
     assert result.energies.relative_remainder < 0.02
 
 
+def test_fewer_static_modes_than_closed_contacts_are_told() -> None:
+    """Two ends of a beam on one static mode, which lifts one as it lowers the other: both cannot be held."""
+    body = lf.Beam(0.7, 0.028, 0.005, density=2700.0, youngs_modulus=6.9e10).reduce(modes=2, damping=0.02)
+    scene = lf.Scene()
+    beam = scene.add(body, name="beam", position=(0.0, 0.0025))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for name, x in (("left", 0.0), ("right", 0.7)):
+        scene.contact(beam.node(x, -0.0025), floor, name=name)
+    with pytest.raises(lf.StepError, match="than there are static modes"):
+        lf.simulate(scene, 0.1, MasslessBoundary(dynamic_modes=1))
+
+
+def test_initial_motion_in_static_modes_is_told() -> None:
+    body = lf.Bar(LENGTH, 1.0, 1.0, MODULUS, elements=10).reduce(modes=None)
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    rate = np.zeros(10)
+    rate[7] = 1.0
+    bar = scene.add(body, name="bar", position=(1.0, 0.0), modal_velocity=rate)
+    scene.contact(bar.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (1.0, 0.0)))
+    for modes, told in ((5, True), (8, False)):
+        result = lf.simulate(scene, 0.1, MasslessBoundary(dynamic_modes=modes))
+        assert any("0.5 J of the initial 0.5 J" in warning for warning in result.warnings) == told
+
+
 # drivers, solvers, loads
 
 
