@@ -6,6 +6,8 @@ from typing import Any
 
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven import EventDriven
+from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+from lcpflex.steppers.massless_boundary import MasslessBoundary
 from lcpflex.steppers.moreau_jean import MoreauJean
 
 __all__ = ["standard_methods"]
@@ -19,7 +21,8 @@ def standard_methods(duration: float) -> dict[str, tuple[Any, ...]]:
     """By label the series of every scheme, from coarse to fine, for a scene of ``duration`` [s].
 
     Steps from a fiftieth of the duration downwards by factors of three, tolerances from 1e-2 downwards by factors of
-    ten. What takes too long is left out by the limit of the study, what does not apply by the scene.
+    ten. What takes too long is left out by the limit of the study, what does not apply by the scene. Smooth contact
+    laws are not among them: their stiffness is part of the model, and only the user knows it.
     """
     steps = [COARSEST * duration / FACTOR**k for k in range(LEVELS)]
     tolerances = [10.0**-k for k in range(2, 11)]
@@ -29,5 +32,7 @@ def standard_methods(duration: float) -> dict[str, tuple[Any, ...]]:
             MoreauJean(step=1e-3 * duration, adaptive=AdaptiveStep(rtol=r, atol=0.1 * r, shortest=1e-2 * r * duration))
             for r in tolerances
         ),
+        "generalised-alpha": tuple(GeneralizedAlpha(step=h) for h in steps),
+        "massless boundary": tuple(MasslessBoundary(step=h) for h in steps),
         "event-driven": tuple(EventDriven(rtol=r, atol=0.1 * r) for r in tolerances),
     }

@@ -158,7 +158,7 @@ def _divided(owner: Any, names: Sequence[str], factor: float) -> Any:
 
 
 def brief(thing: Any) -> str:
-    """The ``repr`` of a stepper without the numbers that are as they are by default."""
+    """The ``repr`` of a stepper without the numbers that are as they are by default, but with its tolerance."""
     if isinstance(thing, float):
         return f"{thing:.4g}"
     if not is_dataclass(thing) or isinstance(thing, type):
@@ -167,6 +167,6 @@ def brief(thing: Any) -> str:
     for one in fields(thing):
         value = getattr(thing, one.name)
         usual = one.default_factory() if one.default_factory is not MISSING else one.default
-        if one.repr and (usual is MISSING or repr(value) != repr(usual)):
+        if one.repr and (one.name == "rtol" or usual is MISSING or repr(value) != repr(usual)):
             told.append(f"{one.name}={brief(value)}")
     return f"{type(thing).__name__}({', '.join(told)})"

@@ -99,13 +99,16 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
                 markerfacecolor="white" if empty else look["color"],
             )  # fmt: skip
         failed = [abscissa(p) for p in study.points if p.method == label and p.failure and not p.refused]
+        failed = [cost for cost in failed if math.isfinite(cost)]
         ax.plot(
             failed, [failures] * len(failed), linestyle="none", marker="x", color=look["color"],
             markersize=7.0, markeredgewidth=1.8, zorder=3.0,
         )  # fmt: skip
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
-    ax.text(0.995, failures, "failed ", transform=ax.get_yaxis_transform(), ha="right", va="center", fontsize="x-small",
-            color="#666666")  # fmt: skip
+    ax.text(
+        0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
+        fontsize="x-small", color="#666666",
+    )  # fmt: skip
 
 
 def _front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:

@@ -104,9 +104,9 @@ class SceneStudy:
         return min(good, key=lambda p: p.wall_time, default=None)
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> tuple[str, ...]:
-        """A sentence for each tolerance."""
+        """A sentence for each tolerance, and what the reference leaves open: another method may converge elsewhere."""
         name = self.output(output)
-        return tuple(self._sentence(tolerance, name) for tolerance in tolerances)
+        return (*(self._sentence(tolerance, name) for tolerance in tolerances), *self.reference.notes)
 
     def _sentence(self, tolerance: float, output: str) -> str:
         best = self.cheapest(tolerance, output)
