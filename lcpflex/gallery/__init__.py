@@ -66,13 +66,33 @@ def scenes() -> dict[str, Case]:
 
 
 def warmup_cases() -> tuple[Case, ...]:
-    """A few short runs that between them use every kernel, with both steppers."""
+    """A few short runs that between them use every kernel, with every stepper."""
+    from lcpflex.contact.impact_laws import Energetic, Poisson
+    from lcpflex.contact.penalty import Penalty
+    from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven import EventDriven
+    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+    from lcpflex.steppers.massless_boundary import MasslessBoundary
+    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.smooth import Smooth, Stiff, Verlet
 
     known = scenes()
-    stepping = ("sliding_beam", "double_pendulum", "impacting_bar")
-    locating = ("stick_slip", "oblique_bounce")
+    control, spring = AdaptiveStep(), Penalty(1e5)
+    own = ("sliding_beam", "double_pendulum", "impacting_bar")
+    others = (
+        ("stick_slip", 1e-2, EventDriven()),
+        ("oblique_bounce", 1e-2, EventDriven()),
+        ("oblique_bounce", 1e-2, EventDriven(impact=Poisson())),
+        ("oblique_bounce", 1e-2, EventDriven(impact=Energetic())),
+        ("double_pendulum", 1e-3, MoreauJean(step=1e-4, adaptive=control)),
+        ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4)),
+        ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4, adaptive=control)),
+        ("pendulum", 1e-3, MasslessBoundary(step=1e-4)),
+        ("stick_slip", 1e-3, Smooth(spring)),
+        ("stick_slip", 1e-3, Smooth(spring, integrator=Stiff())),
+        ("stick_slip", 1e-3, Smooth(spring, integrator=Verlet(1e-4))),
+    )
     return (
-        *(replace(known[name], duration=1e-3) for name in stepping),
-        *(replace(known[name], duration=1e-2, stepper=EventDriven()) for name in locating),
+        *(replace(known[name], duration=1e-3) for name in own),
+        *(replace(known[name], duration=duration, stepper=stepper) for name, duration, stepper in others),
     )

@@ -9,7 +9,16 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from lcpflex import EventDriven, MoreauJean, UserSystem, gallery, simulate
+from lcpflex import (
+    EventDriven,
+    GeneralizedAlpha,
+    MasslessBoundary,
+    MoreauJean,
+    Smooth,
+    UserSystem,
+    gallery,
+    simulate,
+)
 
 CASES = gallery.scenes()
 
@@ -37,8 +46,14 @@ def test_every_case_runs(name: str) -> None:
     assert result.energies.largest_remainder <= 1e-4 * max(result.energies.scale, 1e-6)
 
 
-def test_warmup_uses_both_steppers() -> None:
-    assert {type(case.stepper) for case in gallery.warmup_cases()} == {MoreauJean, EventDriven}
+def test_warmup_uses_every_stepper() -> None:
+    assert {type(case.stepper) for case in gallery.warmup_cases()} == {
+        EventDriven,
+        GeneralizedAlpha,
+        MasslessBoundary,
+        MoreauJean,
+        Smooth,
+    }
 
 
 @pytest.mark.parametrize(
