@@ -19,7 +19,7 @@ graphs = st.integers(2, 12).flatmap(
         st.lists(st.tuples(numbers, numbers), min_size=m, max_size=m).map(np.array),
     )
 )
-ACCURACY = 1.03  # documented: 2 %, of each of two distances that are compared
+ACCURACY = 1.03  # documented: 2 % or 5e-6, of each of two distances that are compared
 
 
 def step(at: float, height: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
@@ -36,9 +36,9 @@ def test_equal_graphs_have_no_distance(graph) -> None:
 @settings(max_examples=25, deadline=None)
 def test_it_is_symmetric_and_the_larger_of_its_sides(one, other) -> None:
     both = graph_distance(*one, *other)
-    assert both == pytest.approx(graph_distance(*other, *one), rel=0.03, abs=1e-12)
+    assert both == pytest.approx(graph_distance(*other, *one), rel=0.03, abs=1e-5)
     sides = [graph_distance(*a, *b, two_sided=False) for a, b in ((one, other), (other, one))]
-    assert both == pytest.approx(max(sides), rel=0.03, abs=1e-12)
+    assert both == pytest.approx(max(sides), rel=0.03, abs=1e-5)
 
 
 @given(graphs, graphs, graphs)
@@ -46,7 +46,7 @@ def test_it_is_symmetric_and_the_larger_of_its_sides(one, other) -> None:
 def test_a_detour_is_not_shorter(one, between, other) -> None:
     direct = graph_distance(*one, *other)
     detour = graph_distance(*one, *between) + graph_distance(*between, *other)
-    assert direct <= ACCURACY * detour + 1e-12
+    assert direct <= ACCURACY * detour + 1e-5
 
 
 @given(graphs, st.integers(2, 7))
