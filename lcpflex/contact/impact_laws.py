@@ -1,12 +1,14 @@
 """What contacts do in an impact: the laws of Newton, Poisson and Stronge, as values.
 
-e_N is the restitution that each contact declares. Contacts that are closed take part, whether they approach or not.
+e_N is the restitution that each contact declares. Contacts that are closed take part, whether they approach or not:
+all at once or, with ``sequential``, one after another, the one that approaches fastest first, until none approaches. A
+chain of impacts that has not ended after 1000 is ended by one without restitution.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 from lcpflex.errors import ModelError
 
@@ -16,26 +18,7 @@ NEWTON, POISSON, ENERGETIC = 0, 1, 2  # the same for kernels
 
 
 @dataclass(frozen=True, slots=True)
-class ImpactLaw:
-    """What all laws have in common.
-
-    Attributes
-    ----------
-    sequential
-        Contacts hit one after another, the one that approaches fastest first, until none approaches; otherwise all
-        closed contacts at once. A chain that has not ended after 1000 impacts is ended by one without restitution.
-    """
-
-    sequential: bool = False
-    code: ClassVar[int]
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.sequential, bool):
-            raise ModelError(f"sequential: {self.sequential!r} was given, expected True or False")
-
-
-@dataclass(frozen=True, slots=True)
-class Newton(ImpactLaw):
+class Newton:
     """Normal velocities are reflected, gdot_N+ = -e_N gdot_N-, and tangential ones with e_T (Moreau 1988).
 
         0 <= p_N  _|_  gdot_N+ + e_N gdot_N- >= 0,   p_T in mu p_N Sign(-(gdot_T+ + e_T gdot_T-))
@@ -43,11 +26,15 @@ class Newton(ImpactLaw):
     With friction it may create energy (Kane's double pendulum); the result says so.
     """
 
+    sequential: bool = False
     code: ClassVar[int] = NEWTON
+
+    def __post_init__(self) -> None:
+        _check(self)
 
 
 @dataclass(frozen=True, slots=True)
-class Poisson(ImpactLaw):
+class Poisson:
     """Impulses are reflected, in two contact problems (Pfeiffer & Glocker 1996).
 
         compression   0 <= p_C  _|_  gdot_N,C >= 0
@@ -57,11 +44,15 @@ class Poisson(ImpactLaw):
     approaching. Declared tangential restitution is refused.
     """
 
+    sequential: bool = False
     code: ClassVar[int] = POISSON
+
+    def __post_init__(self) -> None:
+        _check(self)
 
 
 @dataclass(frozen=True, slots=True)
-class Energetic(ImpactLaw):
+class Energetic:
     """The work of the normal impulse: in restitution it gives back e_N^2 of what compression took (Stronge 1990).
 
     The velocities are integrated over the normal impulse p of one contact, through slip, stick and reversed slip, each
@@ -74,4 +65,16 @@ class Energetic(ImpactLaw):
     unless ``sequential``. Declared tangential restitution is refused.
     """
 
+    sequential: bool = False
     code: ClassVar[int] = ENERGETIC
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+
+ImpactLaw: TypeAlias = Newton | Poisson | Energetic
+
+
+def _check(law: ImpactLaw) -> None:
+    if not isinstance(law.sequential, bool):
+        raise ModelError(f"sequential: {law.sequential!r} was given, expected True or False")
