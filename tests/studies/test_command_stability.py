@@ -61,6 +61,15 @@ def test_methods_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
     assert "| drifting | energy unexplained | diverged |" in printed  # soft, h omega = 1.7, h omega = 170
 
 
+def test_every_scheme_can_be_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    methods = ["moreau-jean", "event-driven", "generalized-alpha", "massless-boundary", "penalty", "acceleration-level"]
+    asked = [word for label in methods for word in ("--method", label)]
+    assert run("modal_bar_3", *asked, "--x", "dynamic_modes=1,2", "--duration", "1e-4") == 0
+    printed = capsys.readouterr().out
+    assert all(f"{label}: 2 " in printed for label in methods)
+    assert "refused" not in printed
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
