@@ -151,7 +151,9 @@ def test_failures_are_kept_and_never_recommended() -> None:
     assert "failed: at t = 0.1 s: stuck" in text
     assert "refusing does not apply: scene: too round, expected corners" in text
     figure = work.plot()
-    crosses = [line for ax in figure.axes[:2] for line in ax.lines if line.get_marker() == "x" and len(line.get_xdata())]
+    crosses = [
+        line for ax in figure.axes[:2] for line in ax.lines if line.get_marker() == "x" and len(line.get_xdata())
+    ]
     assert not crosses  # it has no time and no steps
     assert "refusing: does not apply" in figure.axes[2].get_legend().get_title().get_text()
 
@@ -322,6 +324,7 @@ def test_command_line(tmp_path, capsys, monkeypatch) -> None:
     assert picture.stat().st_size > 10_000
     assert table.read_text().count("\n") == 4
     assert "cheapest method for 1 % in energy" in capsys.readouterr().out
-    for wrong in (("--quantity", "colour"), ("--output", "chart.txt"), ("--csv", "/no/folder/runs.csv")):
-        with pytest.raises(ModelError, match=wrong[0]):
+    wrongs = ("--quantity", "colour"), ("--output", "chart.txt"), ("--csv", "/no/folder/runs.csv"), ("--duration", "0")
+    for wrong in wrongs:
+        with pytest.raises(ModelError, match=wrong[0].strip("-")):
             run(*wrong)
