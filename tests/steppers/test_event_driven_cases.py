@@ -300,3 +300,12 @@ def test_too_many_events_end_the_run() -> None:
     assert len(times(allowed, "impact")) == pytest.approx(0.01 * G / 4e-5, abs=2)
     with pytest.raises(lf.ModelError, match="most_events"):
         lf.EventDriven(most_events=0.0)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_impulses_of_what_sticks_follow_a_changing_load(tolerance: float) -> None:
+    """m u_x = integral of 4 sin 2t + impulse of friction: while the block sticks, nothing moves and yet force changes."""
+    stepper = lf.EventDriven(rtol=tolerance, atol=1e-2 * tolerance)
+    result = lf.simulate(gallery.stick_slip_block(), 1.9, stepper, record=0.019)
+    load = 2.0 * (1.0 - np.cos(2.0 * result.times))
+    assert np.abs(result.u[:, 0] - load - result.impulse[:, 0, 1]).max() < 50.0 * tolerance
