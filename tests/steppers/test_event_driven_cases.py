@@ -304,7 +304,7 @@ def test_too_many_events_end_the_run() -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_impulses_of_what_sticks_follow_a_changing_load(tolerance: float) -> None:
-    """m u_x = integral of 4 sin 2t + impulse of friction: while the block sticks, nothing moves and yet force changes."""
+    """m u_x = integral of 4 sin 2t + impulse of friction: nothing moves while it sticks, and yet forces change."""
     stepper = lf.EventDriven(rtol=tolerance, atol=1e-2 * tolerance)
     result = lf.simulate(gallery.stick_slip_block(), 1.9, stepper, record=0.019)
     load = 2.0 * (1.0 - np.cos(2.0 * result.times))
