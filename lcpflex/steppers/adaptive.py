@@ -93,6 +93,12 @@ class AdaptiveStep:
         """The longest step [s] of a run over ``duration`` [s]."""
         return max(self.shortest, PART * duration) if self.longest is None else self.longest
 
+    def limits(self, duration: float, interval: float) -> Limits:
+        """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        # never 0: an instant is stored once, however many steps from it are rejected
+        apart = max(interval, 4.0 * math.ulp(duration))
+        return Limits(duration, apart, self.rtol, self.atol, self.shortest, self.limit(duration))
+
 
 class Limits(NamedTuple):
     """Numbers of the step control, as a compiled loop takes them."""

@@ -264,7 +264,7 @@ class AdaptiveGeneralizedAlphaRun:
         self.q = system.q.copy()
         self.u = system.u.copy()
         self._settings = settings
-        self._limits = Limits(duration, interval, control.rtol, control.atol, control.shortest, control.limit(duration))
+        self._limits = control.limits(duration, interval)
         self._rescue = Rescue(solver, settings.tolerance)
         self._work = system.workspace(16)
         self._work.solving[METHOD] = solver_method(solver)

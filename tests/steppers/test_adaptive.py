@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pytest
@@ -90,6 +91,15 @@ def test_ends_on_its_duration_and_stores_the_end() -> None:
     assert result.complete
     assert result.times[-1] == 0.7371
     assert (np.diff(result.times)[:-1] >= 0.1).all()
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean, lf.GeneralizedAlpha])
+@pytest.mark.parametrize("record", [0.0, 1e-18])
+def test_an_instant_is_stored_once_though_steps_from_it_are_rejected(stepper: Any, record: float) -> None:
+    control = AdaptiveStep(rtol=1e-4, atol=1e-6)
+    result = lf.simulate(gallery.bouncing_ball(), 0.6, stepper(step=1e-3, adaptive=control), record=record)
+    assert np.diff(result.times).min() > 0.0
+    assert len(result.times) <= result.steps + 1
 
 
 def test_steps_that_are_as_short_as_allowed_are_reported() -> None:
