@@ -38,9 +38,9 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
         description="Map where in a plane of two parameters the methods work and how they fail elsewhere. An axis is a "
         f"parameter of the scene or of the methods with its values, {RANGE} or NAME=VALUE,VALUE,... Ranges whose ends "
         f"are at least {WIDE:g} apart in ratio are spaced logarithmically. Parameters of the methods: step (all; the "
-        "longest of event-driven), theta (moreau-jean), rtol (event-driven), rho_inf (generalized-alpha), stiffness "
-        "and damping (penalty, Verlet's steps). acceleration-level asks, without time stepping, "
-        "whether the start has one motion.",
+        "longest of event-driven), theta (moreau-jean), rtol (event-driven), rho_inf (generalized-alpha), "
+        "dynamic_modes (massless-boundary), stiffness and damping (penalty, Verlet's steps). acceleration-level asks, "
+        "without time stepping, whether the start has one motion.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--x", metavar=RANGE, help="default: the step, about that of the scene")
@@ -96,6 +96,7 @@ def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
         STEPPED: partial(_moreau_jean, step=step),
         "event-driven": _event_driven,
         "generalized-alpha": partial(_generalized_alpha, step=step),
+        "massless-boundary": partial(_massless_boundary, step=step),
         "penalty": partial(_penalty, step=step),
         "acceleration-level": _acceleration_level,
     }
@@ -117,6 +118,12 @@ def _generalized_alpha(step: float, rho_inf: float = 0.8) -> Any:
     from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
 
     return GeneralizedAlpha(step=step, rho_inf=rho_inf)
+
+
+def _massless_boundary(step: float, dynamic_modes: float | None = None) -> Any:
+    from lcpflex.steppers.massless_boundary import MasslessBoundary
+
+    return MasslessBoundary(step=step, dynamic_modes=None if dynamic_modes is None else round(dynamic_modes))
 
 
 def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
