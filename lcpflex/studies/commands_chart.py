@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ def add_chart(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]
 
 
 def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
-    """Run the study, print table and advice, write the files. 1 if no method has a sound run."""
+    """Run the study, print table and advice, write the files. 1 if no method has a sound run, 130 after Ctrl-C."""
     from lcpflex.studies.outputs import standard_outputs
     from lcpflex.studies.work_precision import work_precision
 
@@ -48,7 +49,7 @@ def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float |
         outputs.remove(request.quantity)
         outputs.insert(0, request.quantity)  # the first one is drawn and decides on the reference
     scene, duration, _ = load(request.scene)
-    duration = request.duration or duration
+    duration = duration if request.duration is None else request.duration
     if duration is None:
         raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
     work = work_precision(
@@ -61,4 +62,7 @@ def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float |
     if request.output is not None:
         work.plot().savefig(request.output, dpi=150)
         print(f"\nchart: {request.output.resolve()}")
+    if not work.complete:
+        print("lcpflex: interrupted", file=sys.stderr)
+        return 130
     return 0 if any(not point.failure for point in work.points) else 1

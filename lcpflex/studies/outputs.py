@@ -104,6 +104,13 @@ class Measured:
     parts: tuple[Part, ...]
     number: float | None
 
+    @property
+    def finite(self) -> bool:
+        """Whether all of it is: else nothing can be compared with it."""
+        if self.number is not None and not np.isfinite(self.number):
+            return False
+        return all(bool(np.isfinite(part.curves).all()) for part in self.parts)
+
 
 def as_curves(array: FloatArray) -> FloatArray:
     """(m,) and (m, d) as (m, 1, d)."""

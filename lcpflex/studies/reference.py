@@ -55,8 +55,12 @@ def analytic_reference(values: Mapping[str, Any], outputs: Sequence[Output], dur
             if curve.ndim not in (1, 2, 3) or len(curve) != len(times):
                 raise ModelError(f"reference[{name!r}]: returned shape {curve.shape}; expected a row for each time")
             measured[name] = Measured(times, (Part(name, as_curves(curve)),), None)
-        else:
+        elif isinstance(value, (int, float)):
             measured[name] = Measured(times, (), float(value))
+        else:
+            raise ModelError(f"reference[{name!r}]: {value!r} was given, expected a number or a function of times")
+        if not measured[name].finite:
+            raise ModelError(f"reference[{name!r}]: values that are not finite; expected finite numbers")
         errors[name] = resolution(known[name], measured[name], duration)
     return Reference("exact values", measured, errors)
 
@@ -103,23 +107,28 @@ def own_errors(conditions: Conditions, best: Trial, other: Trial) -> dict[str, f
     return errors
 
 
-def series_reference(conditions: Conditions, series: Mapping[str, Sequence[Trial]]) -> Reference:
+def series_reference(conditions: Conditions, series: Mapping[str, Sequence[Trial]], refine: bool = True) -> Reference:
     """The method that has converged best, run once more, finer than all.
 
     Of each method the two finest sound runs are compared in the first output; the method with the smallest difference
-    is refined once more. The error of the reference is what that still changes. A method that has converged, too, but
-    elsewhere, is named.
+    is refined once more, or without ``refine`` taken as it is. The error of the reference is what the last refinement
+    changes. A method that has converged, too, but elsewhere, is named.
     """
     settled = {label: pair for label, trials in series.items() if (pair := _two_finest(trials))}
     lawful = {label: pair for label, pair in settled.items() if not hasattr(pair[1].stepper, "law")}
     candidates = lawful or settled  # a contact force law of its own converges to another answer
     if not candidates:
-        raise ModelError("reference: not given, and no method has two sound runs to compare; expected a reference")
+        reasons = {label: next((t.failure for t in trials if t.failure), "") for label, trials in series.items()}
+        told = "; ".join(f"{label}: {reason}" for label, reason in reasons.items() if reason)
+        raise ModelError(
+            "reference: not given, and no method has two sound runs to compare; expected a reference"
+            + (f" ({told})" if told else "")
+        )
     first = conditions.outputs[0].name
     changes = {label: own_errors(conditions, fine, coarse)[first] for label, (coarse, fine) in settled.items()}
     chosen = min(candidates, key=lambda label: changes[label])
     fine = candidates[chosen][1]
-    best, other = _finest(conditions, fine, candidates[chosen][0])
+    best, other = _finest(conditions, fine, candidates[chosen][0]) if refine else (fine, candidates[chosen][0])
     assert best.measured is not None
     errors = own_errors(conditions, best, other)
     notes = tuple(

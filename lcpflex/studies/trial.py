@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from lcpflex.studies.time_limit import TimeLimit
 if TYPE_CHECKING:
     from lcpflex.simulate import Stepper
 
-__all__ = ["Conditions", "Trial", "brief", "in_order", "refined", "run_series", "trial"]
+__all__ = ["Conditions", "Series", "Trial", "brief", "in_order", "refined", "run_series", "trial"]
 
 PATIENCE = 3.0  # a run is ended after this many times the limit that it was predicted to keep
 GUESS = 3.0  # how much longer the next run takes where nothing tells
@@ -67,11 +67,27 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
         return Trial(stepper, failure=str(error), refused=True)
     except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
         return Trial(stepper, failure=f"{type(error).__name__}: {error}")
-    measured = {output.name: output.of(first) for output in conditions.outputs}
+    measured, failure = _measured(conditions, first)
+    if failure:
+        return Trial(stepper, first.steps, (first.wall_time,), measured, failure)
     times = [first.wall_time]
     if repeats and first.wall_time <= conditions.limit:
         times = [_run(conditions, limited, None).wall_time for _ in range(repeats)]
     return Trial(stepper, first.steps, tuple(times), measured, "; ".join(first.warnings))
+
+
+def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measured] | None, str]:
+    """The outputs, or why there are none: a function that cannot cope with one result leaves the others their say."""
+    measured = {}
+    for output in conditions.outputs:
+        try:
+            measured[output.name] = output.of(result)
+        except ModelError:
+            raise
+        except Exception as error:  # whatever a function of the user's own may raise
+            return None, f"outputs[{output.name!r}] raised {type(error).__name__}: {error}"
+    wild = [name for name, one in measured.items() if not one.finite]
+    return measured, f"outputs[{wild[0]!r}] is not finite" if wild else ""
 
 
 def _run(conditions: Conditions, stepper: Any, record: float | None) -> Result:
@@ -91,22 +107,31 @@ def _failed(stepper: Any, error: StepError) -> Trial:
     return Trial(stepper, result.steps, (result.wall_time,), failure=str(error))
 
 
+class Series(NamedTuple):
+    """The runs of one method, which were left out and why, and whether Ctrl-C ended them."""
+
+    trials: list[Trial]
+    left_out: str = ""
+    interrupted: bool = False
+
+
 def run_series(
     conditions: Conditions, steppers: Sequence[Stepper], done: Callable[[], object] = lambda: None
-) -> tuple[list[Trial], str]:
-    """The steppers of a series from coarse to fine, and which were left out because they would take too long."""
+) -> Series:
+    """Run the steppers of a series from coarse to fine, as long as they keep the limit."""
     trials: list[Trial] = []
     steppers = in_order(steppers)
     for k, stepper in enumerate(steppers):
         expected = _predicted(trials, stepper)
+        what = f"{brief(stepper)}{' and finer ones' if k + 1 < len(steppers) else ''} left out"
         if expected > conditions.limit:
-            more = " and finer ones" if k + 1 < len(steppers) else ""
-            return trials, (
-                f"{brief(stepper)}{more} left out: about {expected:.2g} s a run, limit {conditions.limit:g} s"
-            )
-        trials.append(trial(conditions, stepper))
+            return Series(trials, f"{what}: about {expected:.2g} s a run, limit {conditions.limit:g} s")
+        try:
+            trials.append(trial(conditions, stepper))
+        except KeyboardInterrupt:
+            return Series(trials, f"{what}: interrupted", interrupted=True)
         done()
-    return trials, ""
+    return Series(trials)
 
 
 def _predicted(trials: Sequence[Trial], stepper: Any) -> float:

@@ -61,7 +61,10 @@ class WorkPoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneStudy:
-    """The study of one scene: its points, what they are measured by and against, and what was left out."""
+    """The study of one scene: its points, what they are measured by and against, and what was left out.
+
+    ``complete`` is False after an interruption by Ctrl-C.
+    """
 
     scene: str
     duration: float
@@ -69,6 +72,7 @@ class SceneStudy:
     reference: Reference
     points: tuple[WorkPoint, ...]
     notes: tuple[str, ...] = ()
+    complete: bool = True
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -138,10 +142,12 @@ def _percent(value: float) -> str:
 class WorkPrecision:
     """Work against precision, for one scene or several.
 
-    ``str()`` gives table and advice; ``a + b`` holds the scenes of both.
+    ``str()`` gives table and advice; ``a + b`` holds the scenes of both. After an interruption by Ctrl-C ``complete``
+    is False, and there is only what was measured before.
     """
 
     studies: tuple[SceneStudy, ...]
+    complete: bool = True
 
     def __add__(self, other: WorkPrecision) -> WorkPrecision:
         """The scenes of both; a second scene of the same name is numbered."""
@@ -153,7 +159,7 @@ class WorkPrecision:
                 name, count = f"{study.scene} ({count})", count + 1
             points = tuple(replace(point, scene=name) for point in study.points)
             studies.append(replace(study, scene=name, points=points))
-        return WorkPrecision(tuple(studies))
+        return WorkPrecision(tuple(studies), self.complete and other.complete)
 
     @property
     def points(self) -> tuple[WorkPoint, ...]:

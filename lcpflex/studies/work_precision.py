@@ -17,6 +17,7 @@ chart.plot().savefig("work-precision.png")
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -91,8 +92,15 @@ def work_precision(
         Values for parameters of the functions that build the scenes, such as ``modes=[2, 4, 8]``. Each combination
         makes lines of its own; all are compared with the reference of the last combination.
 
+    Returns
+    -------
+    WorkPrecision
+        After Ctrl-C with what was measured before, marked incomplete.
+
     Raises
     ------
+    KeyboardInterrupt
+        After Ctrl-C before there was anything to compare.
     ModelError
         For arguments out of range; where no reference can be found; for outputs that cannot be compared.
     """
@@ -112,7 +120,17 @@ def work_precision(
         progress,
     )
     variants = _variants(varied)
-    return WorkPrecision(tuple(_study(request, label, scene, variants) for label, scene in named.items()))
+    studies: list[SceneStudy] = []
+    for label, scene in named.items():
+        try:
+            studies.append(_study(request, label, scene, variants))
+        except KeyboardInterrupt:
+            if not studies:
+                raise
+            return WorkPrecision(tuple(studies), complete=False)
+        if not studies[-1].complete:
+            return WorkPrecision(tuple(studies), complete=False)
+    return WorkPrecision(tuple(studies))
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,22 +191,24 @@ def _variants(varied: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
 
 
 def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping[str, Any]]) -> SceneStudy:
-    """All methods on all variants of one scene, and their errors."""
+    """All methods on all variants of one scene, and their errors; up to an interruption by Ctrl-C."""
     duration = request.duration or getattr(scene, "duration", None)
     if duration is None:
         raise ModelError(f"duration: not given, and {label!r} does not say; expected a number of seconds > 0")
     series: dict[str, list[Trial]] = {}
     notes: list[str] = []
-    conditions = None
-    for variant in variants:
-        conditions = _conditions(request, _builder(label, scene, variant), duration)
-        found, more = _all_methods(request, conditions, "".join(f", {k}={v}" for k, v in variant.items()))
+    conditions = [_conditions(request, _builder(label, scene, variant), duration) for variant in variants]
+    reference = _given_reference(request, label, conditions[-1])  # first: it may be impossible
+    interrupted = False
+    for variant, one in zip(variants, conditions, strict=True):
+        last, more, interrupted = _all_methods(request, one, "".join(f", {k}={v}" for k, v in variant.items()))
         notes += more
-        series |= found
-        last = found
-    assert conditions is not None
-    reference = _reference(request, label, conditions, last)
-    used = tuple(output for output in conditions.outputs if output.name in reference.measured)
+        series |= last
+        if interrupted:
+            break
+    if reference is None:
+        reference, interrupted = _found_reference(one, last, interrupted)
+    used = tuple(output for output in request.outputs if output.name in reference.measured)
     known = {output.name for output in standard_outputs()}
     used = (
         tuple(  # what never was, as contact forces without contacts, cannot be relative to anything
@@ -201,7 +221,7 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
     points = tuple(
         _point(label, method, one, used, reference, duration) for method, trials in series.items() for one in trials
     )
-    return SceneStudy(label, duration, used, reference, points, tuple(notes))
+    return SceneStudy(label, duration, used, reference, points, tuple(notes), complete=not interrupted)
 
 
 def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[], Any]:
@@ -211,12 +231,13 @@ def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[],
         if variant:
             raise ModelError(f"{next(iter(variant))}: {label!r} is no function whose parameters could be varied")
         return lambda: scene
+    try:
+        inspect.signature(build).bind(**variant)
+    except TypeError as error:
+        raise ModelError(f"scenes[{label!r}]: the function cannot be called with {dict(variant)!r}: {error}") from error
 
     def made() -> Any:
-        try:
-            result = build(**variant)
-        except TypeError as error:
-            raise ModelError(f"scenes[{label!r}]: the function does not take {dict(variant)!r}: {error}") from error
+        result = build(**variant)
         return result.build() if hasattr(result, "build") and hasattr(result, "duration") else result
 
     return made
@@ -235,11 +256,15 @@ def _coordinates(scene: Any) -> int:
     return max(1, len(getattr(scene, "q", ())))
 
 
-def _all_methods(request: _Request, conditions: Conditions, suffix: str) -> tuple[dict[str, list[Trial]], list[str]]:
+def _all_methods(
+    request: _Request, conditions: Conditions, suffix: str
+) -> tuple[dict[str, list[Trial]], list[str], bool]:
+    """Runs by label, notes on what was left out, and whether Ctrl-C ended them."""
     from tqdm import tqdm
 
     methods = request.methods or standard_methods(conditions.duration)
-    series, notes = {}, []
+    series: dict[str, list[Trial]] = {}
+    notes: list[str] = []
     bar: Any = tqdm(
         total=sum(len(steppers) for steppers in methods.values()), unit="run", leave=False,
         delay=0.0 if request.progress else 2.0, disable=None if request.progress is None else not request.progress,
@@ -247,25 +272,41 @@ def _all_methods(request: _Request, conditions: Conditions, suffix: str) -> tupl
     with bar:
         for method, steppers in methods.items():
             bar.set_postfix_str(method + suffix)
-            series[method + suffix], left_out = run_series(conditions, steppers, bar.update)
-            if left_out:
-                notes.append(f"{method}{suffix}: {left_out}")
-    return series, notes
+            found = run_series(conditions, steppers, bar.update)
+            series[method + suffix] = found.trials
+            if found.left_out:
+                notes.append(f"{method}{suffix}: {found.left_out}")
+            if found.interrupted:
+                return series, notes, True
+    return series, notes, False
 
 
-def _reference(
-    request: _Request, label: str, conditions: Conditions, series: Mapping[str, Sequence[Trial]]
-) -> Reference:
+def _given_reference(request: _Request, label: str, conditions: Conditions) -> Reference | None:
     given = request.reference
     if isinstance(given, Mapping) and label in given:  # one for each scene
         given = given[label]
     if given is None:
-        return series_reference(conditions, series)
+        return None
     if isinstance(given, Mapping):
         return analytic_reference(given, conditions.outputs, conditions.duration)
     if isinstance(given, type) or not hasattr(given, "start"):
         raise ModelError(f"reference: {given!r} was given, expected exact values by output, a stepper or None")
     return converged_reference(conditions, given)
+
+
+def _found_reference(
+    conditions: Conditions, series: Mapping[str, Sequence[Trial]], interrupted: bool
+) -> tuple[Reference, bool]:
+    """The reference that the runs themselves give, and whether Ctrl-C ended them or its refinement."""
+    if not interrupted:
+        try:
+            return series_reference(conditions, series), False
+        except KeyboardInterrupt:
+            pass
+    try:
+        return series_reference(conditions, series, refine=False), True
+    except ModelError as error:  # there is nothing yet to compare
+        raise KeyboardInterrupt from error
 
 
 def _point(
