@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.gallery import bars, flexible, rigid, user_systems
+from lcpflex.gallery import bars, flexible, rigid, stops, user_systems
 from lcpflex.gallery.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.flexible import hemisphere_pendulum, pendulum, sliding_beam
@@ -30,6 +30,7 @@ from lcpflex.gallery.rigid import (
     stick_slip_block,
     three_balls,
 )
+from lcpflex.gallery.stops import elastic_stop, hinged_beam, sphere_on_beam, sphere_on_rod
 from lcpflex.gallery.user_systems import impacting_bar, slider_crank, woodpecker
 
 __all__ = [
@@ -39,7 +40,9 @@ __all__ = [
     "bouncing_ball",
     "double_pendulum",
     "elastic_bar",
+    "elastic_stop",
     "hemisphere_pendulum",
+    "hinged_beam",
     "impacting_bar",
     "oblique_bounce",
     "painleve_friction",
@@ -50,6 +53,8 @@ __all__ = [
     "scenes",
     "slider_crank",
     "sliding_beam",
+    "sphere_on_beam",
+    "sphere_on_rod",
     "spring_block",
     "stack",
     "stick_slip_block",
@@ -62,7 +67,7 @@ __all__ = [
 
 def scenes() -> dict[str, Case]:
     """All cases by name."""
-    return {case.name: case for module in (flexible, rigid, bars, user_systems) for case in module.cases()}
+    return {case.name: case for module in (flexible, rigid, bars, user_systems, stops) for case in module.cases()}
 
 
 def warmup_cases() -> tuple[Case, ...]:
