@@ -51,6 +51,7 @@ from lcpflex.steppers.event_memory import (
     EVENTS,
     FIRST_JAM,
     FIRST_SEVERAL,
+    FIRST_TIE,
     FOUND,
     JAMS,
     LAST_EVENT,
@@ -61,6 +62,7 @@ from lcpflex.steppers.event_memory import (
     STEP,
     STEPS,
     TARGET,
+    TIES,
     TIME,
     WINDOW,
     EventSettings,
@@ -245,6 +247,13 @@ class EventDrivenRun:
                 f"several motions were admissible (Painleve's paradox) {_times(number[SEVERAL])}, first at t = "
                 f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
             )
+        if number[TIES]:
+            first, other = (self._name(law) for law in self._memory.tied.tolist())
+            both = f"contacts {first} and {other}" if first != other else f"two points of contact {first}"
+            warnings.append(
+                f"the order of impacts was arbitrary {_times(number[TIES])}, first at t = {clock[FIRST_TIE]:.9g} s: "
+                f"{both} approached equally fast; another order may lead to another motion"
+            )
         if number[CUTS]:
             warnings.append(
                 f"a chain of impacts did not end by itself {_times(number[CUTS])}: simultaneous impacts without "
@@ -260,7 +269,7 @@ class EventDrivenRun:
         new = event_memory(self.system, capacity)
         _copy(old_work.table, self._work.table, ContactTable._fields)
         _copy(old.sets, new.sets, ContactSets._fields)
-        for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken"):
+        for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied"):
             getattr(new, name)[...] = getattr(old, name)
         self._memory = new
 
@@ -356,7 +365,7 @@ class EventDriven:
             raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(), such as Auto()")
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
-        """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after impacts."""
+        """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events."""
         tangential = system.model.contacts.tangential_restitution
         if not isinstance(self.impact, Newton) and tangential.any():
             raise ModelError(

@@ -20,6 +20,7 @@ from lcpflex.steppers.event_memory import (
     ALONE,
     CUTS,
     DETAIL,
+    FIRST_TIE,
     FOUND,
     GAINED,
     HITS,
@@ -29,6 +30,7 @@ from lcpflex.steppers.event_memory import (
     STAGE,
     STOPPING,
     TARGET,
+    TIES,
     TIME,
     EventMemory,
     EventSettings,
@@ -49,6 +51,7 @@ HIT, JAM = 1, 2  # law_state[2]
 
 ROUNDS = 30  # simultaneous impacts at one instant: the last third without restitution
 SLOWEST = 1e-3  # of the velocity threshold: slower approach is none
+TIE = 1e-6  # of the velocity: contacts that approach as equally as that are told apart by errors of integration
 CHAIN = 1000  # impacts of single contacts at one instant, after which they are simultaneous and without restitution
 
 
@@ -104,6 +107,20 @@ def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u
 
 
 @kernel
+def note_tie(settings: EventSettings, work: Workspace, memory: EventMemory, k: int, first: float, v: float) -> None:
+    """Note it if contact k, now at v, approached as fast as the ``first`` one did that was struck, and felt that."""
+    number = memory.number
+    before = memory.approach[k]
+    equal = before < -settings.velocity_threshold and abs(before - first) <= TIE * abs(first)
+    if equal and abs(v - before) > TIE * abs(before):
+        number[TIES] += 1
+        if number[TIES] == 1:
+            memory.clock[FIRST_TIE] = memory.clock[TIME]
+            memory.tied[0] = work.table.law[0]
+            memory.tied[1] = work.table.law[k]
+
+
+@kernel
 def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> int:
     """The contact that approaches fastest, to number[TARGET] unless one is jammed; AGAIN if there is an impact.
 
@@ -116,6 +133,8 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
     if number[STOPPING] == 1:
         threshold *= SLOWEST
         guarded = False
+    in_turn = number[ROUND] > 0 and number[ALONE] == 1 and number[JAMMING] == 0 and number[STOPPING] == 0
+    struck = memory.approach[0]
     at = 0
     lowest = 0.0
     coupled = False
@@ -123,6 +142,8 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
         v = row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u)
         if guarded and k > 0 and abs(v - memory.approach[k]) > 1e-3 * threshold:
             coupled = coupled or min(v, memory.approach[k]) < -threshold
+        if in_turn and k > 0:
+            note_tie(settings, work, memory, k, struck, v)
         memory.approach[k] = v
         if v < lowest:
             lowest = v

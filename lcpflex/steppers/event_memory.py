@@ -80,6 +80,7 @@ class EventMemory(NamedTuple):
     force: FloatArray  # (1,) scale of the contact forces [N]
     law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether, how it was hit
     taken: IntArray  # (laws,) state where several motions were possible for the first time; -1: not closed
+    tied: IntArray  # (2,) declared contacts of the first tie, the one that was struck first
     law_work: FloatArray  # (laws,) work of its impulses [J]
     events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
     number: IntArray  # see the names below
@@ -91,8 +92,9 @@ CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH, FOUND =
 ROUND, STAGE, ALONE, TARGET, JAMMING, NUDGING = range(11, 17)  # of impacts: see event_impacts
 JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # counts, of the run but NUDGES
 STOPPING = 24  # of contacts that approach slower than the threshold: 1 while, 2 after
+TIES = 25  # impacts one after another whose order was arbitrary
 # clock
-TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL = range(10)
+TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE = range(11)
 
 
 def event_memory(system: System, capacity: int) -> EventMemory:
@@ -128,10 +130,11 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         force=zeros(1),
         law_state=np.zeros((3, laws), dtype=np.int64),
         taken=np.full(laws, -1, dtype=np.int64),
+        tied=np.zeros(2, dtype=np.int64),
         law_work=zeros(laws),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(25, dtype=np.int64),
-        clock=zeros(10),
+        number=np.zeros(26, dtype=np.int64),
+        clock=zeros(11),
     )
     memory = pack(arrays)
     memory.y[:ndof] = system.q

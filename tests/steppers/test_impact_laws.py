@@ -247,6 +247,49 @@ def test_slow_approach_ends_all_laws() -> None:
         assert rest == pytest.approx(3.0 * math.sqrt(2.0 / 9.81), abs=5e-7)
 
 
+def struck_from_both_sides(first: str, speeds: tuple[float, float], apart: float = 0.2) -> lf.Scene:
+    """A ball at rest between two that arrive at the same time; the contact to the ``first`` is declared first."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    middle = scene.add(lf.Disc(radius=0.1, mass=1.0), name="middle")
+    balls = {
+        side: scene.add(
+            lf.Disc(radius=0.1, mass=1.0), name=side, position=(apart * sign, 0.0), velocity=(-sign * speed, 0.0)
+        )
+        for side, sign, speed in (("left", -1.0, speeds[0]), ("right", 1.0, speeds[1]))
+    }
+    for side in sorted(balls, reverse=first == "right"):
+        scene.contact(balls[side].surface(), middle.surface(), restitution=0.5, name=side)
+    return scene
+
+
+@pytest.mark.parametrize("law", [Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True)])
+def test_arbitrary_order_of_impacts_is_told(law: ImpactLaw) -> None:
+    """The middle ball is struck on both sides at the same time: who strikes first leaves another motion."""
+    ends = []
+    for first, second in (("left", "right"), ("right", "left")):
+        result = struck(struck_from_both_sides(first, (1.0, 1.0), 0.3), law, 0.2)
+        assert [w for w in result.warnings if "order" in w] == [
+            f"the order of impacts was arbitrary once, first at t = 0.1 s: contacts {first!r} and {second!r} "
+            "approached equally fast; another order may lead to another motion"
+        ]
+        ends.append(result.u[-1, [3, 0, 6]])
+    assert ends[0] == pytest.approx(-ends[1][::-1], abs=1e-12)  # the mirror image
+    assert abs(ends[0] - ends[1]).max() == pytest.approx(0.09375, abs=1e-12)
+
+
+def test_order_of_impacts_is_no_matter_where_one_is_faster_or_nothing_is_shared() -> None:
+    faster = struck(struck_from_both_sides("left", (1.0, 1.001)), Newton(sequential=True), 0.01)
+    assert not any("order" in w for w in faster.warnings)
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for k in range(2):
+        ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(float(k), 0.2), velocity=(0.0, -1.0))
+        scene.contact(ball.surface(), floor, restitution=0.5)
+    apart = struck(scene, Newton(sequential=True), 0.2)
+    assert len(apart.events) == 2
+    assert not any("order" in w for w in apart.warnings)
+
+
 def test_tangential_restitution_is_newtons() -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.2), velocity=(1.0, -1.0))
