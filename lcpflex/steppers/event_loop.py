@@ -17,7 +17,6 @@ from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_memory import (
     CAUSE,
-    CLOSING,
     CONTACTS,
     DETAIL,
     EVENT_CAPACITY,
@@ -176,13 +175,9 @@ def next_phase(memory: EventMemory) -> int:
     """Where a projection leads: from the end of a step on, or from gathering and choosing."""
     number = memory.number
     phase = number[PHASE]
-    if phase == CLOSING_STEP:
-        if number[CAUSE] < 0:
-            return STEPPING
-        return BEFORE if number[CAUSE] == CLOSING else GATHERING
-    if phase == GATHERING:
-        return COLLIDING
-    return AFTER if number[STORED] == 0 or number[HITS] == 1 else STEPPING
+    if phase == CLOSING_STEP:  # forces jump at every event, velocities at impacts: both sides are stored
+        return STEPPING if number[CAUSE] < 0 else BEFORE
+    return COLLIDING if phase == GATHERING else AFTER
 
 
 @kernel

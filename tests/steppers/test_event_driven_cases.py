@@ -309,3 +309,17 @@ def test_impulses_of_what_sticks_follow_a_changing_load(tolerance: float) -> Non
     result = lf.simulate(gallery.stick_slip_block(), 1.9, stepper, record=0.019)
     load = 2.0 * (1.0 - np.cos(2.0 * result.times))
     assert np.abs(result.u[:, 0] - load - result.impulse[:, 0, 1]).max() < 50.0 * tolerance
+
+
+def test_both_sides_of_every_event_are_stored() -> None:
+    """The force of friction jumps where a sliding block comes to rest, between two instants of equal time."""
+    scene = lf.Scene(gravity=(0.0, -G))
+    block = scene.add(lf.Box(width=0.2, height=0.2, mass=1.0), position=(0.0, 0.1), velocity=(1.0, 0.0))
+    scene.contact(block.surface(), floor_of(scene), friction=0.5, name="floor")
+    result = lf.simulate(scene, 0.5, lf.EventDriven(), record=0.1)
+    rest = 1.0 / (0.5 * G)
+    (jump,) = np.flatnonzero((np.diff(result.times) == 0.0) & (np.abs(np.diff(result.force[:, 0, 1])) > 0.1))
+    assert result.times[jump] == pytest.approx(rest, abs=1e-8)
+    assert np.abs(result.force[jump : jump + 2, 0, 1]) == pytest.approx([0.5 * G, 0.0], abs=1e-6)
+    assert np.abs(result.u[jump : jump + 2, 0]).max() < 1e-6
+    assert set(np.round(np.arange(6) * 0.1, 9)) <= set(np.round(result.times, 9))
