@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 from lcpflex.studies.graph_distance import graph_distance
 
@@ -117,8 +117,13 @@ def as_curves(array: FloatArray) -> FloatArray:
     return array.reshape(len(array), 1, -1) if array.ndim < 3 else array
 
 
-def error_between(output: Output, measured: Measured, reference: Measured, duration: float) -> float:
-    """Relative error; infinite for what is not finite. Raises ModelError where the two cannot be compared."""
+def error_between(
+    output: Output, measured: Measured, reference: Measured, duration: float, scale_of: Measured | None = None
+) -> float:
+    """Error relative to the scale of ``scale_of``, by default the reference; infinite for what is not finite.
+
+    Raises ModelError where the two cannot be compared.
+    """
     if (measured.number is None) != (reference.number is None):
         raise ModelError(f"reference: {output.name!r} is a number here and a curve there; expected twice the same")
     if measured.number is not None and reference.number is not None:
@@ -126,7 +131,8 @@ def error_between(output: Output, measured: Measured, reference: Measured, durat
         error = abs(measured.number - reference.number) / scale
         return error if np.isfinite(error) else float("inf")
     worst = 0.0
-    for part, other in zip(measured.parts, reference.parts, strict=True):
+    scales = (scale_of or reference).parts
+    for part, other, scaling in zip(measured.parts, reference.parts, scales, strict=True):
         if part.curves.shape[1:] != other.curves.shape[1:]:
             raise ModelError(
                 f"outputs: {output.name!r} has curves of shape {part.curves.shape[1:]}, its reference "
@@ -134,7 +140,7 @@ def error_between(output: Output, measured: Measured, reference: Measured, durat
             )
         if not np.isfinite(part.curves).all():
             return float("inf")
-        scale = _scale_of_part(output, other)
+        scale = _scale_of_part(output, scaling)
         for k in range(part.curves.shape[1]):
             distance = graph_distance(
                 measured.times, part.curves[:, k], reference.times, other.curves[:, k], duration, scale
@@ -143,13 +149,28 @@ def error_between(output: Output, measured: Measured, reference: Measured, durat
     return worst
 
 
-def resolution(output: Output, reference: Measured, duration: float) -> float:
-    """How well the stored instants describe the curves: the distance to what every second of them says."""
-    if reference.number is not None or len(reference.times) < 3:
+def resolution(output: Output, measured: Measured, duration: float, scale_of: Measured | None = None) -> float:
+    """How well the stored instants describe the curves: the distance to what every second of them says.
+
+    Relative to the scale of ``scale_of``, or to their own.
+    Both sides of an event that is stored twice stay, with the instants beside them: between these the curve is smooth.
+    """
+    if measured.number is not None or len(measured.times) < 3:
         return 0.0
-    kept = np.append(np.arange(0, len(reference.times) - 1, 2), len(reference.times) - 1)
-    coarser = tuple(Part(part.name, part.curves[kept], part.floor) for part in reference.parts)
-    return error_between(output, Measured(reference.times[kept], coarser, None), reference, duration)
+    kept = _every_second(measured.times)
+    coarser = tuple(Part(part.name, part.curves[kept], part.floor) for part in measured.parts)
+    return error_between(output, Measured(measured.times[kept], coarser, None), measured, duration, scale_of)
+
+
+def _every_second(times: FloatArray) -> IntArray:
+    """Indices of the ends, of events and their neighbours, and of every second of the other instants."""
+    events = np.flatnonzero(np.diff(times) == 0.0)
+    keep = np.zeros(len(times), dtype=bool)
+    keep[::2] = True
+    keep[-1] = True
+    for shift in (-1, 0, 1, 2):
+        keep[np.clip(events + shift, 0, len(times) - 1)] = True
+    return np.flatnonzero(keep)
 
 
 def scale_text(output: Output, reference: Measured) -> str:

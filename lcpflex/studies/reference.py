@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -126,7 +127,7 @@ def series_reference(conditions: Conditions, series: Mapping[str, Sequence[Trial
         )
     first = conditions.outputs[0].name
     changes = {label: own_errors(conditions, fine, coarse)[first] for label, (coarse, fine) in settled.items()}
-    chosen = min(candidates, key=lambda label: changes[label])
+    chosen = min(candidates, key=lambda label: (math.isnan(changes[label]), changes[label]))
     fine = candidates[chosen][1]
     best, other = _finest(conditions, fine, candidates[chosen][0]) if refine else (fine, candidates[chosen][0])
     assert best.measured is not None

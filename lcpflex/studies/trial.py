@@ -19,7 +19,7 @@ from lcpflex.studies.time_limit import TimeLimit
 if TYPE_CHECKING:
     from lcpflex.simulate import Stepper
 
-__all__ = ["Conditions", "Series", "Trial", "brief", "in_order", "refined", "run_series", "trial"]
+__all__ = ["Conditions", "Series", "Trial", "brief", "in_order", "predicted", "refined", "run_series", "trial"]
 
 PATIENCE = 3.0  # a run is ended after this many times the limit that it was predicted to keep
 GUESS = 3.0  # how much longer the next run takes where nothing tells
@@ -122,7 +122,7 @@ def run_series(
     trials: list[Trial] = []
     steppers = in_order(steppers)
     for k, stepper in enumerate(steppers):
-        expected = _predicted(trials, stepper)
+        expected = predicted(trials, stepper)
         what = f"{brief(stepper)}{' and finer ones' if k + 1 < len(steppers) else ''} left out"
         if expected > conditions.limit:
             return Series(trials, f"{what}: about {expected:.2g} s a run, limit {conditions.limit:g} s")
@@ -134,7 +134,7 @@ def run_series(
     return Series(trials)
 
 
-def _predicted(trials: Sequence[Trial], stepper: Any) -> float:
+def predicted(trials: Sequence[Trial], stepper: Any) -> float:
     """Wall time [s] of the next run: in proportion to the steps, or growing as it did before."""
     timed = [trial for trial in trials if trial.times]
     if not timed:
@@ -143,6 +143,8 @@ def _predicted(trials: Sequence[Trial], stepper: Any) -> float:
     now, before = fineness(stepper), fineness(last.stepper)
     if now and before and now[0] == before[0] == "step":
         return last.wall_time * max(1.0, before[1] / now[1])
+    if last.failure and len(timed) == 1:  # its time tells nothing: sound ones are often faster
+        return 0.0
     growth = last.wall_time / timed[-2].wall_time if len(timed) > 1 else GUESS
     return last.wall_time * min(max(growth, 1.0), 10.0)
 

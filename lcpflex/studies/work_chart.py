@@ -81,8 +81,8 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
         ax.axhspan(bottom, own, color=LIMIT, zorder=0.5, linewidth=0.0)
     ax.axhline(top, color="#999999", linewidth=0.8, zorder=1.0)
     sound = [p for p in study.points if not p.failure and output in p.errors and math.isfinite(abscissa(p))]
-    least = max(own, bottom) if math.isfinite(own) else bottom
-    front = _front([(abscissa(p), max(p.errors[output], least)) for p in sound])
+    known = [p for p in sound if math.isfinite(p.errors[output])]
+    front = _front([(abscissa(p), max(p.errors[output], _least(study, p, output, bottom))) for p in known])
     if len(front) > 1:
         ax.plot(*zip(*front, strict=True), color=FRONT, linewidth=9.0, zorder=1.5, solid_capstyle="round")
     for label in study.methods:
@@ -109,6 +109,12 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
         0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
         fontsize="x-small", color="#666666",
     )  # fmt: skip
+
+
+def _least(study: SceneStudy, point: WorkPoint, output: str, bottom: float) -> float:
+    """The smallest error that may be claimed of a point."""
+    floor = study.floor(point, output)
+    return max(floor, bottom) if math.isfinite(floor) else bottom
 
 
 def _front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:

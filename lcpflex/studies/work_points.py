@@ -6,7 +6,7 @@ import csv
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from lcpflex.errors import ModelError, in_range, writable_path
@@ -44,6 +44,9 @@ class WorkPoint:
         Why the run counts as failed: it ended early, or its result warns; empty if it is sound.
     refused
         The stepper did not take the scene.
+    unseen
+        By output, how far what happened between stored instants may be from the lines that join them, relative to the
+        same scale; 0 where every step was stored.
     """
 
     scene: str
@@ -57,6 +60,7 @@ class WorkPoint:
     errors: Mapping[str, float]
     failure: str = ""
     refused: bool = False
+    unseen: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,12 +97,16 @@ class SceneStudy:
         return names[0] if name is None else name
 
     def limited(self, point: WorkPoint, output: str) -> bool:
-        """Whether the error of a point is below that of the reference, so that it is not known."""
-        return not point.errors.get(output, math.nan) > self.reference.error[output]
+        """Whether the error of a point is within :meth:`floor`, so that it is not known."""
+        return not point.errors.get(output, math.nan) > self.floor(point, output)
+
+    def floor(self, point: WorkPoint, output: str) -> float:
+        """What cannot be told from 0: the error of the reference, and what lies between the instants of the run."""
+        return self.reference.error[output] + point.unseen.get(output, 0.0)
 
     def bound(self, point: WorkPoint, output: str) -> float:
-        """Error of a point plus that of the reference: the true error is not larger; NaN if nothing is known."""
-        return point.errors.get(output, math.nan) + self.reference.error[output]
+        """Error of a point plus what is not known of it: the true error is not larger; NaN if nothing is known."""
+        return point.errors.get(output, math.nan) + self.floor(point, output)
 
     def cheapest(self, tolerance: float, output: str | None = None) -> WorkPoint | None:
         """The sound run of least wall time whose error is certainly at most ``tolerance``."""
@@ -116,10 +124,8 @@ class SceneStudy:
         best = self.cheapest(tolerance, output)
         wanted = f"{100.0 * tolerance:g} % in {output}"
         if best is not None:
-            error, known = best.errors[output], self.reference.error[output]
-            size = (
-                f"error {_percent(error)}" if error > known else f"error below that of the reference, {_percent(known)}"
-            )
+            error, known = best.errors[output], self.floor(best, output)
+            size = f"error {_percent(error)}" if error > known else f"error too small to tell, below {_percent(known)}"
             return (
                 f"cheapest method for {wanted}: {best.method}, {best.stepper} ({with_unit(best.wall_time, 's')}, "
                 f"{best.steps} steps, {size})"
@@ -238,7 +244,8 @@ def _table(study: SceneStudy) -> str:
     text = [
         f"**{study.scene}**, {with_unit(study.duration, 's')}",
         "\n".join(lines),
-        f"Reference: {study.reference.source}; its own error: {own}. `<` marks errors below that.  \n"
+        f"Reference: {study.reference.source}; its own error: {own}. `<` marks errors below "
+        "that and what lies between the stored instants of the run.  \n"
         f"Errors are relative to: {scales}.",
         *(f"{label} does not apply: {reason}" for label, reason in study.refusals.items()),
         *study.reference.notes,
@@ -252,7 +259,7 @@ def _row(study: SceneStudy, point: WorkPoint, names: Sequence[str]) -> list[str]
     spread = f"{with_unit(point.fastest, 's')} .. {with_unit(point.slowest, 's')}" if point.repeats > 1 else "-"
     errors = [
         "-" if name not in point.errors
-        else f"< {_shown(study.reference.error[name])}" if study.limited(point, name)
+        else f"< {_shown(study.floor(point, name))}" if study.limited(point, name)
         else _shown(point.errors[name])
         for name in names
     ]  # fmt: skip

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.bodies.body import whole_number
 from lcpflex.energy import EnergyGrowth
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.outputs import Output, chosen_outputs, error_between, is_nothing, standard_outputs
+from lcpflex.studies.outputs import Output, chosen_outputs, error_between, is_nothing, resolution, standard_outputs
 from lcpflex.studies.reference import Reference, analytic_reference, converged_reference, series_reference
 from lcpflex.studies.standard_methods import standard_methods
 from lcpflex.studies.trial import Conditions, Trial, brief, run_series
@@ -312,14 +312,24 @@ def _found_reference(
 def _point(
     scene: str, method: str, one: Trial, outputs: Sequence[Output], reference: Reference, duration: float
 ) -> WorkPoint:
-    errors = {}
+    errors, unseen = {}, {}
     if one.measured is not None:
         errors = {
             output.name: error_between(output, one.measured[output.name], reference.measured[output.name], duration)
             for output in outputs
         }
+        unseen = {output.name: _unseen(output, one, reference, duration) for output in outputs}
     return WorkPoint(
         scene, method, brief(one.stepper), one.steps, one.wall_time,
         min(one.times, default=math.nan), max(one.times, default=math.nan), len(one.times),
-        errors, one.failure, one.refused,
+        errors, one.failure, one.refused, unseen,
     )  # fmt: skip
+
+
+def _unseen(output: Output, one: Trial, reference: Reference, duration: float) -> float:
+    """What lies between the stored instants of a run; nothing where every step was stored, or for numbers."""
+    assert one.measured is not None
+    measured = one.measured[output.name]
+    if one.steps < len(measured.times) or not measured.finite:
+        return 0.0
+    return resolution(output, measured, duration, reference.measured[output.name])

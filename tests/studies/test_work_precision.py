@@ -15,9 +15,9 @@ from lcpflex import gallery
 from lcpflex.errors import ModelError, StepError
 from lcpflex.studies import Output, WorkPoint, WorkPrecision, work_precision
 from lcpflex.studies.commands_chart import add_chart
-from lcpflex.studies.outputs import Measured
+from lcpflex.studies.outputs import Measured, Part, error_between, resolution
 from lcpflex.studies.reference import Reference
-from lcpflex.studies.trial import brief, in_order
+from lcpflex.studies.trial import Trial, brief, in_order, predicted
 from lcpflex.studies.work_points import SceneStudy
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
@@ -30,6 +30,9 @@ def ball_speed(t: np.ndarray) -> np.ndarray:
     return np.where(
         t < FALL, -9.81 * t, np.where(t < 2.0 * FALL, first - 9.81 * (t - FALL), second - 9.81 * (t - 2.0 * FALL))
     )
+
+
+SPEED = {"speed": lambda result: result.u[:, 1]}
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +70,53 @@ def test_at_equal_times_the_same_errors_do_not_converge() -> None:
 def test_the_reference_says_how_well_its_samples_show_the_jumps(ball) -> None:
     own = ball.of().reference.error["speed"]
     assert 0.0 < own <= 2.0 / 20000.0 * 1.03  # every second one tells a jump to two intervals
+
+
+def test_a_jump_that_is_stored_twice_is_known_exactly() -> None:
+    output, grid = Output("y", lambda result: 0.0), np.linspace(0.0, 1.0, 101)
+    times = np.sort(np.append(grid, [0.333, 0.333]))
+    after = np.arange(103) > np.flatnonzero(times == 0.333)[0]
+    exact = Measured(times, (Part("y", np.where(after, 1.0 - times, -times).reshape(-1, 1, 1)),), None)
+    assert resolution(output, exact, 1.0) < 1e-12
+    blurred = Measured(grid, (Part("y", np.where(grid > 0.333, 1.0 - grid, -grid).reshape(-1, 1, 1)),), None)
+    assert 1e-3 < resolution(output, blurred, 1.0) < 2e-2
+
+
+@pytest.mark.parametrize(
+    ("series", "largest"),
+    [(MOREAU_JEAN[:3], 5e-3), ([lf.EventDriven(rtol=r, atol=0.1 * r) for r in (1e-4, 1e-5, 1e-6)], 1e-9)],
+)
+def test_the_error_a_reference_owns_up_to_holds_its_true_one(series, largest: float) -> None:
+    work = work_precision(gallery.bouncing_ball, {"a": series}, outputs=SPEED, duration=1.0, repeats=0)
+    exact = work_precision(gallery.bouncing_ball, {"a": series[:1]}, {"speed": ball_speed}, outputs=SPEED,
+                           duration=1.0, repeats=0).of().reference  # fmt: skip
+    found = work.of().reference
+    true = error_between(work.of().outputs[0], found.measured["speed"], exact.measured["speed"], 1.0)
+    blur = exact.error["speed"]  # of the jumps, which its samples do not show twice
+    assert true <= 1.02 * found.error["speed"] + blur
+    assert found.error["speed"] < largest
+    assert blur < 2e-4
+
+
+def test_what_lies_between_the_instants_of_a_run_is_not_taken_for_its_error() -> None:
+    work = work_precision(
+        gallery.bouncing_ball, {"a": MOREAU_JEAN[2:]}, lf.EventDriven(), outputs=SPEED, duration=1.0, repeats=0,
+        instants=300,
+    )  # fmt: skip
+    study = work.of()
+    coarse, *_, fine = study.points
+    assert study.reference.error["speed"] < 1e-6  # it stores both sides of impacts
+    assert coarse.errors["speed"] > 1e-4
+    assert fine.unseen["speed"] > 1e-3  # ten instants for the steps of three hundred
+    assert study.limited(fine, "speed")
+    assert study.cheapest(1e-3) is None
+    assert "< " in work.table().splitlines()[-5]
+
+
+def test_a_run_that_failed_does_not_end_its_series() -> None:
+    failed = Trial(lf.EventDriven(rtol=1e-2), 10, (1.0,), None, "it broke")
+    assert predicted([failed], lf.EventDriven(rtol=1e-3)) == 0.0
+    assert predicted([replace(failed, failure="")], lf.EventDriven(rtol=1e-3)) == pytest.approx(3.0)
 
 
 def test_cost_is_that_of_the_runs(ball) -> None:
