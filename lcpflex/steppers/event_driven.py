@@ -24,6 +24,7 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.steppers.driver import Rescue, link, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.event_gaps import dip_of, first_closing, first_dip, gap_above, locate_gap
 from lcpflex.steppers.event_impacts import collide
 from lcpflex.steppers.event_loop import (
     CHATTER,
@@ -68,7 +69,7 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_segment import first_closing, gap_above, locate_gap, measure, search, slope, step
+from lcpflex.steppers.event_segment import measure, search, slope, step
 from lcpflex.steppers.event_sets import choose, gather
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
@@ -104,7 +105,7 @@ class EventDrivenRun:
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
         self._work.solving[METHOD] = solver_method(stepper.solver)
-        self._memory = event_memory(system, 16)
+        self._memory = event_memory(system, 16, 64)
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
@@ -171,7 +172,7 @@ class EventDrivenRun:
             elif status == GROW_TAPE:
                 self.records.grow(int(detail))
             elif status == GROW:
-                self._grow(2 * int(detail))
+                self._grow(int(detail))
             elif status == EVENTS_FULL:
                 _ = self.events
             elif status == SOLVER_FAILED:
@@ -261,12 +262,13 @@ class EventDrivenRun:
             )
         return warnings
 
-    def _grow(self, capacity: int) -> None:
-        """Larger tables with the same content."""
+    def _grow(self, needed: int) -> None:
+        """Larger tables with the same content, of contacts or, negative, of what is near."""
         old_work, old = self._work, self._memory
+        capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
         self._work = self.system.workspace(capacity)
         self._work.solving[:] = old_work.solving
-        new = event_memory(self.system, capacity)
+        new = event_memory(self.system, capacity, near)
         _copy(old_work.table, self._work.table, ContactTable._fields)
         _copy(old.sets, new.sets, ContactSets._fields)
         for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied"):
@@ -284,6 +286,8 @@ _PARTS: list[Callable[..., Any]] = [
     gap_above,
     locate_gap,
     first_closing,
+    dip_of,
+    first_dip,
     measure,
     search,
     collide,

@@ -74,6 +74,8 @@ class EventMemory(NamedTuple):
     recent: FloatArray  # (WINDOW,) times of the last events
     sets: ContactSets
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
+    near: ContactTable  # what may have touched between two looks
+    dipping: FloatArray  # (ny,) state between them
     value: FloatArray  # (4, capacity) watched functions at the last evaluation
     old_value: FloatArray  # (4, capacity) at the sample before
     bracket: FloatArray  # (BRACKET,) of the root finder
@@ -97,8 +99,8 @@ TIES = 25  # impacts one after another whose order was arbitrary
 TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE = range(11)
 
 
-def event_memory(system: System, capacity: int) -> EventMemory:
-    """Allocate for ``system``, at its initial state."""
+def event_memory(system: System, capacity: int, near: int) -> EventMemory:
+    """Allocate for ``system``, at its initial state; ``near``: pairs that may have touched between two looks."""
     ndof = len(system.q)
     laws = system.n_laws
     ny = 2 * ndof + 3 + 2 * laws
@@ -124,6 +126,8 @@ def event_memory(system: System, capacity: int) -> EventMemory:
         recent=zeros(WINDOW),
         sets=contact_sets(capacity),
         seen=contact_table(capacity, len(system.model.contacts.surface_body)),
+        near=contact_table(near, len(system.model.contacts.surface_body)),
+        dipping=zeros(ny),
         value=zeros((4, capacity)),
         old_value=zeros((4, capacity)),
         bracket=zeros(BRACKET),

@@ -7,13 +7,19 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import point_angle, point_position
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.steppers.event_gaps import (
+    NARROW,
+    SPAN_TOLERANCE,
+    first_closing,
+    first_dip,
+    foot_margin,
+    slave_margin,
+)
 from lcpflex.steppers.event_memory import (
     CAUSE,
     CLOSING,
@@ -36,7 +42,7 @@ from lcpflex.steppers.event_memory import (
 from lcpflex.steppers.event_root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
 
-__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "first_closing", "locate_gap", "measure", "search", "slope", "step", "watch"]
+__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "measure", "search", "slope", "step", "watch"]
 
 NOTHING = -1
 SAMPLES = 4
@@ -44,9 +50,6 @@ TURN = 0.25  # [rad] between samples
 TRAVEL = 1.0  # extents of the smallest surface between samples
 FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
-SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
-SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
-NARROW = 4e-16  # width of a root [s], relative to the time
 
 
 @kernel
@@ -78,48 +81,6 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
             r = n_joint + n + tangent
             out[law + 1] += work.p[r]
             out[base] -= work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
-
-
-@kernel
-def arc_margin(angle: float, start: float, extent: float) -> float:
-    """How far an angle is inside an arc [rad]."""
-    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
-        return math.inf
-    angle -= start + 0.5 * extent
-    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
-
-
-@kernel
-def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the foot of entry k is inside the arc that its slave is [rad]."""
-    if table.slave_radius[k] == 0.0:
-        return math.inf
-    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
-    angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
-    return arc_margin(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
-
-
-@kernel
-def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
-    if table.kind[k] == SEGMENT:
-        return min(table.s[k] - table.span[k, 0], table.span[k, 1] - table.s[k])
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
-    x, y = point_position(model.bodies, model.points, q, table.a[k])
-    px -= x
-    py -= y
-    if table.radius[k] == 0.0:  # the wedge of a vertex
-        margin = math.inf
-        f = table.key[k] % len(model.contacts.feature_kind)
-        for side in range(2):
-            neighbour = model.contacts.feature_neighbour[f, side]
-            if neighbour >= 0:
-                far = model.contacts.feature_point[neighbour, side]
-                ax, ay = point_position(model.bodies, model.points, q, far)
-                margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
-        return margin
-    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k])
-    return arc_margin(angle, table.span[k, 0], table.span[k, 1])
 
 
 @kernel
@@ -226,78 +187,6 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
 
 
 @kernel
-def maintained(work: Workspace, n: int, key: int) -> bool:
-    """Whether the pair is among the first n of the table."""
-    present = False
-    for k in range(n):
-        present = present or work.table.key[k] == key
-    return present
-
-
-@kernel
-def gap_above(model: Model, settings: EventSettings, memory: EventMemory, k: int, q: FloatArray) -> float:
-    """Gap of entry k of what was seen; positive where the slave is beside its feature: it comes in from there."""
-    refresh(model, q, memory.seen, k)
-    gap = memory.seen.gap[k]
-    margin = min(foot_margin(model, q, memory.seen, k), slave_margin(model, q, memory.seen, k))
-    if margin < -SPAN_TOLERANCE:
-        return abs(gap) + settings.gap_tolerance
-    return gap
-
-
-@kernel
-def locate_gap(
-    model: Model,
-    settings: EventSettings,
-    memory: EventMemory,
-    k: int,
-    low: float,
-    high: float,
-    f_low: float,
-    f_high: float,
-) -> float:
-    """Share of the step at which the gap of entry k of what was seen closes."""
-    clock = memory.clock
-    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
-    start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
-    while asked(memory.bracket) >= 0.0:
-        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.at)
-        tell(memory.bracket, gap_above(model, settings, memory, k, memory.at[: len(memory.u)]))
-    return found(memory.bracket)
-
-
-@kernel
-def first_closing(
-    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, low: float, high: float
-) -> float:
-    """Earliest share in (low, high] at which a pair that was open closes; above high if none. State: before, at.
-
-    A negative number: the table of what is seen must hold as many entries.
-    """
-    ndof = len(memory.u)
-    n = memory.number[CONTACTS]
-    count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
-    if count > len(memory.seen.key):
-        return -float(count)
-    first = 2.0
-    for i in range(count):
-        if maintained(work, n, memory.seen.key[i]):
-            continue
-        f_high = memory.seen.gap[i]
-        f_low = gap_above(model, settings, memory, i, memory.before[:ndof])
-        closing = f_high < f_low
-        if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
-            back = 0.1 * (high - low)
-            interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high - back, memory.at)
-            refresh(model, memory.at[:ndof], memory.seen, i)
-            fall = memory.seen.gap[i] - f_high
-            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
-        if closing:
-            first = min(first, locate_gap(model, settings, memory, i, low, high, f_low, f_high))
-    return first
-
-
-@kernel
 def measure(model: Model, work: Workspace, memory: EventMemory, share: float) -> None:
     """State, slope and watched functions at a share of the step."""
     interpolate(memory.y, memory.slopes, memory.clock[TAKEN], share, memory.at)
@@ -334,6 +223,14 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
         low = (sample - 1) / SAMPLES
         high = sample / SAMPLES
         interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
+        dip = first_dip(model, settings, work, memory, low, high)
+        while 0.0 <= dip < high:  # closed and open again
+            high = dip
+            interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
+            dip = first_dip(model, settings, work, memory, low, high)
+        if dip < 0.0:
+            clock[DETAIL] = dip
+            return False
         closing = first_closing(model, settings, work, memory, low, high)
         while 0.0 <= closing < high:  # and what has closed before that, and opened again up to the sample
             memory.number[CAUSE] = CLOSING

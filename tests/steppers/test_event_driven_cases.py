@@ -160,6 +160,31 @@ def test_endless_chain_is_cut_and_told() -> None:
     assert result.u[-1] == pytest.approx(np.zeros(3), abs=1e-12)
 
 
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-8])
+def test_graze_between_two_looks_is_an_impact(depth: float) -> None:
+    """A disc flies past another one and overlaps by so little, or so fast, that it does at none of the samples."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(-1.0, 0.2 - depth), velocity=(1.0, 0.0))
+    scene.contact(disc.surface(), scene.ground.circle((0.0, 0.0), 0.1), restitution=0.5, name="graze")
+    result = lf.simulate(scene, 2.0, lf.EventDriven())
+    cosine = 1.0 - depth / 0.2
+    sine = math.sqrt(1.0 - cosine**2)
+    assert times(result, "impact") == pytest.approx([1.0 - 0.2 * sine], abs=1e-6 * sine)
+    assert result.u[-1, :2] == pytest.approx([1.0 - 1.5 * sine**2, 1.5 * sine * cosine], abs=1e-6 * sine)
+
+
+@pytest.mark.parametrize("part", [1e-3, 1e-6, 1e-8])
+def test_throw_that_just_reaches_the_ceiling(part: float) -> None:
+    speed = math.sqrt(2.0 * G * 0.5) * (1.0 + part)
+    scene = lf.Scene(gravity=(0.0, -G))
+    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), name="ball", velocity=(0.0, speed))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.6), (0.0, -1.0)), restitution=0.5, name="ceiling")
+    result = lf.simulate(scene, 0.6, lf.EventDriven())
+    left = math.sqrt(speed**2 - G)
+    assert times(result, "impact") == pytest.approx([(speed - left) / G], abs=1e-7 * left)
+    assert result.u[-1, 1] == pytest.approx(speed - 1.5 * left - 0.6 * G, abs=1e-6 * left)
+
+
 def test_small_initial_penetration_is_no_event() -> None:
     scene = lf.Scene(gravity=(0.0, -G))
     box = scene.add(lf.Box(width=0.4, height=0.2, mass=1.0), name="box", position=(0.0, 0.1 - 1e-7))

@@ -1,0 +1,243 @@
+"""Gaps of open pairs within a step: which close first, and which close and open again between two looks.
+
+What is open at two looks may have been closed between them: a corner that grazes a surface, a throw that just reaches
+a ceiling. Such dips are sought where the speeds of the bodies leave room for one.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.bodies.floating_frame import point_angle, point_position
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.steppers.event_memory import CONTACTS, TAKEN, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_root import asked, found, start, tell
+from lcpflex.steppers.runge_kutta import interpolate
+
+__all__ = [
+    "NARROW",
+    "SPAN_TOLERANCE",
+    "dip_of",
+    "first_closing",
+    "first_dip",
+    "foot_margin",
+    "gap_above",
+    "locate_gap",
+    "slave_margin",
+]
+
+SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
+SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
+NARROW = 4e-16  # width of a root [s], relative to the time
+GOLDEN = 0.6180339887498949
+DIP_LOOKS = 40  # that narrow a dip to 1e-8 of what is between two looks
+END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
+
+
+@kernel
+def arc_margin(angle: float, start: float, extent: float) -> float:
+    """How far an angle is inside an arc [rad]."""
+    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
+        return math.inf
+    angle -= start + 0.5 * extent
+    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+
+
+@kernel
+def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside the arc that its slave is [rad]."""
+    if table.slave_radius[k] == 0.0:
+        return math.inf
+    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
+    angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
+    return arc_margin(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
+
+
+@kernel
+def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
+    if table.kind[k] == SEGMENT:
+        return min(table.s[k] - table.span[k, 0], table.span[k, 1] - table.s[k])
+    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    x, y = point_position(model.bodies, model.points, q, table.a[k])
+    px -= x
+    py -= y
+    if table.radius[k] == 0.0:  # the wedge of a vertex
+        margin = math.inf
+        f = table.key[k] % len(model.contacts.feature_kind)
+        for side in range(2):
+            neighbour = model.contacts.feature_neighbour[f, side]
+            if neighbour >= 0:
+                far = model.contacts.feature_point[neighbour, side]
+                ax, ay = point_position(model.bodies, model.points, q, far)
+                margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
+        return margin
+    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k])
+    return arc_margin(angle, table.span[k, 0], table.span[k, 1])
+
+
+@kernel
+def maintained(work: Workspace, n: int, key: int) -> bool:
+    """Whether the pair is among the first n of the table."""
+    present = False
+    for k in range(n):
+        present = present or work.table.key[k] == key
+    return present
+
+
+@kernel
+def gap_above(model: Model, settings: EventSettings, seen: ContactTable, k: int, q: FloatArray) -> float:
+    """Gap of entry k of what was seen; positive where the slave is beside its feature: it comes in from there."""
+    refresh(model, q, seen, k)
+    gap = seen.gap[k]
+    margin = min(foot_margin(model, q, seen, k), slave_margin(model, q, seen, k))
+    if margin < -SPAN_TOLERANCE:
+        return abs(gap) + settings.gap_tolerance
+    return gap
+
+
+@kernel
+def locate_gap(
+    model: Model,
+    settings: EventSettings,
+    memory: EventMemory,
+    k: int,
+    low: float,
+    high: float,
+    f_low: float,
+    f_high: float,
+) -> float:
+    """Share of the step at which the gap of entry k of what was seen closes."""
+    clock = memory.clock
+    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
+    start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
+    while asked(memory.bracket) >= 0.0:
+        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.at)
+        tell(memory.bracket, gap_above(model, settings, memory.seen, k, memory.at[: len(memory.u)]))
+    return found(memory.bracket)
+
+
+@kernel
+def first_closing(
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, low: float, high: float
+) -> float:
+    """Earliest share in (low, high] at which a pair that was open closes; above high if none. State: before, at.
+
+    A negative number: the table of what is seen must hold as many entries.
+    """
+    ndof = len(memory.u)
+    n = memory.number[CONTACTS]
+    count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
+    if count > len(memory.seen.key):
+        return -float(count)
+    first = 2.0
+    for i in range(count):
+        if maintained(work, n, memory.seen.key[i]):
+            continue
+        f_high = memory.seen.gap[i]
+        f_low = gap_above(model, settings, memory.seen, i, memory.before[:ndof])
+        closing = f_high < f_low
+        if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
+            back = 0.1 * (high - low)
+            interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high - back, memory.at)
+            refresh(model, memory.at[:ndof], memory.seen, i)
+            fall = memory.seen.gap[i] - f_high
+            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
+        if closing:
+            first = min(first, locate_gap(model, settings, memory, i, low, high, f_low, f_high))
+    return first
+
+
+@kernel
+def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
+    """Twice the largest speed of a material point [m/s]: no gap changes faster. Infinite where bodies are unknown."""
+    largest = math.inf if len(model.bodies.mass) == 0 else 0.0
+    size = 0.0
+    for extent in model.contacts.surface_extent:
+        if extent < math.inf:
+            size = max(size, extent)
+    ndof = len(memory.u)
+    for b in range(len(model.bodies.mass)):
+        d = ndof + model.bodies.dof[b]
+        end = ndof + (model.bodies.dof[b + 1] if b + 1 < len(model.bodies.mass) else ndof)
+        modal = 0.0
+        for i in range(d + 3, end):
+            modal += y[i] ** 2
+        # M_ff = I: shapes are of the size 1 / sqrt(m), and twice that at free ends
+        speed = math.hypot(y[d], y[d + 1]) + 2.0 * size * abs(y[d + 2])
+        largest = max(largest, speed + 2.0 * math.sqrt(modal / model.bodies.mass[b]))
+    return 2.0 * largest
+
+
+@kernel
+def dip_of(model: Model, settings: EventSettings, memory: EventMemory, k: int, low: float, high: float) -> float:
+    """Share in (low, high) at which the gap of entry k of what is near is closed, by golden sections; high if none."""
+    h = memory.clock[TAKEN]
+    ndof = len(memory.u)
+    a = low
+    b = high
+    c = b - GOLDEN * (b - a)
+    d = a + GOLDEN * (b - a)
+    f_c = math.inf
+    f_d = math.inf
+    new = 0  # both, c or d
+    for _ in range(DIP_LOOKS):
+        if new != 2:
+            interpolate(memory.y, memory.slopes, h, c, memory.dipping)
+            f_c = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
+            if f_c < -settings.gap_tolerance:
+                return c
+        if new != 1:
+            interpolate(memory.y, memory.slopes, h, d, memory.dipping)
+            f_d = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
+            if f_d < -settings.gap_tolerance:
+                return d
+        if f_c < f_d:
+            b = d
+            d = c
+            f_d = f_c
+            c = b - GOLDEN * (b - a)
+            new = 1
+        else:
+            a = c
+            c = d
+            f_c = f_d
+            d = a + GOLDEN * (b - a)
+            new = 2
+    return high
+
+
+@kernel
+def first_dip(
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, low: float, high: float
+) -> float:
+    """A share in (low, high) at which a pair is closed that is open before and after; high if there is none.
+
+    State: before, at. A negative number: the table of what is near must hold as many entries.
+    """
+    ndof = len(memory.u)
+    h = memory.clock[TAKEN]
+    reach = max(room(model, memory, memory.before), room(model, memory, memory.at)) * (high - low) * h
+    count = detect(model, memory.at[:ndof], reach, memory.near)
+    if count > len(memory.near.key):
+        return -float(count)
+    least = high
+    for i in range(count):
+        f_high = memory.near.gap[i]
+        if f_high < 0.0 or maintained(work, memory.number[CONTACTS], memory.near.key[i]):
+            continue
+        f_low = gap_above(model, settings, memory.near, i, memory.before[:ndof])
+        if f_low + f_high >= reach or f_low < -settings.gap_tolerance:
+            continue
+        part = END * (high - low)
+        interpolate(memory.y, memory.slopes, h, high - part, memory.dipping)
+        if gap_above(model, settings, memory.near, i, memory.dipping[:ndof]) >= f_high:
+            continue
+        interpolate(memory.y, memory.slopes, h, low + part, memory.dipping)
+        if gap_above(model, settings, memory.near, i, memory.dipping[:ndof]) > f_low:
+            continue
+        least = min(least, dip_of(model, settings, memory, i, low, high))
+    return least
