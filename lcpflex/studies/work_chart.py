@@ -22,6 +22,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 MARKERS = "osD^vPX*"
 LIMIT = "#D9D9D9"
 FRONT = "#FFE680"
+WIDTH = 34  # characters of a line of the legend
 
 
 def chart(work: WorkPrecision, output: str | None) -> Figure:
@@ -80,9 +81,8 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
     if own > bottom:
         ax.axhspan(bottom, own, color=LIMIT, zorder=0.5, linewidth=0.0)
     ax.axhline(top, color="#999999", linewidth=0.8, zorder=1.0)
-    sound = [p for p in study.points if not p.failure and output in p.errors and math.isfinite(abscissa(p))]
-    known = [p for p in sound if math.isfinite(p.errors[output])]
-    front = _front([(abscissa(p), max(p.errors[output], _least(study, p, output, bottom))) for p in known])
+    sound = [p for p in study.points if _is_sound(p, output) and math.isfinite(abscissa(p))]
+    front = _front([(abscissa(p), max(p.errors[output], _least(study, p, output, bottom))) for p in sound])
     if len(front) > 1:
         ax.plot(*zip(*front, strict=True), color=FRONT, linewidth=9.0, zorder=1.5, solid_capstyle="round")
     for label in study.methods:
@@ -111,6 +111,10 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
     )  # fmt: skip
 
 
+def _is_sound(point: WorkPoint, output: str) -> bool:
+    return not point.failure and math.isfinite(point.errors.get(output, math.nan))
+
+
 def _least(study: SceneStudy, point: WorkPoint, output: str, bottom: float) -> float:
     """The smallest error that may be claimed of a point."""
     floor = study.floor(point, output)
@@ -131,8 +135,16 @@ def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    handles: list[Any] = [Line2D([], [], label=label, linewidth=1.4, **looks[label]) for label in study.methods]
+    handles: list[Any] = [
+        Line2D([], [], label=textwrap.fill(label, WIDTH, max_lines=3), linewidth=1.4, **looks[label])
+        for label in study.methods
+    ]
     handles.append(Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)"))
+    if any(_is_sound(point, output) and study.limited(point, output) for point in study.points):
+        handles.append(
+            Line2D([], [], color="#666666", marker="o", markerfacecolor="white", linestyle="none",
+                   label="hollow: error too small to tell")
+        )  # fmt: skip
     if any(point.failure and not point.refused for point in study.points):
         handles.append(Line2D([], [], color="#666666", marker="x", linestyle="none", label="failed"))
     own = study.reference.error[output]
@@ -140,7 +152,7 @@ def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str) -> None:
                          else "error of the reference: unknown"))  # fmt: skip
     lines = [f"reference: {study.reference.source}"]
     lines += [f"{label}: does not apply" for label in study.refusals]
-    title = "\n".join(textwrap.fill(line, 40, subsequent_indent="  ", max_lines=3) for line in lines)
+    title = "\n".join(textwrap.fill(line, 40, subsequent_indent="  ", max_lines=4) for line in lines)
     legend = ax.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, frameon=False,
         fontsize="small", title=title, title_fontsize="small", alignment="left",

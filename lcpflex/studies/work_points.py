@@ -265,7 +265,15 @@ def _row(study: SceneStudy, point: WorkPoint, names: Sequence[str]) -> list[str]
     ]  # fmt: skip
     reason = " ".join(point.failure.replace("|", "/").split())
     remark = "" if not reason else f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"
-    return [point.method, _numbers(point.stepper), str(point.steps or "-"), wall, spread, *errors, remark]
+    return [
+        point.method.replace("|", "/"),
+        _numbers(point.stepper),
+        str(point.steps or "-"),
+        wall,
+        spread,
+        *errors,
+        remark,
+    ]
 
 
 def _numbers(stepper: str) -> str:

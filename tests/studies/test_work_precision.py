@@ -322,6 +322,17 @@ def test_the_chart_shows_every_sound_run(slip, tmp_path) -> None:
     figure.savefig(tmp_path / "chart.png", dpi=50)
 
 
+def test_long_labels_and_bars_stay_in_their_places() -> None:
+    label = "Moreau-Jean | with Newton's law of impact and a name of many words"
+    work = work_precision(gallery.scenes()["stick_slip"], {label: MOREAU_JEAN[:2]}, repeats=0)
+    table = [line for line in work.table().splitlines() if line.startswith("|")]
+    assert len({line.count("|") for line in table}) == 1
+    figure = work.plot()
+    figure.canvas.draw()
+    legend = figure.axes[2].get_legend()
+    assert legend.get_window_extent().x1 <= figure.bbox.x1
+
+
 def test_steppers_are_told_briefly_and_run_from_coarse_to_fine() -> None:
     assert brief(lf.MoreauJean(step=1e-3)) == "MoreauJean(step=0.001)"
     assert brief(lf.EventDriven(rtol=1e-5)) == "EventDriven(rtol=1e-05)"
