@@ -52,7 +52,7 @@ def test_no_time_to_the_first_impact(stepper: Any, error: float, loud: Any) -> N
 
 
 def test_accumulation_of_impacts(loud: Any) -> None:
-    """Infinitely many impacts in a finite time; where e is nearly 1 they are too many to locate, and the run says so."""
+    """Infinitely many impacts in a finite time; with e nearly 1 they are too many to locate, and the run says so."""
     said = loud(gallery.bouncing_ball(height=1e-6, restitution=0.99999), 2.0, lf.EventDriven(most_events=100.0))
     assert "StepError" in said
     assert "events" in said
