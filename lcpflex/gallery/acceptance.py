@@ -1,0 +1,185 @@
+"""What every stepper reaches on the reference cases: one table, checked by the tests.
+
+    python -m lcpflex.gallery.acceptance          # runs everything and writes ACCURACY.md anew
+
+An error is |measured - reference| divided by the scale of the quantity. Each stepper has its step or tolerance, and
+for each quantity a bound on its error (:mod:`lcpflex.gallery.bounds`), at most three times what the table shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lcpflex.gallery.bounds import BOUNDS
+from lcpflex.gallery.case import Case
+from lcpflex.simulate import simulate
+from lcpflex.studies.trial import brief
+
+if TYPE_CHECKING:
+    from lcpflex.result import Result
+    from lcpflex.simulate import Stepper
+
+__all__ = ["LABELS", "Absent", "Check", "Entry", "Quantity", "Refused", "Row", "checks", "document", "rows"]
+
+LABELS = ("Moreau-Jean", "event-driven", "generalised-alpha", "massless boundary", "smooth")
+ROUNDING = 1e-9  # errors below it are rounding, or the last printed digit of the reference: 0 in the table
+HEAD = """# Accuracy of the steppers on the reference cases
+
+Each number is an error |computed - reference| / scale (scale: |reference|, or what the column says), reached with the
+step or tolerance that the line "with" names; a reference with few digits, and the time resolution of a method that
+locates no events (one step), limit what can be seen. Moreau-Jean and generalised-alpha are of order one across impacts
+and changes of stick, event-driven stepping meets its tolerances; elastic bars have the error of their mesh besides.
+"0" is below 1e-9, "-" a method that does not apply, with the
+reason below the table; seconds are those of one run on the machine that wrote the file.
+Written by `python -m lcpflex.gallery.acceptance`; the bounds that the tests hold are in `lcpflex/gallery/bounds.py`.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number taken from a result, and what it must be.
+
+    ``scale`` divides the error, |reference| where it is None; 0 is not allowed.
+    """
+
+    name: str
+    reference: float
+    unit: str
+    measure: Callable[[Result], float]
+    scale: float | None = None
+    instant: bool = False  # one of the stored ones: known to their interval
+
+    def error(self, result: Result) -> float:
+        """|measured - reference| / scale."""
+        return abs(self.measure(result) - self.reference) / (self.scale or abs(self.reference))
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A stepper that applies, and why its errors are large where they are."""
+
+    stepper: Stepper
+    why: str = ""
+    slow: bool = False  # seconds a run
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A stepper that refuses the case with a ModelError that contains ``message``."""
+
+    stepper: Stepper
+    message: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """A stepper that solves another problem here: the run warns with ``warning``, or nothing can be compared."""
+
+    why: str
+    stepper: Stepper | None = None
+    warning: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One case of the gallery with its quantities, and what each stepper makes of it."""
+
+    case: Case
+    quantities: tuple[Quantity, ...]
+    entries: Mapping[str, Entry | Refused | Absent]
+    duration: float | None = None  # [s], that of the case if omitted
+    record: float | None = None  # [s]
+    name: str = field(default="")
+
+    @property
+    def label(self) -> str:
+        """Name in the table."""
+        return self.name or self.case.name
+
+    def bounds(self, stepper: str) -> tuple[float, ...]:
+        """What the errors of the quantities, in their order, must not exceed with the stepper of that label."""
+        return BOUNDS[self.label, stepper]
+
+    def floor(self, quantity: Quantity) -> float:
+        """Error that rounding, or the interval between stored instants, may make."""
+        interval = self.record if quantity.instant and self.record else 0.0
+        return max(ROUNDING, 1.01 * interval / (quantity.scale or abs(quantity.reference)))
+
+    def run(self, stepper: Stepper) -> Result:
+        """The case with that stepper."""
+        duration = self.case.duration if self.duration is None else self.duration
+        return simulate(self.case.build(), duration, stepper, record=self.record, progress=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the table: a quantity of a check."""
+
+    check: str
+    quantity: str
+    reference: str
+    cells: tuple[str, ...]
+
+    def line(self) -> str:
+        """In Markdown."""
+        return f"| {' | '.join((self.check, self.quantity, self.reference, *self.cells))} |"
+
+
+def checks() -> tuple[Check, ...]:
+    """All of them."""
+    from lcpflex.gallery import checks_bars, checks_rigid, checks_stops
+
+    return tuple(check for module in (checks_bars, checks_rigid, checks_stops) for check in module.checks())
+
+
+def rows(check: Check, measure: bool = True) -> list[Row]:
+    """The lines of a check; without ``measure`` nothing is run and the cells are those of methods that do not apply."""
+    results = {
+        label: check.run(entry.stepper)
+        for label, entry in check.entries.items()
+        if measure and isinstance(entry, Entry)
+    }
+    lines = [
+        Row(check.label, quantity.name, _reference(quantity), tuple(_cell(quantity, results.get(k)) for k in LABELS))
+        for quantity in check.quantities
+    ]
+    steppers = tuple(brief(e.stepper) if isinstance(e := check.entries[k], Entry) else "-" for k in LABELS)
+    times = tuple(f"{r.wall_time:.2g} s" if (r := results.get(k)) else "-" for k in LABELS)
+    return [*lines, Row(check.label, "with", "", steppers), Row(check.label, "time", "", times)]
+
+
+def _reference(quantity: Quantity) -> str:
+    scale = "" if quantity.scale is None else f" (scale {quantity.scale:.3g})"
+    return f"{quantity.reference:.6g} {quantity.unit}".strip() + scale
+
+
+def _cell(quantity: Quantity, result: Result | None) -> str:
+    if result is None:
+        return "-"
+    error = quantity.error(result)
+    return "0" if error < ROUNDING else f"{error:.1e}"
+
+
+def document(tell: Callable[[str], object] = lambda line: None) -> str:
+    """The whole of ACCURACY.md; runs every entry."""
+    lines = [HEAD, f"| {' | '.join(('case', 'quantity', 'reference', *LABELS))} |", "|---" * (3 + len(LABELS)) + "|"]
+    reasons = []
+    for check in checks():
+        tell(check.label)
+        lines += [row.line() for row in rows(check)]
+        reasons += [f"- {check.label}, {k}: {e.why}" for k in LABELS if (e := check.entries[k]).why]
+    return "\n".join([*lines, "", "## Why", "", *reasons, ""])
+
+
+def main() -> None:
+    """Write ACCURACY.md into the package."""
+    path = Path(__file__).parents[1] / "ACCURACY.md"
+    path.write_text(document(print), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
