@@ -37,7 +37,9 @@ from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, u
 from lcpflex.steppers.generalized_alpha_adaptive import AdaptiveGeneralizedAlphaRun
 from lcpflex.steppers.generalized_alpha_memory import (
     BETWEEN,
+    NOW,
     PHASE,
+    RECURSIVE,
     UNSETTLED,
     VELOCITY,
     WARM,
@@ -176,7 +178,10 @@ class GeneralizedAlphaRun:
             self._start += whole * step
             self._settings = self._settings._replace(step=self._phases[1][0])
             memory = self._memory  # a stands for udot at t + (alpha_m - alpha_f) h
-            memory.a[:] = memory.w + (memory.a - memory.w) * self._settings.step / step
+            ratio = self._settings.step / step
+            memory.a[:] = memory.w + (memory.a - memory.w) * ratio
+            share = memory.law_force
+            share[RECURSIVE] = share[NOW] + (share[RECURSIVE] - share[NOW]) * ratio
             self._clock[:] = (0.0, 0.0, 0.0)
         if not message:
             self._phases.pop(0)

@@ -40,7 +40,9 @@ from lcpflex.steppers.adaptive import (
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
+    NOW,
     PHASE,
+    RECURSIVE,
     VELOCITY,
     WARM,
     AlphaMemory,
@@ -85,8 +87,9 @@ def copy_memory(source: AlphaMemory, target: AlphaMemory) -> None:
         for kind in range(source.working.shape[1]):
             target.working[0, kind, i] = source.working[0, kind, i]
     for law in range(source.law_force.shape[1]):
-        target.law_force[0, law, 0] = source.law_force[0, law, 0]
-        target.law_force[0, law, 1] = source.law_force[0, law, 1]
+        for i in range(2):
+            target.law_force[NOW, law, i] = source.law_force[NOW, law, i]
+            target.law_force[RECURSIVE, law, i] = source.law_force[RECURSIVE, law, i]
     for i in range(len(source.number)):
         target.number[i] = source.number[i]
     copy_held(source.resting, target.resting)
@@ -98,6 +101,10 @@ def scale_acceleration(clock: FloatArray, length: float, memory: AlphaMemory) ->
     ratio = length / clock[SCALED]
     for i in range(len(memory.a)):
         memory.a[i] = memory.w[i] + ratio * (memory.a[i] - memory.w[i])
+    share = memory.law_force
+    for law in range(share.shape[1]):
+        for i in range(2):
+            share[RECURSIVE, law, i] = share[NOW, law, i] + ratio * (share[RECURSIVE, law, i] - share[NOW, law, i])
     clock[SCALED] = length
 
 

@@ -18,7 +18,7 @@ __all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # what is solved next, number[PHASE]
 PHASE, PASS, BETWEEN, SKIP, FOUND, WARM, UNSETTLED = range(7)  # entries of AlphaMemory.number
 CHANGE, NUMERICAL = 0, 1  # entries of AlphaMemory.value
-NOW, NEXT = 0, 1
+NOW, NEXT, RECURSIVE = range(3)  # the last: what the acceleration a of the scheme is to w
 FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
 
@@ -47,7 +47,7 @@ class AlphaMemory(NamedTuple):
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
     matched: IntArray  # (capacity,) the resting contact that each one of the table is, or -1
     total: FloatArray  # (capacity,) nu of each contact of the table [N s]
-    law_force: FloatArray  # (2, laws, 2) smooth contact forces at start and end of the step [N]
+    law_force: FloatArray  # (3, laws, 2) smooth contact forces at start and end of the step, and their share in a [N]
     working: FloatArray  # (2, 5, ndof) generalised forces that do work, at start and end of the step
     value: FloatArray  # (2,) last change of an acceleration; energy lost to numerical damping in this step [J]
     number: IntArray  # (7,)
@@ -81,7 +81,7 @@ def alpha_memory(system: System, capacity: int) -> AlphaMemory:
         pressed=held(system, capacity),
         matched=np.zeros(capacity, dtype=np.int64),
         total=zeros(capacity),
-        law_force=zeros((2, system.n_laws, 2)),
+        law_force=zeros((3, system.n_laws, 2)),
         working=zeros((2, 5, ndof)),
         value=zeros(2),
         number=np.zeros(7, dtype=np.int64),

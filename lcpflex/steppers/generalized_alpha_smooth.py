@@ -46,6 +46,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     PASS,
     PHASE,
     POSITION,
+    RECURSIVE,
     SKIP,
     SMOOTH,
     STORED,
@@ -295,6 +296,9 @@ def apply_smooth(
     memory.number[SKIP] = 0
     if h == 0.0:
         note_smooth(work, memory, NOW)
+        for law in range(memory.law_force.shape[1]):
+            for i in range(2):
+                memory.law_force[RECURSIVE, law, i] = memory.law_force[NOW, law, i]
         for i in range(len(q)):
             memory.w[i] = memory.w_new[i]
             memory.a[i] = memory.w_new[i]

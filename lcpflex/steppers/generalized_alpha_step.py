@@ -29,6 +29,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     PASS,
     PHASE,
     POSITION,
+    RECURSIVE,
     RESTART,
     SKIP,
     SMOOTH,
@@ -138,6 +139,23 @@ def pose_velocity(
 
 
 @kernel
+def accrue_impulse(settings: AlphaSettings, memory: AlphaMemory, tape: Tape) -> None:
+    """Add the impulse of the smooth contact forces, with the weights that they have in the velocity.
+
+    So impulses are the change of momentum to rounding, and not to the order of the step.
+    """
+    am = settings.alpha_m
+    af = settings.alpha_f
+    for law in range(memory.law_force.shape[1]):
+        for i in range(2):
+            now = memory.law_force[NOW, law, i]
+            old = memory.law_force[RECURSIVE, law, i]
+            new = ((1.0 - af) * memory.law_force[NEXT, law, i] + af * now - am * old) / (1.0 - am)
+            tape.total_impulse[law, i] += settings.step * ((1.0 - settings.gamma) * old + settings.gamma * new)
+            memory.law_force[RECURSIVE, law, i] = new
+
+
+@kernel
 def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
     """Add the step's work by kind and its impulses to the tape: mean forces, or impulses, times mean velocities.
 
@@ -153,10 +171,7 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
             done += force * (u[i] + memory.v_new[i])
         tape.sums[kind] += 0.25 * h * (done if kind == DRIVE else -done)
     tape.sums[DAMPING] += memory.value[NUMERICAL]
-    for law in range(memory.law_force.shape[1]):
-        for i in range(2):
-            mean = 0.5 * (memory.law_force[NOW, law, i] + memory.law_force[NEXT, law, i])
-            tape.total_impulse[law, i] += h * mean
+    accrue_impulse(settings, memory, tape)
     gained = 0.0
     for r in range(n_joint + n + work.step_size[2]):
         p = work.p[r]

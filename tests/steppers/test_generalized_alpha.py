@@ -149,6 +149,23 @@ def test_the_audit_names_what_numerical_damping_takes(rho_inf: float) -> None:
 # contact
 
 
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("adaptive", [None, lf.AdaptiveStep(rtol=1e-4, atol=1e-6)])
+def test_impulses_are_the_change_of_momentum(rho_inf: float, adaptive: lf.AdaptiveStep | None) -> None:
+    """A mass bounces on a spring on a block, which rests, sheds the floor and slides on."""
+    scene = lf.Scene()
+    block = scene.add(lf.Box(width=0.4, height=0.2, mass=1.0), position=(0.0, 0.1), velocity=(1.0, 0.0))
+    mass = scene.add(lf.Disc(radius=0.05, mass=5.0), position=(0.0, 0.6), velocity=(1.0, -0.5))
+    scene.join(lf.PointOnLine(mass.point("center"), block.point("center"), axis=(0.0, 1.0)))
+    scene.load(lf.Spring(mass.point("center"), block.point("center"), stiffness=2e4, length=0.5))
+    scene.contact(block.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, name="floor")
+    result = lf.simulate(scene, 0.5003, GeneralizedAlpha(step=1e-3, rho_inf=rho_inf, adaptive=adaptive))
+    momentum = result.u[:, [0, 1]] + 5.0 * result.u[:, [3, 4]]
+    given = result.impulse[:, 0, ::-1] - np.outer(result.times, (0.0, 6.0 * 9.81))
+    np.testing.assert_allclose(momentum - momentum[0], given, rtol=0, atol=1e-11)
+    assert result.impulse[-1, 0, 0] > 20.0
+
+
 def test_a_bouncing_ball_keeps_newtons_restitution() -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.15), velocity=(0.3, -2.0))
