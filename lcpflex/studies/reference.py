@@ -18,6 +18,7 @@ __all__ = ["Reference", "analytic_reference", "converged_reference", "series_ref
 INSTANTS = 20001  # at which an analytic function of time is sampled
 FINER = 4.0  # how much finer than the finest run the reference is
 PATIENT = 20.0  # limit of the runs of a reference, in multiples of that of all others
+ROUNDING = 1e-12  # no reference is more exact than this
 LEFT = 1.2  # disagreement that is not worth telling, in multiples of what both own up to
 
 
@@ -62,7 +63,7 @@ def analytic_reference(values: Mapping[str, Any], outputs: Sequence[Output], dur
             raise ModelError(f"reference[{name!r}]: {value!r} was given, expected a number or a function of times")
         if not measured[name].finite:
             raise ModelError(f"reference[{name!r}]: values that are not finite; expected finite numbers")
-        errors[name] = resolution(known[name], measured[name], duration)
+        errors[name] = ROUNDING + resolution(known[name], measured[name], duration)
     return Reference("exact values", measured, errors)
 
 
@@ -94,7 +95,7 @@ def _patient(conditions: Conditions) -> Conditions:
 
 
 def own_errors(conditions: Conditions, best: Trial, other: Trial) -> dict[str, float]:
-    """Difference of two runs of one method, and what lies between the stored instants."""
+    """Difference of two runs of one method, what lies between the stored instants, and rounding."""
     assert best.measured is not None
     assert other.measured is not None
     errors = {}
@@ -104,7 +105,7 @@ def own_errors(conditions: Conditions, best: Trial, other: Trial) -> dict[str, f
             difference = error_between(output, other.measured[output.name], reference, conditions.duration)
         except ModelError:  # relative to nothing: an output without a scale, which the caller drops
             difference = float("nan")
-        errors[output.name] = difference + resolution(output, reference, conditions.duration)
+        errors[output.name] = ROUNDING + difference + resolution(output, reference, conditions.duration)
     return errors
 
 

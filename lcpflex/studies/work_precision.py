@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = ["work_precision"]
 
-ENTRIES = 600_000  # coordinates and velocities over all instants that are stored by default
+ENTRIES = 4_000_000  # coordinates and velocities over all instants that are stored by default
 FEWEST, MOST = 1000, 20_000
 
 

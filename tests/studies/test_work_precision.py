@@ -152,6 +152,12 @@ def test_the_reference_bounds_its_own_error(slip) -> None:
         assert off <= found.of().reference.error["end"]
 
 
+def test_no_reference_claims_to_be_without_error(slip) -> None:
+    assert slip.of().reference.error["peak force"] > 0.0  # the weight, in every run
+    assert all(slip.of().limited(point, "peak force") for point in slip.points)
+    assert "< 0.0e+00" not in slip.table()
+
+
 def test_a_stepper_as_reference_is_run_twice() -> None:
     work = work_precision(
         gallery.scenes()["stick_slip"], {"Moreau-Jean": MOREAU_JEAN[:2]}, lf.MoreauJean(step=2e-4), repeats=0
