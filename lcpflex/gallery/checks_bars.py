@@ -60,7 +60,7 @@ def _wall(case: Case) -> Check:
             "event-driven": Entry(EventDriven(rtol=1e-6), MANY, slow=True),
             "generalised-alpha": Entry(GeneralizedAlpha(step=courant_step(LENGTH / 400, 30.0))),
             "massless boundary": Entry(MasslessBoundary()),
-            "smooth": Entry(Smooth(Penalty(3e5), integrator=LOOSE)),
+            "smooth": Entry(Smooth(Penalty(3e5), integrator=LOOSE), slow=True),
         },
         record=1e-4,
     )
@@ -142,7 +142,7 @@ def _pair(case: Case) -> Check:
             "event-driven": Entry(EventDriven(rtol=1e-6), MANY, slow=True),
             "generalised-alpha": Entry(GeneralizedAlpha(step=courant_step(LENGTH / 200, 30.0))),
             "massless boundary": Entry(MasslessBoundary()),
-            "smooth": Entry(Smooth(Penalty(1e5), integrator=LOOSE)),
+            "smooth": Entry(Smooth(Penalty(1e5), integrator=LOOSE), slow=True),
         },
         record=1e-4,
     )
