@@ -40,6 +40,7 @@ from lcpflex.steppers.adaptive import (
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
+    LIFTED,
     NOW,
     PHASE,
     RECURSIVE,
@@ -226,6 +227,7 @@ def advance_adaptive(
         if status == STEPPED and part == LONG:
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             scale_acceleration(clock, 0.5 * h, memory)
+            memory.value[LIFTED] = 0.0
             clock[PART] = FIRST
             continue
         if status == STEPPED and part == FIRST:
@@ -237,8 +239,9 @@ def advance_adaptive(
             sunk = deepest(model, q, tape.table)
             if part == SECOND:
                 error = doubling_error(limits, q, u, kept)
-                # a pair that closes late in the step is seen by neither result
-                error = max(error, (sunk - clock[DEEPEST]) / position_tolerance(limits, q))
+                # an impact in the second half is put at the end by both results: what has sunk by then tells
+                sunk_unseen = max(sunk - clock[DEEPEST], memory.value[LIFTED])
+                error = max(error, sunk_unseen / position_tolerance(limits, q))
         else:
             error = math.inf
         clock[PART] = FRESH

@@ -17,6 +17,7 @@ from lcpflex.model import Model
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
     FOUND,
+    LIFTED,
     PASS,
     PHASE,
     VELOCITY,
@@ -89,6 +90,9 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
     for i in range(len(memory.q_new)):
         largest = max(largest, abs(memory.q_new[i]))
     worst = position_error(model, t, n, work, memory)
+    if memory.number[PASS] == 0:
+        for k in range(n):
+            memory.value[LIFTED] = max(memory.value[LIFTED], -work.table.gap[k])
     if worst <= CLOSED * (1.0 + largest) or memory.number[PASS] >= MOST_LIFTS:
         memory.number[PHASE] = VELOCITY
         memory.number[FOUND] = n

@@ -151,6 +151,23 @@ def test_generalised_alpha_shortens_its_step_at_impacts() -> None:
     assert result.times[1:][jumps][0] == pytest.approx(math.sqrt(2.0 / 9.81), abs=1e-5)
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.7])
+def test_generalised_alpha_sees_impacts_in_any_part_of_a_step(restitution: float) -> None:
+    """A disc that flies free but for one oblique impact: x and angle grow linearly before and after it."""
+    for height in np.linspace(0.3, 0.4, 9):
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        disc = scene.add(lf.RigidBody(mass=1.0, inertia=0.4), position=(0.0, 1.0 + height), velocity=(3.0, -2.0))
+        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        scene.contact(disc.circle((0.0, 0.0), 1.0), floor, friction=0.2, restitution=restitution)
+        stepper = lf.GeneralizedAlpha(step=1e-4, adaptive=AdaptiveStep(rtol=1e-6, atol=1e-8))
+        result = lf.simulate(scene, 1.0, stepper)
+        impact, normal = 0.5 * height, 2.0 * (1.0 + restitution)
+        after = 1.0 - impact
+        exact = (3.0 - 0.2 * normal * after, 1.0 + 2.0 * restitution * after, -0.2 * normal / 0.4 * after)
+        np.testing.assert_allclose(result.q[-1], exact, rtol=0, atol=1e-5)
+        assert result.steps < 1000
+
+
 def test_generalised_alpha_with_friction_by_both_drivers() -> None:
     scene = gallery.stick_slip_block()
     compiled = lf.simulate(scene, 1.9, controlled_alpha(1e-6, solver=lf.Lemke()))
