@@ -47,6 +47,7 @@ from lcpflex.steppers.event_loop import (
 from lcpflex.steppers.event_memory import (
     CONTACTS,
     CUTS,
+    DEEPEST,
     DETAIL,
     EVENT_KINDS,
     EVENTS,
@@ -255,6 +256,10 @@ class EventDrivenRun:
                 f"the order of impacts was arbitrary {_times(number[TIES])}, first at t = {clock[FIRST_TIE]:.9g} s: "
                 f"{both} approached equally fast; another order may lead to another motion"
             )
+        if clock[DEEPEST] > DEEP * self._settings.gap_tolerance:
+            warnings.append(
+                f"bodies overlapped by {clock[DEEPEST]:.3g} m without an impact: shorter steps (max_step) may find it"
+            )
         if number[CUTS]:
             warnings.append(
                 f"a chain of impacts did not end by itself {_times(number[CUTS])}: simultaneous impacts without "
@@ -309,6 +314,7 @@ def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
         getattr(new, name)[tuple(slice(size) for size in source.shape)] = source
 
 
+DEEP = 2e3  # gap tolerances: deeper overlap than may be at the start
 MOST_JAMS = 10  # impacts without collision at one instant
 MOST_TRIED = 12  # unknowns of problems that are proven to have no solution
 

@@ -13,11 +13,12 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
-from lcpflex.steppers.event_memory import CONTACTS, TAKEN, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
 from lcpflex.steppers.event_root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import interpolate
 
 __all__ = [
+    "CROSSED",
     "NARROW",
     "SPAN_TOLERANCE",
     "dip_of",
@@ -32,6 +33,7 @@ __all__ = [
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
 SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
 NARROW = 4e-16  # width of a root [s], relative to the time
+CROSSED = 2  # number[HIDDEN]
 GOLDEN = 0.6180339887498949
 DIP_LOOKS = 40  # that narrow a dip to 1e-8 of what is between two looks
 END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
@@ -104,20 +106,31 @@ def locate_gap(
     model: Model,
     settings: EventSettings,
     memory: EventMemory,
+    table: ContactTable,
     k: int,
     low: float,
     high: float,
     f_low: float,
     f_high: float,
 ) -> float:
-    """Share of the step at which the gap of entry k of what was seen closes."""
+    """Share of the step at which the gap of entry k of a table closes."""
     clock = memory.clock
     narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
     start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
     while asked(memory.bracket) >= 0.0:
-        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.at)
-        tell(memory.bracket, gap_above(model, settings, memory.seen, k, memory.at[: len(memory.u)]))
+        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.dipping)
+        tell(memory.bracket, gap_above(model, settings, table, k, memory.dipping[: len(memory.u)]))
     return found(memory.bracket)
+
+
+@kernel
+def seen_before(model: Model, settings: EventSettings, memory: EventMemory, key: int) -> bool:
+    """Whether the pair penetrates in the state before, too."""
+    count = detect(model, memory.before[: len(memory.u)], -SHALLOW * settings.gap_tolerance, memory.near)
+    present = count > len(memory.near.key)
+    for i in range(min(count, len(memory.near.key))):
+        present = present or memory.near.key[i] == key
+    return present
 
 
 @kernel
@@ -126,8 +139,10 @@ def first_closing(
 ) -> float:
     """Earliest share in (low, high] at which a pair that was open closes; above high if none. State: before, at.
 
-    A negative number: the table of what is seen must hold as many entries.
+    A negative number: the table of what is seen must hold as many entries. number[HIDDEN] tells of a pair that
+    penetrates and did not come in through its feature: it has gone so far that another one is nearer by now.
     """
+    memory.number[HIDDEN] = 0
     ndof = len(memory.u)
     n = memory.number[CONTACTS]
     count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
@@ -147,7 +162,12 @@ def first_closing(
             fall = memory.seen.gap[i] - f_high
             closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
         if closing:
-            first = min(first, locate_gap(model, settings, memory, i, low, high, f_low, f_high))
+            first = min(first, locate_gap(model, settings, memory, memory.seen, i, low, high, f_low, f_high))
+        elif f_high < -settings.gap_tolerance:
+            if seen_before(model, settings, memory, memory.seen.key[i]):
+                memory.clock[DEEPEST] = max(memory.clock[DEEPEST], -f_high)
+            else:
+                memory.number[HIDDEN] = 1
     return first
 
 
@@ -216,21 +236,30 @@ def first_dip(
 ) -> float:
     """A share in (low, high) at which a pair is closed that is open before and after; high if there is none.
 
+    And at which one closes that has gone so far by ``high`` that it is not detected there: number[HIDDEN] = CROSSED.
     State: before, at. A negative number: the table of what is near must hold as many entries.
     """
+    memory.number[HIDDEN] = 0
     ndof = len(memory.u)
     h = memory.clock[TAKEN]
+    tolerance = settings.gap_tolerance
     reach = max(room(model, memory, memory.before), room(model, memory, memory.at)) * (high - low) * h
-    count = detect(model, memory.at[:ndof], reach, memory.near)
+    count = detect(model, memory.before[:ndof], reach, memory.near)
     if count > len(memory.near.key):
         return -float(count)
     least = high
     for i in range(count):
-        f_high = memory.near.gap[i]
-        if f_high < 0.0 or maintained(work, memory.number[CONTACTS], memory.near.key[i]):
+        if maintained(work, memory.number[CONTACTS], memory.near.key[i]):
             continue
         f_low = gap_above(model, settings, memory.near, i, memory.before[:ndof])
-        if f_low + f_high >= reach or f_low < -settings.gap_tolerance:
+        f_high = gap_above(model, settings, memory.near, i, memory.at[:ndof])
+        if f_low < -tolerance or f_low + f_high >= reach:
+            continue
+        if f_high < -tolerance:
+            share = locate_gap(model, settings, memory, memory.near, i, low, high, f_low, f_high)
+            if share < least:
+                least = share
+                memory.number[HIDDEN] = CROSSED
             continue
         part = END * (high - low)
         interpolate(memory.y, memory.slopes, h, high - part, memory.dipping)
@@ -239,5 +268,8 @@ def first_dip(
         interpolate(memory.y, memory.slopes, h, low + part, memory.dipping)
         if gap_above(model, settings, memory.near, i, memory.dipping[:ndof]) > f_low:
             continue
-        least = min(least, dip_of(model, settings, memory, i, low, high))
+        share = dip_of(model, settings, memory, i, low, high)
+        if share < least:
+            least = share
+            memory.number[HIDDEN] = 0
     return least

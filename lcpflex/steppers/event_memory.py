@@ -95,8 +95,9 @@ ROUND, STAGE, ALONE, TARGET, JAMMING, NUDGING = range(11, 17)  # of impacts: see
 JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # counts, of the run but NUDGES
 STOPPING = 24  # of contacts that approach slower than the threshold: 1 while, 2 after
 TIES = 25  # impacts one after another whose order was arbitrary
+HIDDEN = 26  # whether a pair penetrates that came in where it was not looked for
 # clock
-TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE = range(11)
+TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE, DEEPEST = range(12)
 
 
 def event_memory(system: System, capacity: int, near: int) -> EventMemory:
@@ -137,8 +138,8 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         tied=np.zeros(2, dtype=np.int64),
         law_work=zeros(laws),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(26, dtype=np.int64),
-        clock=zeros(11),
+        number=np.zeros(27, dtype=np.int64),
+        clock=zeros(12),
     )
     memory = pack(arrays)
     memory.y[:ndof] = system.q

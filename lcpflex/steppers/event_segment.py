@@ -13,6 +13,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.steppers.event_gaps import (
+    CROSSED,
     NARROW,
     SPAN_TOLERANCE,
     first_closing,
@@ -27,6 +28,7 @@ from lcpflex.steppers.event_memory import (
     CONTACTS,
     DETAIL,
     ERROR,
+    HIDDEN,
     KIND,
     PRESSURE,
     SHARE,
@@ -49,6 +51,7 @@ SAMPLES = 4
 TURN = 0.25  # [rad] between samples
 TRAVEL = 1.0  # extents of the smallest surface between samples
 FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
+LEAST_SHARE = 1e-6  # of a step: what is not understood in so short a time is told
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
 
 
@@ -222,26 +225,31 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
     for sample in range(1, SAMPLES + 1):
         low = (sample - 1) / SAMPLES
         high = sample / SAMPLES
-        interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
-        dip = first_dip(model, settings, work, memory, low, high)
-        while 0.0 <= dip < high:  # closed and open again
-            high = dip
+        while True:  # earlier and earlier, until nothing has closed before
             interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
-            dip = first_dip(model, settings, work, memory, low, high)
-        if dip < 0.0:
-            clock[DETAIL] = dip
-            return False
-        closing = first_closing(model, settings, work, memory, low, high)
-        while 0.0 <= closing < high:  # and what has closed before that, and opened again up to the sample
-            memory.number[CAUSE] = CLOSING
-            high = closing
-            interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
+            closing = first_dip(model, settings, work, memory, low, high)
+            if closing < 0.0:
+                clock[DETAIL] = closing
+                return False
+            if closing < high:
+                memory.number[CAUSE] = CLOSING if memory.number[HIDDEN] == CROSSED else NOTHING
+                high = closing
+                continue
             closing = first_closing(model, settings, work, memory, low, high)
-        if closing < 0.0:
-            clock[DETAIL] = -closing
-            return False
-        if closing == high:
-            memory.number[CAUSE] = CLOSING
+            if closing < 0.0:
+                clock[DETAIL] = -closing
+                return False
+            if closing < high:
+                memory.number[CAUSE] = CLOSING
+                high = closing
+                continue
+            if closing > high and memory.number[HIDDEN] == 1 and high - low > LEAST_SHARE:
+                memory.number[CAUSE] = NOTHING
+                high = low + 0.5 * (high - low)
+                continue
+            if closing == high:
+                memory.number[CAUSE] = CLOSING
+            break
         for kind in range(4):
             for k in range(n):
                 memory.old_value[kind, k] = memory.value[kind, k]
@@ -271,7 +279,7 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
             else:
                 break
             target = asked(memory.bracket)
-        if memory.number[CAUSE] != NOTHING:
+        if memory.number[CAUSE] != NOTHING or high < sample / SAMPLES:
             clock[SHARE] = high
             return True
         interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.before)

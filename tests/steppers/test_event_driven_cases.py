@@ -185,6 +185,25 @@ def test_throw_that_just_reaches_the_ceiling(part: float) -> None:
     assert result.u[-1, 1] == pytest.approx(speed - 1.5 * left - 0.6 * G, abs=1e-6 * left)
 
 
+@pytest.mark.parametrize("height", [0.03, 0.05, 0.08, 0.11, 0.15])
+def test_corner_does_not_pass_through_a_thin_plate_between_two_looks(height: float) -> None:
+    """Wherever the looks fall: half through, the corner is nearer to the far side, which does not face it."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    plate = scene.add(lf.Box(width=0.3, height=0.02, mass=1.0), name="plate")
+    box = scene.add(
+        lf.Box(width=0.1, height=0.1, mass=1.0),
+        name="box",
+        position=(0.0, 0.01 + height + math.hypot(0.05, 0.05)),
+        angle=0.25 * math.pi,
+        velocity=(0.0, -5.0),
+    )
+    scene.contact(box.surface(), plate.surface(), restitution=1.0, name="plate")
+    result = lf.simulate(scene, 0.2, lf.EventDriven())
+    assert times(result, "impact") == pytest.approx([height / 5.0], abs=1e-9)
+    assert result.u[-1, [1, 4]] == pytest.approx([-5.0, 0.0], abs=1e-9)
+    assert result.warnings == ()
+
+
 def test_small_initial_penetration_is_no_event() -> None:
     scene = lf.Scene(gravity=(0.0, -G))
     box = scene.add(lf.Box(width=0.4, height=0.2, mass=1.0), name="box", position=(0.0, 0.1 - 1e-7))
