@@ -137,6 +137,10 @@ class SceneStudy:
             return (
                 f"no method can be said to have reached {wanted}: the reference itself is only within {_percent(own)}"
             )
+        sound = [point for point in self.points if not point.failure]
+        if any(point.errors.get(output, math.nan) <= tolerance for point in sound):
+            least = min(bound for point in sound if math.isfinite(bound := self.bound(point, output)))
+            return f"no method can be said to have reached {wanted}: all that is certain is {_percent(least)}"
         return f"no method reached {wanted}"
 
 

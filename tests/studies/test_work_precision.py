@@ -110,6 +110,10 @@ def test_what_lies_between_the_instants_of_a_run_is_not_taken_for_its_error() ->
     assert fine.unseen["speed"] > 1e-3  # ten instants for the steps of three hundred
     assert study.limited(fine, "speed")
     assert study.cheapest(1e-3) is None
+    (sentence,) = study.advice([1.1 * fine.errors["speed"]])
+    assert sentence.startswith("no method can be said to have reached")
+    assert "all that is certain is" in sentence
+    assert study.advice([1e-5]) == ("no method reached 0.001 % in speed",)
     assert "< " in work.table().splitlines()[-5]
 
 
