@@ -277,6 +277,7 @@ def _all_methods(
             if found.left_out:
                 notes.append(f"{method}{suffix}: {found.left_out}")
             if found.interrupted:
+                notes += [f"{label}{suffix}: not run, interrupted" for label in list(methods)[len(series) :]]
                 return series, notes, True
     return series, notes, False
 

@@ -402,7 +402,8 @@ def test_ctrl_c_keeps_what_was_measured(reference) -> None:
     assert not work.complete
     assert len(work.studies) == 1
     assert [point.stepper for point in work.points] == ["MoreauJean(step=0.01)", "MoreauJean(step=0.003)"]
-    assert "a: MoreauJean(step=0.001) left out: interrupted" in work.table()
+    assert work.of().notes == ("a: MoreauJean(step=0.001) left out: interrupted", "b: not run, interrupted")
+    assert "b: not run, interrupted" in work.table()
 
 
 def test_ctrl_c_while_the_reference_is_refined_keeps_all_runs() -> None:
