@@ -272,6 +272,10 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
                 k = memory.number[WHICH]
                 f_low = memory.old_value[kind, k]
                 tolerance = tolerance_of(settings, memory, kind)
+                if kind == SLIDING and f_low < -tolerance:  # an impact has left it sliding the other way: choose anew
+                    memory.number[CAUSE] = kind
+                    high = low + LEAST_SHARE * (high - low)
+                    break
                 start(memory.bracket, low, high, f_low, memory.value[kind, k], tolerance, narrow)
                 if asked(memory.bracket) < 0.0 or not asked(memory.bracket) < high:
                     memory.number[CAUSE] = kind
