@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -251,10 +251,26 @@ def _scene(text: str) -> tuple[Any, float | None, Any]:
     from lcpflex.gallery import Case
 
     found = _found(text)
-    made = found if isinstance(found, Case) else found()
+    made = found if isinstance(found, Case) else _called(text, found)
     if isinstance(made, Case):
         return made.build(), made.duration, made.stepper
     return made, None, None
+
+
+def _called(text: str, function: Callable[[], Any]) -> Any:
+    """What a function of the user's returns; what it raises, with the line of it."""
+    from traceback import extract_tb
+
+    try:
+        return function()
+    except LcpflexError:
+        raise
+    except Exception as error:
+        where = extract_tb(error.__traceback__)[-1]
+        raise ModelError(
+            f"SCENE: {text!r} raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno}); expected "
+            "a function without arguments that returns a scene"
+        ) from error
 
 
 def _load_function(path: Path, name: str) -> Any:
@@ -265,11 +281,12 @@ def _load_function(path: Path, name: str) -> Any:
         raise ModelError(f"SCENE: no file {str(path)!r}; expected file.py:function")
     specification = importlib.util.spec_from_file_location(path.stem, path)
     assert specification is not None
-    assert specification.loader is not None
+    loader = specification.loader
+    assert loader is not None
     module = importlib.util.module_from_spec(specification)
     sys.path.insert(0, str(path.resolve().parent))
     sys.modules[path.stem] = module  # dataclasses of the file look themselves up there
-    specification.loader.exec_module(module)
+    _called(str(path), lambda: loader.exec_module(module))
     function = getattr(module, name, None)
     if not callable(function):
         raise ModelError(f"SCENE: {str(path)!r} has no function {name!r}; expected one that returns a Scene")

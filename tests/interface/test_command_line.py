@@ -21,6 +21,12 @@ def ball():
     scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
     return scene
 
+def of_mass(mass):
+    return ball()
+
+def broken():
+    return 1 / 0
+
 number = 3
 """
 
@@ -92,6 +98,8 @@ def test_run_by_every_stepper(
         (["run", "missing.py:ball"], "no file 'missing.py'"),
         (["run", "{file}:bal"], "has no function 'bal'"),
         (["run", "{file}:number"], "has no function 'number'"),
+        (["run", "{file}:of_mass"], "missing 1 required positional argument: 'mass'"),
+        (["chart", "{file}:broken", "--duration", "1"], "raised ZeroDivisionError: division by zero"),
         (["run", "{file}:ball"], "--duration: not given"),
         (["run", "{file}:ball", "--duration", "-1"], "--duration: -1.0; expected a number of seconds > 0"),
         (["run", "{file}:ball", "--duration", "1", "--step", "nan"], "--step: nan"),
