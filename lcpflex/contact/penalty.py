@@ -3,9 +3,10 @@
     lambda_N = max(0, K delta^n (1 + chi deltadot)),   delta = -g_N > 0
     lambda_T = -mu lambda_N tanh(gdot_T / v_s)
 
-The elastic part K delta^n stores K delta^(n + 1) / (n + 1); what the force does beyond it is lost. A declared contact
-has the number of its law and an array of its parameters: the kernels below branch on that number alone, so that another
-law is one more branch in each of them. Sources: Hertz 1881 (n = 3/2); Hunt & Crossley 1975 (damping).
+Bodies of a scene rub halfway between their surfaces, where gdot_T is taken: friction makes no couple of its own. The
+elastic part K delta^n stores K delta^(n + 1) / (n + 1); what the force does beyond it is lost. A declared contact has
+the number of its law and an array of its parameters: the kernels below branch on that number alone, so that another law
+is one more branch in each of them. Sources: Hertz 1881 (n = 3/2); Hunt & Crossley 1975 (damping).
 """
 
 from __future__ import annotations

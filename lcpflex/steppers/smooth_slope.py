@@ -120,6 +120,19 @@ def add_row(work: Workspace, r: int, force: float) -> None:
 
 
 @kernel
+def share_place(work: Workspace) -> None:
+    """Let friction act on both bodies at one place, halfway between their surfaces.
+
+    At the surfaces themselves, which penetrate, it would be a couple, and angular momentum would be made of nothing.
+    """
+    first = work.step_size[0] + work.step_size[1]
+    for j in range(work.step_size[2]):
+        for i in range(2):
+            if work.row_body[first + j, i] >= 0:
+                work.rows[first + j, i, 2] += 0.5 * work.table.gap[work.tangent[j]]
+
+
+@kernel
 def press(u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: FloatArray) -> None:
     """Contact forces of the rows laid, to ``work.p`` and ``work.free_u``; what they do to the quadratures of y."""
     n_joint = work.step_size[0]
@@ -171,6 +184,8 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     work.step_size[0] = n_joint
     work.step_size[1] = n
     work.step_size[2] = fill_contact_rows(model, q, n, n_joint, work)
+    if len(model.bodies.mass) > 0:
+        share_place(work)
     forces(model, t, q, u, work)
     base = 2 * ndof
     for i in range(base, len(out)):

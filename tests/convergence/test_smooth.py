@@ -37,9 +37,8 @@ def rolling_disc() -> lf.Scene:
     return scene
 
 
-SMOOTH_LAW = Penalty(
-    2e4, exponent=3.0, damping=0.1, slip_speed=0.5
-)  # the cube is smooth at the moment of touching, too
+# The cube is smooth at the moment of touching, too; with less stiffness 200 steps would leave rounding only.
+SMOOTH_LAW = Penalty(2e5, exponent=3.0, damping=0.1, slip_speed=0.3)
 IN_CONTACT = 0.1
 
 
@@ -86,12 +85,16 @@ def test_order_of_verlet_in_contact() -> None:
         return -rate(counts, [float(np.abs(end(n) - exact).max()) for n in counts])
 
     assert errors(Penalty(2e4, exponent=3.0), 0.0) == pytest.approx(2.0, abs=0.05)
-    assert errors(SMOOTH_LAW, 0.3) == pytest.approx(1.0, abs=0.05)
+    softer = Penalty(2e4, exponent=3.0, damping=0.1, slip_speed=0.5)
+    assert errors(softer, 0.3) == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "stiff"])
 def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
-    """Impact on a linear spring, kinks included: each decade of tolerance brings at least two thirds of one."""
+    """Impact on a linear spring, kinks included: each decade of tolerance brings at least two thirds of one.
+
+    Where a step falls upon a kink is chance, so that errors scatter: the rate is that of many tolerances.
+    """
 
     def run(rtol: float) -> tuple[Vector, float]:
         integrator = Stiff(rtol, 1e-2 * rtol) if implicit else ExplicitRungeKutta(rtol, 1e-2 * rtol)
@@ -104,7 +107,7 @@ def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
         return np.concatenate([result.q[-1], result.u[-1]]), result.energies.relative_remainder
 
     exact, _ = run(1e-12)
-    tolerances = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+    tolerances = tuple(np.geomspace(1e-5, 1e-10, 16))
     runs = [run(rtol) for rtol in tolerances]
     assert rate(tolerances, [float(np.abs(state - exact).max()) for state, _ in runs]) > 0.66
     assert rate(tolerances, [remainder for _, remainder in runs]) > 0.66

@@ -28,9 +28,9 @@ STEPPERS: dict[str, tuple[Any, float, float, float]] = {
     "alpha damped": (lf.GeneralizedAlpha(step=1e-3, rho_inf=0.0), 1e-10, 1e-3, 2e-2),
     "alpha controlled": (lf.GeneralizedAlpha(step=1e-4, adaptive=CONTROL), 1e-10, 1e-4, 1e-4),
     "events": (lf.EventDriven(), 1e-6, 1e-6, 1e-7),
-    "penalty": (lf.Smooth(SPRING), 3e-2, 1e-4, 2e-2),
-    "penalty, Verlet": (lf.Smooth(SPRING, integrator=lf.Verlet(2e-5)), 3e-2, 2e-2, 2e-2),
-    "penalty, stiff": (lf.Smooth(SPRING, integrator=lf.Stiff()), 3e-2, 1e-3, 2e-2),
+    "penalty": (lf.Smooth(SPRING), 3e-2, 1e-4, 1e-9),
+    "penalty, Verlet": (lf.Smooth(SPRING, integrator=lf.Verlet(2e-5)), 3e-2, 2e-2, 1e-9),
+    "penalty, stiff": (lf.Smooth(SPRING, integrator=lf.Stiff()), 3e-2, 1e-3, 1e-6),
 }
 
 
@@ -134,10 +134,7 @@ def test_bodies_in_a_room(name: str, seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("name", STEPPERS)
 def test_bodies_by_themselves(name: str, seed: int) -> None:
-    """Linear momentum stays to rounding, angular momentum to the accuracy of the places where contacts act.
-
-    Friction acts at either surface: where they penetrate, it is a couple of force times penetration.
-    """
+    """Linear momentum stays to rounding, angular momentum to the accuracy of the places where contacts act."""
     stepper, penetration, remainder, turning = STEPPERS[name]
     result = lf.simulate(swarm(seed), 0.5, stepper, record=2e-3)
     p = momenta(result)
