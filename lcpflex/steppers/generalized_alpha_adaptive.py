@@ -24,7 +24,6 @@ from lcpflex.steppers.adaptive import (
     STEP,
     STEPS,
     TIME,
-    AdaptiveStep,
     Backup,
     Limits,
     after_rejection,
@@ -35,9 +34,8 @@ from lcpflex.steppers.adaptive import (
     position_tolerance,
     put_back,
     put_by,
-    shortest_steps_warning,
 )
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
     LIFTED,
@@ -53,12 +51,13 @@ from lcpflex.steppers.generalized_alpha_memory import (
 )
 from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
 from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict, stages
-from lcpflex.steppers.moreau_jean_step import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, grown, record
+from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
-__all__ = ["AdaptiveGeneralizedAlphaRun"]
+__all__ = ["ControlledGeneralizedAlpha"]
 
 PART, TRIED, SCALED = (
     9,
@@ -257,102 +256,52 @@ def advance_adaptive(
         clock[SHORTEST] += 1.0 if part == ALONE else 0.0
 
 
-class AdaptiveGeneralizedAlphaRun:
-    """A generalised-alpha run with step control in progress."""
+class ControlledGeneralizedAlpha:
+    """A generalised-alpha run's state and memory, with step control."""
 
-    def __init__(
-        self,
-        system: System,
-        settings: AlphaSettings,
-        control: AdaptiveStep,
-        solver: LcpSolver,
-        duration: float,
-        interval: float,
-    ) -> None:
-        self.system = system
+    def __init__(self, system: System, settings: AlphaSettings, limits: Limits, solver: LcpSolver) -> None:
         self.records = Records(system)
-        self.q = system.q.copy()
-        self.u = system.u.copy()
-        self._settings = settings
-        self._limits = control.limits(duration, interval)
-        self._rescue = Rescue(solver, settings.tolerance)
-        self._work = system.workspace(16)
-        self._work.solving[METHOD] = solver_method(solver)
+        self.work = system.workspace(16)
+        self.work.solving[METHOD] = solver_method(solver)
+        self.clock = np.zeros(12)
+        first = min(max(settings.step, limits.shortest), limits.longest)
+        self.clock[STEP] = self.clock[RECENT] = self.clock[SCALED] = first
+        self._system, self._settings = system, settings
+        self._q, self._u = system.q.copy(), system.u.copy()
         self._memory, self._kept_memory = alpha_memory(system, 16), alpha_memory(system, 16)
         self._kept = backup(system, 16)
-        self._clock = np.zeros(12)
-        self._clock[STEP] = min(max(settings.step, control.shortest), self._limits.longest)
-        self._clock[RECENT] = self._clock[SCALED] = self._clock[STEP]
-        hooks = {**system.hooks, **solver_hooks(solver, system.watch)}
-        self._advance = link([*stages(), advance_adaptive], hooks)
+        self._rescue = Rescue(solver, settings.tolerance)
+        self._advance = link([*stages(), advance_adaptive], {**system.hooks, **solver_hooks(solver, system.watch)})
 
-    @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        return float(self._clock[TIME])
+    def loop(self, limits: Limits, last_step: int) -> int:
+        """Steps until there are ``last_step`` of them; see ``advance_adaptive``."""
+        status: int = self._advance(
+            self._system.model,
+            self._settings,
+            limits,
+            self.clock,
+            self._q,
+            self._u,
+            self.work,
+            self._memory,
+            self._kept,
+            self._kept_memory,
+            self.records.tape,
+            last_step,
+        )
+        return status
 
-    @property
-    def steps(self) -> int:
-        """Steps made, without those rejected and without the long ones that only measure the error."""
-        return int(self._clock[STEPS])
-
-    @property
-    def finished(self) -> bool:
-        """Whether the run has reached its end and stored it."""
-        return self.time >= self._limits.duration and self._clock[DUE] == math.inf
-
-    @property
-    def touching(self) -> list[int]:
-        """Declared contacts that the last contact problem held."""
-        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
-
-    @property
-    def events(self) -> list[tuple[float, str, int, float]]:
-        """Time stepping locates no events."""
-        return []
-
-    def advance(self, n_steps: int) -> str:
-        """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
-        target = self.steps + n_steps
-        while True:
-            status = self._advance(
-                self.system.model,
-                self._settings,
-                self._limits,
-                self._clock,
-                self.q,
-                self.u,
-                self._work,
-                self._memory,
-                self._kept,
-                self._kept_memory,
-                self.records.tape,
-                target,
-            )
-            detail = int(self._clock[DETAIL])
-            if status == DONE:
-                shortest_steps_warning(self.records, self._clock, self._limits.shortest)
-                return ""
-            if status == TAPE_FULL:
-                self.records.empty()
-            elif status == GROW_TAPE:
-                self.records.grow(detail)
-            elif status == GROW:
-                self._grow(2 * detail)
-            elif status == SOLVER_FAILED:
-                if self._rescue(self._work, self.time):
-                    continue
-                return unsolved(self._work, detail, self._settings.tolerance)
-            else:
-                return "the state is no longer finite: the forces of this scene grow without bound"
-
-    def _grow(self, capacity: int) -> None:
-        """Larger tables with the same content."""
-        self._work = grown(self.system, self._work, capacity)
-        self._memory = larger(self.system, self._memory, capacity)
-        self._kept_memory = larger(self.system, self._kept_memory, capacity)
-        kept = backup(self.system, capacity)
+    def make_room(self, contacts: int) -> None:
+        """Larger memory with the same content: a step that is under way goes on."""
+        self.work = grown(self._system, self.work, contacts)
+        self._memory = larger(self._system, self._memory, contacts)
+        self._kept_memory = larger(self._system, self._kept_memory, contacts)
+        kept = backup(self._system, contacts)
         for name in Backup._fields:
             source = getattr(self._kept, name)
             getattr(kept, name)[tuple(slice(size) for size in source.shape)] = source
         self._kept = kept
+
+    def trouble(self, status: int, time: float) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+        return contact_trouble(self.work, self._rescue, status, int(self.clock[DETAIL]), self._settings.tolerance, time)

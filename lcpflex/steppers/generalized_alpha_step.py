@@ -53,7 +53,8 @@ from lcpflex.steppers.generalized_alpha_smooth import (
     pose_smooth,
     slip_mode,
 )
-from lcpflex.steppers.moreau_jean_step import NOT_FINITE, record
+from lcpflex.steppers.moreau_jean_step import record
+from lcpflex.steppers.stepping_run import NOT_FINITE
 from lcpflex.steppers.tape import Tape, note_gain, store_contacts
 
 __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict", "stages"]

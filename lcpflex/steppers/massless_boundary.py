@@ -36,20 +36,14 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
 from lcpflex.steppers.massless_step import (
     BEGUN,
-    DONE,
     FINEST,
-    GROW,
-    GROW_TAPE,
-    MADE,
     MOST_PARTS,
     NUMBER,
-    SOLVER_FAILED,
     SPLIT,
     STIFF,
-    TAPE_FULL,
     TOO_LONG,
     WITHIN,
     Settings,
@@ -60,6 +54,7 @@ from lcpflex.steppers.massless_step import (
 )
 from lcpflex.steppers.moreau_jean_step import grown
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 
 __all__ = ["MasslessBoundary"]
@@ -68,129 +63,92 @@ SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 
-class MasslessBoundaryRun:
-    """A run in progress (see :class:`MasslessBoundary`)."""
+class MasslessBoundaryScheme:
+    """A run's state and memory (see :class:`MasslessBoundary`)."""
 
-    def __init__(self, system: System, stepper: MasslessBoundary, duration: float, interval: float) -> None:
+    def __init__(self, system: System, stepper: MasslessBoundary, duration: float) -> None:
         _refuse(system)
         flexibility = flexibilities(system.model, stepper.dynamic_modes)
         model = with_static_modes(system.model, flexibility)
         check_compliance(model, flexibility, system.q)
-        self.system = replace(system, model=model, q=system.q.copy(), u=np.where(flexibility > 0.0, 0.0, system.u))
-        self.records = Records(self.system)
-        self._work = self.system.workspace(16)
-        self._work.solving[METHOD] = solver_method(stepper.solver)
+        self._system = replace(system, model=model, q=system.q.copy(), u=np.where(flexibility > 0.0, 0.0, system.u))
+        self.records = Records(self._system)
+        self.work = self._system.workspace(16)
+        self.work.solving[METHOD] = solver_method(stepper.solver)
         self._notes = _lost(system, flexibility)
-        self.q, self.u = _consistent(self.system, self._work)
-        self.duration = duration
+        self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step
         self._settings = _settings(model, flexibility, stepper, duration / 1000.0)
         self._boundary = boundary_of(flexibility, system.n_laws)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
-        step = self._settings.step
-        whole = math.floor(duration / step * (1.0 + 1e-12) + 1e-9)
-        rest = duration - whole * step
-        self._phases = [(step, whole)] + ([(rest, 1)] if rest > 1e-9 * step else [])
-        self._stride = max(1, round(interval / step))
-        self._start = 0.0
-        self._clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
-        self._made = 0
+        self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link([*stages(), advance], hooks)
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        if not self._phases:
-            return self.duration
-        return self._start + float(self._clock[MADE]) * self._settings.step + float(self._clock[WITHIN])
+    def step(self) -> float:
+        """Length of the steps [s]."""
+        return self._settings.step
 
     @property
-    def steps(self) -> int:
-        """Steps made."""
-        return self._made + int(self._clock[MADE])
+    def within(self) -> float:
+        """Time made of the present step [s]."""
+        return float(self.clock[WITHIN])
 
-    @property
-    def finished(self) -> bool:
-        """Whether the run has reached its end and stored it."""
-        return not self._phases
+    def loop(self, start: float, n_steps: int, stride: int) -> int:
+        """Up to ``n_steps`` steps; see ``advance``."""
+        status: int = self._advance(
+            self._system.model,
+            self._settings,
+            start,
+            self.clock,
+            self._q,
+            self._u,
+            self._boundary,
+            self.work,
+            self.records.tape,
+            n_steps,
+            stride,
+        )
+        return status
 
-    @property
-    def touching(self) -> list[int]:
-        """Declared contacts that the last contact problem held."""
-        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+    def change_step(self, step: float) -> None:
+        """Go on with steps of another length; its forces are known: it begins where the steps so far ended."""
+        self._settings = self._settings._replace(step=step)
+        self.clock[:BEGUN] = 0.0
 
-    @property
-    def events(self) -> list[tuple[float, str, int, float]]:
-        """The scheme locates no events."""
-        return []
+    def make_room(self, contacts: int) -> None:
+        """A larger workspace."""
+        self.work = grown(self._system, self.work, contacts)
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
-        step, whole = self._phases[0]
-        message = self._loop(min(n_steps, whole - int(self._clock[MADE])), self._stride)
-        if message or self._clock[MADE] < whole:
-            return message
-        if len(self._phases) == 1:
-            message = self._loop(0, 1)  # the end is stored even where the stride would skip it
-        else:  # a last, shorter step ends the run on its duration
-            self._made += whole
-            self._start += whole * step
-            self._settings = self._settings._replace(step=self._phases[1][0])
-            self._clock[:BEGUN] = 0.0  # its forces are known: it begins where the whole steps ended
-        if not message:
-            self._phases.pop(0)
+    def trouble(self, status: int, time: float) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+        number = int(self.clock[NUMBER])
+        if status == STIFF:
+            return (
+                f"contact number {self.work.table.law[number] + 1} closes in a direction in which neither body "
+                "has any compliance: use more modes, or MoreauJean or EventDriven"
+            )
+        if status == TOO_LONG:
+            return self._limit()
+        message = contact_trouble(self.work, self._rescue, status, number, self._settings.tolerance, time)
+        if message and status == SOLVER_FAILED:
+            message += (
+                "; if more contacts close at a time than there are static modes, lower dynamic_modes or reduce the "
+                "bodies to more modes"
+            )
         return message
 
-    def _loop(self, n_steps: int, stride: int) -> str:
-        target = self._clock[MADE] + n_steps
-        while True:
-            status = self._advance(
-                self.system.model,
-                self._settings,
-                self._start,
-                self._clock,
-                self.q,
-                self.u,
-                self._boundary,
-                self._work,
-                self.records.tape,
-                int(target - self._clock[MADE]),
-                stride,
-            )
-            number = int(self._clock[NUMBER])
-            self.records.warnings[:] = [*self._notes, *self._divided()]
-            if status == DONE:
-                return ""
-            if status == TAPE_FULL:
-                self.records.empty()
-            elif status == GROW_TAPE:
-                self.records.grow(number)
-            elif status == GROW:
-                self._work = grown(self.system, self._work, 2 * number)
-            elif status == SOLVER_FAILED:
-                if self._rescue(self._work, self.time):
-                    continue
-                return (
-                    f"{unsolved(self._work, number, self._settings.tolerance)}; if more contacts close at a time than "
-                    "there are static modes, lower dynamic_modes or reduce the bodies to more modes"
-                )
-            elif status == STIFF:
-                return (
-                    f"contact number {self._work.table.law[number] + 1} closes in a direction in which neither body "
-                    "has any compliance: use more modes, or MoreauJean or EventDriven"
-                )
-            elif status == TOO_LONG:
-                return self._limit()
-            else:
-                return "the state is no longer finite: the step is too long for the forces of this scene"
+    def warn(self, steps: int) -> None:
+        """Of what the start lost, and of steps that were divided."""
+        self.records.warnings[:] = [*self._notes, *self._divided(steps)]
 
-    def _divided(self) -> list[str]:
+    def _divided(self, steps: int) -> list[str]:
         split, finest = int(self._boundary.tally[SPLIT]), int(self._boundary.tally[FINEST])
         if self._asked is None or split == 0:
             return []
         return [
-            f"{split} of {self.steps} steps were divided, into up to {finest} parts: with its contacts closed the "
+            f"{split} of {steps} steps were divided, into up to {finest} parts: with its contacts closed the "
             f"system has frequencies beyond the limit 2/h of the step h = {self._asked:g} s"
         ]
 
@@ -199,7 +157,7 @@ class MasslessBoundaryRun:
         low, high = 0.0, self._settings.step
         for _ in range(50):
             h = 0.5 * (low + high)
-            if short_enough(self.system.model, self._settings, h, self._boundary, self._work):
+            if short_enough(self._system.model, self._settings, h, self._boundary, self.work):
                 low = h
             else:
                 high = h
@@ -272,9 +230,9 @@ class MasslessBoundary:
                 f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
             )
 
-    def start(self, system: System, duration: float, interval: float) -> MasslessBoundaryRun:
+    def start(self, system: System, duration: float, interval: float) -> FixedRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
-        return MasslessBoundaryRun(system, self, duration, interval)
+        return FixedRun(MasslessBoundaryScheme(system, self, duration), duration, interval)
 
 
 def _refuse(system: System) -> None:

@@ -24,16 +24,11 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.packed import pack
 from lcpflex.steppers.projection import project_joints
+from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
 __all__ = ["Boundary", "Settings", "advance", "boundary_of", "short_enough", "stages"]
 
-DONE = 0
-TAPE_FULL = 1
-GROW = 2
-GROW_TAPE = 3
-SOLVER_FAILED = 4
-NOT_FINITE = 5
 TOO_LONG = 6
 STIFF = 7
 STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking

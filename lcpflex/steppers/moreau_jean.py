@@ -24,27 +24,25 @@ from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method, unsolved
-from lcpflex.steppers.moreau_jean_adaptive import AdaptiveMoreauJeanRun
-from lcpflex.steppers.moreau_jean_step import (
+from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
+from lcpflex.steppers.moreau_jean_step import Settings, correct, grown, predict, record, stages
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.stepping_run import (
     DONE,
     GROW,
     GROW_TAPE,
     NOT_FINITE,
     SOLVER_FAILED,
     TAPE_FULL,
-    Settings,
-    correct,
-    grown,
-    predict,
-    record,
-    stages,
+    AdaptiveRun,
+    FixedRun,
+    contact_trouble,
 )
-from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
-__all__ = ["MoreauJean", "MoreauJeanRun"]
+__all__ = ["MoreauJean"]
 
 
 @kernel
@@ -90,100 +88,57 @@ def advance(
         clock[0] += 1.0
 
 
-class MoreauJeanRun:
-    """A Moreau-Jean run in progress (see :class:`MoreauJean`)."""
+class MoreauJeanScheme:
+    """A Moreau-Jean run's state and memory, with steps of one length."""
 
-    def __init__(self, system: System, stepper: MoreauJean, duration: float, interval: float) -> None:
-        self.system = system
+    within = 0.0
+
+    def __init__(self, system: System, settings: Settings, solver: LcpSolver) -> None:
         self.records = Records(system)
-        self.q = system.q.copy()
-        self.u = system.u.copy()
-        self.duration = duration
-        self._settings = stepper.settings()
-        self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
-        self._work = system.workspace(16)
-        self._work.solving[METHOD] = solver_method(stepper.solver)
-        whole = math.floor(duration / stepper.step * (1.0 + 1e-12) + 1e-9)
-        rest = duration - whole * stepper.step
-        self._phases = [(stepper.step, whole)] + ([(rest, 1)] if rest > 1e-9 * stepper.step else [])
-        self._stride = max(1, round(interval / stepper.step))
-        self._start = 0.0
-        self._clock = np.array([0.0, 0.0, -1.0])
-        self._made = 0
-        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
-        self._advance = link([*stages(), advance], hooks)
+        self.work = system.workspace(16)
+        self.work.solving[METHOD] = solver_method(solver)
+        self.clock = np.array([0.0, 0.0, -1.0])
+        self._system, self._settings = system, settings
+        self._q, self._u = system.q.copy(), system.u.copy()
+        self._rescue = Rescue(solver, settings.tolerance)
+        self._advance = link([*stages(), advance], {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        return self._start + float(self._clock[0]) * self._settings.step if self._phases else self.duration
+    def step(self) -> float:
+        """Length of the steps [s]."""
+        return self._settings.step
 
-    @property
-    def steps(self) -> int:
-        """Steps made."""
-        return self._made + int(self._clock[0])
+    def loop(self, start: float, n_steps: int, stride: int) -> int:
+        """Up to ``n_steps`` steps; see ``advance``."""
+        status: int = self._advance(
+            self._system.model,
+            self._settings,
+            start,
+            self.clock,
+            self._q,
+            self._u,
+            self.work,
+            self.records.tape,
+            n_steps,
+            stride,
+        )
+        return status
 
-    @property
-    def finished(self) -> bool:
-        """Whether the run has reached its end and stored it."""
-        return not self._phases
+    def change_step(self, step: float) -> None:
+        """Go on with steps of another length."""
+        self._settings = self._settings._replace(step=step)
+        self.clock[:] = 0.0
 
-    @property
-    def touching(self) -> list[int]:
-        """Declared contacts that the last contact problem held."""
-        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+    def warn(self, steps: int) -> None:
+        """Nothing to warn of."""
 
-    @property
-    def events(self) -> list[tuple[float, str, int, float]]:
-        """Time stepping locates no events."""
-        return []
+    def make_room(self, contacts: int) -> None:
+        """A larger workspace."""
+        self.work = grown(self._system, self.work, contacts)
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
-        step, whole = self._phases[0]
-        message = self._loop(min(n_steps, whole - int(self._clock[0])), self._stride)
-        if message or self._clock[0] < whole:
-            return message
-        if len(self._phases) == 1:
-            message = self._loop(0, 1)  # the end is stored even where the stride would skip it
-        else:  # a last, shorter step ends the run on its duration
-            self._made += whole
-            self._start += whole * step
-            self._settings = self._settings._replace(step=self._phases[1][0])
-            self._clock[:] = (0.0, 0.0, 0.0)
-        if not message:
-            self._phases.pop(0)
-        return message
-
-    def _loop(self, n_steps: int, stride: int) -> str:
-        target = self._clock[0] + n_steps
-        while True:
-            status = self._advance(
-                self.system.model,
-                self._settings,
-                self._start,
-                self._clock,
-                self.q,
-                self.u,
-                self._work,
-                self.records.tape,
-                int(target - self._clock[0]),
-                stride,
-            )
-            if status == DONE:
-                return ""
-            if status == TAPE_FULL:
-                self.records.empty()
-            elif status == GROW_TAPE:
-                self.records.grow(int(self._clock[1]))
-            elif status == GROW:
-                self._work = grown(self.system, self._work, 2 * int(self._clock[1]))
-            elif status == SOLVER_FAILED:
-                if self._rescue(self._work, self.time):
-                    continue
-                return unsolved(self._work, int(self._clock[1]), self._settings.tolerance)
-            else:
-                return "the state is no longer finite: the step is too long for the forces of this scene"
+    def trouble(self, status: int, time: float) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+        return contact_trouble(self.work, self._rescue, status, int(self.clock[1]), self._settings.tolerance, time)
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,8 +196,9 @@ class MoreauJean:
             self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance
         )
 
-    def start(self, system: System, duration: float, interval: float) -> MoreauJeanRun | AdaptiveMoreauJeanRun:
+    def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         if self.adaptive is None:
-            return MoreauJeanRun(system, self, duration, interval)
-        return AdaptiveMoreauJeanRun(system, self.settings(), self.adaptive, self.solver, duration, interval)
+            return FixedRun(MoreauJeanScheme(system, self.settings(), self.solver), duration, interval)
+        limits = self.adaptive.limits(duration, interval)
+        return AdaptiveRun(ControlledMoreauJean(system, self.settings(), limits, self.solver), limits)

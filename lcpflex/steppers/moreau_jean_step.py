@@ -32,12 +32,6 @@ from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
 
 __all__ = [
-    "DONE",
-    "GROW",
-    "GROW_TAPE",
-    "NOT_FINITE",
-    "SOLVER_FAILED",
-    "TAPE_FULL",
     "Settings",
     "correct",
     "grown",
@@ -46,12 +40,6 @@ __all__ = [
     "stages",
 ]
 
-DONE = 0
-TAPE_FULL = 1
-GROW = 2
-GROW_TAPE = 3
-SOLVER_FAILED = 4
-NOT_FINITE = 5
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
 
 

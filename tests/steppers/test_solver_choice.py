@@ -23,19 +23,18 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
-from lcpflex.steppers.moreau_jean import MoreauJeanRun
-from lcpflex.steppers.moreau_jean_step import SOLVER_FAILED
+from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun
 
 # Every path of Lemke ends on a ray, although z = (0, 0, 1/2) is a solution.
 HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0])
 
 
-def stack_memory(steps: int = 5) -> tuple[Workspace, MoreauJeanRun]:
+def stack_memory(steps: int = 5) -> tuple[Workspace, FixedRun]:
     """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
     case = scenes()["stack"]
     run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
     assert run.advance(steps) == ""
-    return run._work, run
+    return run.scheme.work, run
 
 
 @pytest.mark.parametrize("name", ["stack", "pendulum"])
@@ -102,7 +101,7 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
     _, plain = stack_memory(20)
     run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
     assert run.advance(3) == ""
-    compiled, failures = run._advance, []
+    compiled, failures = run.scheme._advance, []
 
     def fails_once(*arguments: Any) -> int:
         if not failures:
@@ -111,11 +110,11 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
             return SOLVER_FAILED
         return int(compiled(*arguments))
 
-    run._advance = fails_once
+    run.scheme._advance = fails_once
     assert run.advance(17) == ""
     assert failures == [5]
     assert run.steps == plain.steps == 20
-    assert run.q == pytest.approx(plain.q, abs=1e-12)
+    assert run.scheme._q == pytest.approx(plain.scheme._q, abs=1e-12)
 
 
 def test_the_posed_problem_is_the_one_in_memory() -> None:

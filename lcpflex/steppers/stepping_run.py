@@ -1,0 +1,222 @@
+"""Runs of time-stepping schemes: what they have in common around the compiled loop of a scheme.
+
+A scheme holds its state and memory and calls its loop; a run keeps count of steps and time, ends on the duration,
+empties and grows what is full, and says why it cannot go on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+from lcpflex.compiled import FloatArray
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.steppers.adaptive import DETAIL, DUE, STEPS, TIME, Limits, shortest_steps_warning
+from lcpflex.steppers.driver import Rescue, unsolved
+from lcpflex.steppers.run import Records
+
+__all__ = [
+    "DONE",
+    "GROW",
+    "GROW_TAPE",
+    "NOT_FINITE",
+    "SOLVER_FAILED",
+    "TAPE_FULL",
+    "AdaptiveRun",
+    "FixedRun",
+    "contact_trouble",
+]
+
+# what a loop returns; a scheme may have more reasons
+DONE = 0
+TAPE_FULL = 1
+GROW = 2
+GROW_TAPE = 3
+SOLVER_FAILED = 4
+NOT_FINITE = 5
+MADE, NUMBER = 0, 1  # entries of the clock of a scheme with fixed steps
+
+
+class Scheme(Protocol):
+    """A time-stepping scheme at work on a system."""
+
+    records: Records
+    work: Workspace
+    clock: FloatArray  # fixed steps: steps made, a number that explains the last return, the step last stored, its own
+
+    def make_room(self, contacts: int) -> None:
+        """Grow all memory to hold ``contacts`` contacts."""
+
+    def trouble(self, status: int, time: float) -> str:
+        """Why the loop cannot go on at ``time`` [s]; empty where it can after all."""
+
+
+class FixedScheme(Scheme, Protocol):
+    """A scheme with steps of one length."""
+
+    @property
+    def step(self) -> float:
+        """Length of the steps [s]."""
+
+    @property
+    def within(self) -> float:
+        """Time made of the present step [s]."""
+
+    def loop(self, start: float, n_steps: int, stride: int) -> int:
+        """Up to ``n_steps`` steps counted from time ``start``, each ``stride``-th one stored; what was returned."""
+
+    def change_step(self, step: float) -> None:
+        """Go on with steps of another length, counted from 0."""
+
+    def warn(self, steps: int) -> None:
+        """Bring the warnings of the records up to date, after ``steps`` steps in all."""
+
+
+class ControlledScheme(Scheme, Protocol):
+    """A scheme with step control; its clock is that of :mod:`lcpflex.steppers.adaptive`."""
+
+    def loop(self, limits: Limits, last_step: int) -> int:
+        """Steps until there are ``last_step`` of them or the duration is reached; what was returned."""
+
+
+def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, tolerance: float, time: float) -> str:
+    """Why a loop that returned ``status`` cannot go on; empty where its contact problem was solved after all."""
+    if status == SOLVER_FAILED:
+        return "" if rescue(work, time) else unsolved(work, number, tolerance)
+    return "the state is no longer finite: the step is too long for the forces of this scene"
+
+
+def _touching(work: Workspace) -> list[int]:
+    """Declared contacts that the last contact problem held."""
+    return sorted(set(work.table.law[: work.step_size[1]].tolist()))
+
+
+class FixedRun:
+    """A run with steps of one length, the last one shorter where the duration is no multiple of it."""
+
+    def __init__(self, scheme: FixedScheme, duration: float, interval: float) -> None:
+        self.scheme = scheme
+        self.records = scheme.records
+        self.duration = duration
+        step = scheme.step
+        whole = math.floor(duration / step * (1.0 + 1e-12) + 1e-9)
+        rest = duration - whole * step
+        self._phases = [(step, whole)] + ([(rest, 1)] if rest > 1e-9 * step else [])
+        self._stride = max(1, round(interval / step))
+        self._start = 0.0
+        self._made = 0
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        if not self._phases:
+            return self.duration
+        return self._start + float(self.scheme.clock[MADE]) * self.scheme.step + self.scheme.within
+
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+        return self._made + int(self.scheme.clock[MADE])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return not self._phases
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held."""
+        return _touching(self.scheme.work)
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Time stepping locates no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
+        step, whole = self._phases[0]
+        message = self._loop(min(n_steps, whole - int(self.scheme.clock[MADE])), self._stride)
+        self.scheme.warn(self.steps)
+        if message or self.scheme.clock[MADE] < whole:
+            return message
+        if len(self._phases) == 1:
+            message = self._loop(0, 1)  # the end is stored even where the stride would skip it
+        else:  # a last, shorter step ends the run on its duration
+            self._made += whole
+            self._start += whole * step
+            self.scheme.change_step(self._phases[1][0])
+        if not message:
+            self._phases.pop(0)
+        return message
+
+    def _loop(self, n_steps: int, stride: int) -> str:
+        clock = self.scheme.clock
+        target = clock[MADE] + n_steps
+        while True:
+            status = self.scheme.loop(self._start, int(target - clock[MADE]), stride)
+            if status == DONE:
+                return ""
+            message = _remedied(self.scheme, status, int(clock[NUMBER]), self.time)
+            if message:
+                return message
+
+
+class AdaptiveRun:
+    """A run with step control."""
+
+    def __init__(self, scheme: ControlledScheme, limits: Limits) -> None:
+        self.scheme = scheme
+        self.records = scheme.records
+        self._limits = limits
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return float(self.scheme.clock[TIME])
+
+    @property
+    def steps(self) -> int:
+        """Steps made, without those rejected and without the long ones that only measure the error."""
+        return int(self.scheme.clock[STEPS])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.time >= self._limits.duration and self.scheme.clock[DUE] == math.inf
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held."""
+        return _touching(self.scheme.work)
+
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]:
+        """Time stepping locates no events."""
+        return []
+
+    def advance(self, n_steps: int) -> str:
+        """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
+        clock = self.scheme.clock
+        target = self.steps + n_steps
+        while True:
+            status = self.scheme.loop(self._limits, target)
+            if status == DONE:
+                shortest_steps_warning(self.records, clock, self._limits.shortest)
+                return ""
+            message = _remedied(self.scheme, status, int(clock[DETAIL]), self.time)
+            if message:
+                return message
+
+
+def _remedied(scheme: Scheme, status: int, number: int, time: float) -> str:
+    """Empty what is full and grow what is too small; why the loop cannot go on where neither is the reason."""
+    if status == TAPE_FULL:
+        scheme.records.empty()
+    elif status == GROW_TAPE:
+        scheme.records.grow(number)
+    elif status == GROW:
+        scheme.make_room(2 * number)
+    else:
+        return scheme.trouble(status, time)
+    return ""
