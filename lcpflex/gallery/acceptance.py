@@ -182,4 +182,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    from lcpflex.gallery import acceptance  # under the name that the checks know it by
+
+    acceptance.main()
