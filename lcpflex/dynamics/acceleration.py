@@ -101,7 +101,6 @@ def contact_sets(capacity: int) -> ContactSets:
         level=np.zeros(2, dtype=np.int64),
     )
     return pack(arrays)
-    return pack(arrays)
 
 
 @kernel

@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from lcpflex import Bar, EventDriven, MoreauJean, Result, gallery, simulate
+from lcpflex import EventDriven, MoreauJean, Result, gallery, simulate
 from lcpflex.gallery.bars import LENGTH, courant_step
+from lcpflex.gallery.checks_bars import prestressed_error
 
 WAVE_SPEED = 30.0
 CONTACT_TIME = 2.0 * LENGTH / WAVE_SPEED
@@ -93,26 +94,12 @@ def test_two_equal_bars_exchange_their_velocities() -> None:
     assert result.energies.elastic[-1] < 0.005 * result.energies.stored[0]
 
 
-def prestressed_motion(x: npt.NDArray[np.float64], t: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Displacement (instants, places) of the bar of period 3, by d'Alembert's formula on each third of it."""
-    phase, place = (t % 3.0)[:, None], x[None, :]
-    falling = 0.5 * (1.0 - np.maximum(place, phase))
-    since = phase - 1.0
-    resting = -0.5 * np.minimum(np.minimum(place, 1.0 - place), np.minimum(since, 1.0 - since))
-    rising = 0.5 * np.minimum(phase - 2.0, 1.0 - place)
-    return np.asarray(np.where(phase < 1.0, falling, np.where(phase < 2.0, resting, rising)))
-
-
 def prestressed_run(elements: int) -> tuple[Result, float]:
     """Four periods, and the root of the mean square of the displacement error over places and times."""
     step = courant_step(1.0 / elements, 1.0)
     stepper = MoreauJean(step=step)
     result = simulate(gallery.prestressed_bar(elements=elements), 12.0, stepper, record=0.02)
-    body = Bar(length=1.0, area=1.0, density=1.0, youngs_modulus=1.0, elements=elements).reduce(modes=None)
-    x = np.linspace(0.0, 1.0, elements + 1)
-    shapes = np.array([body.locate(place, 0.0).phi[:, 0] for place in x])
-    error = result.q[:, :1] + result.q[:, 3:] @ shapes.T - prestressed_motion(x, result.times)
-    return result, float(np.sqrt(np.mean(error**2)))
+    return result, prestressed_error(result)
 
 
 def test_prestressed_bar_has_period_three() -> None:

@@ -8,24 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from lcpflex import EventDriven, MoreauJean, Result, gallery, simulate
+from lcpflex.gallery.measures import along_slope, first_stop
 
 REFERENCES = {name: case.reference for name, case in gallery.scenes().items()}
-
-
-def along_slope(result: Result) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Distance moved up the slope of 30 degrees, and the speed."""
-    uphill = np.array([math.cos(math.pi / 6), math.sin(math.pi / 6)])
-    return (result.q[:, :2] - result.q[0, :2]) @ uphill, result.u[:, :2] @ uphill
-
-
-def first_stop(times: npt.NDArray[np.float64], speed: npt.NDArray[np.float64]) -> float:
-    """Where the speed comes down to zero, along the straight line through its last two values before."""
-    k = int(np.flatnonzero(speed <= 0.0)[0])
-    return float(times[k - 1] + speed[k - 1] * (times[k - 1] - times[k - 2]) / (speed[k - 2] - speed[k - 1]))
 
 
 def event_times(result: Result, kind: str, contact: str | None = None) -> list[float]:
