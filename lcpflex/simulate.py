@@ -75,7 +75,8 @@ def simulate(
     duration
         Time to simulate [s], > 0.
     stepper
-        ``MoreauJean(step)`` or ``EventDriven()``, with its solver.
+        ``MoreauJean(step)``, ``GeneralizedAlpha(step)``, ``EventDriven()``, ``MasslessBoundary()`` or ``Smooth(law)``,
+        with its solver.
     record
         Time between stored instants [s]; a thousandth of the duration by default, and never less than a step.
     progress
