@@ -38,20 +38,20 @@ __all__ = [
     "AdaptiveStep",
     "Backup",
     "Limits",
+    "accept",
     "after_rejection",
-    "after_success",
     "backup",
     "deepest",
     "doubling_error",
+    "next_length",
     "position_tolerance",
     "put_back",
     "put_by",
     "shortest_steps_warning",
 ]
 
-TIME, STEP, STEPS, DETAIL, RECENT, DUE, SHORTEST, REJECTED, DEEPEST = range(
-    9
-)  # entries of the clock of an adaptive run
+# entries of the clock of an adaptive run; the second one explains what a loop returned, as in that of fixed steps
+TIME, DETAIL, STEP, STEPS, RECENT, DUE, SHORTEST, REJECTED, DEEPEST = range(9)
 PART = 0.01  # of the duration that one step may take, where no limit is given
 MOSTLY = 0.5  # part of the steps at the shortest length from which the result warns
 
@@ -234,13 +234,29 @@ def after_rejection(limits: Limits, clock: FloatArray, h: float, error: float) -
 
 
 @kernel
-def after_success(limits: Limits, clock: FloatArray, h: float, error: float) -> None:
-    """Length of the next step after an accepted one: local errors of the least smooth case grow as h^2."""
+def next_length(limits: Limits, clock: FloatArray) -> float:
+    """Length of the step to try [s]: to the very end where little would be left."""
+    rest = limits.duration - clock[TIME]
+    h = min(clock[STEP], rest)
+    return rest if rest - h < 0.01 * h else h
+
+
+@kernel
+def accept(limits: Limits, clock: FloatArray, h: float, error: float, alone: bool, sunk: float) -> None:
+    """Go on to the end of a step and choose the length of the next one: local errors grow at least as h^2.
+
+    alone: whether it was a single step, not controlled; sunk: deepest penetration at its end [m].
+    """
     factor = min(2.0, 0.8 / math.sqrt(max(error, 1e-4)))
     if clock[REJECTED] == 1.0:
         factor = min(factor, 1.0)
     clock[STEP] = min(limits.longest, max(limits.shortest, factor * h))
     clock[REJECTED] = 0.0
+    clock[DEEPEST] = sunk
+    clock[TIME] = limits.duration if clock[TIME] + h >= limits.duration else clock[TIME] + h
+    clock[RECENT] = h if alone else 0.5 * h
+    clock[STEPS] += 1.0 if alone else 2.0
+    clock[SHORTEST] += 1.0 if alone else 0.0
 
 
 def shortest_steps_warning(records: Records, clock: FloatArray, shortest: float) -> None:

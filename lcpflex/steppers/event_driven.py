@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets, assemble, lay_rows, position_errors, project
@@ -111,17 +110,6 @@ class EventDrivenRun:
         self._memory.clock[LAST_EVENT] = -math.inf
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link([*_PARTS, advance], hooks)
-
-    @property
-    def q(self) -> FloatArray:
-        """Configuration reached (ndof,)."""
-        return self._memory.y[: len(self.system.q)]
-
-    @property
-    def u(self) -> FloatArray:
-        """Velocity reached (ndof,)."""
-        n = len(self.system.q)
-        return self._memory.y[n : 2 * n]
 
     @property
     def time(self) -> float:

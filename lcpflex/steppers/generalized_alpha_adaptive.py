@@ -20,17 +20,17 @@ from lcpflex.steppers.adaptive import (
     DETAIL,
     DUE,
     RECENT,
-    SHORTEST,
     STEP,
     STEPS,
     TIME,
     Backup,
     Limits,
+    accept,
     after_rejection,
-    after_success,
     backup,
     deepest,
     doubling_error,
+    next_length,
     position_tolerance,
     put_back,
     put_by,
@@ -136,10 +136,7 @@ def begin(
     kept_memory: AlphaMemory,
 ) -> None:
     """Choose the length of the next step and keep the state it starts from."""
-    rest = limits.duration - clock[TIME]
-    h = min(clock[STEP], rest)
-    if rest - h < 0.01 * h:
-        h = rest
+    h = next_length(limits, clock)
     clock[TRIED] = h
     clock[PART] = ALONE if h <= limits.shortest else LONG
     put_by(q, u, work, tape, kept)
@@ -248,12 +245,7 @@ def advance_adaptive(
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             after_rejection(limits, clock, h, error)
             continue
-        clock[DEEPEST] = sunk
-        after_success(limits, clock, h, error)
-        clock[TIME] = limits.duration if clock[TIME] + h >= limits.duration else clock[TIME] + h
-        clock[RECENT] = length
-        clock[STEPS] += 1.0 if part == ALONE else 2.0
-        clock[SHORTEST] += 1.0 if part == ALONE else 0.0
+        accept(limits, clock, h, error, part == ALONE, sunk)
 
 
 class ControlledGeneralizedAlpha:

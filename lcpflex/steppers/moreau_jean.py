@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
@@ -26,19 +26,9 @@ from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
 from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
-from lcpflex.steppers.moreau_jean_step import Settings, correct, grown, predict, record, stages
+from lcpflex.steppers.moreau_jean_step import Settings, grown, record, stages, whole_step
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.stepping_run import (
-    DONE,
-    GROW,
-    GROW_TAPE,
-    NOT_FINITE,
-    SOLVER_FAILED,
-    TAPE_FULL,
-    AdaptiveRun,
-    FixedRun,
-    contact_trouble,
-)
+from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
@@ -75,16 +65,9 @@ def advance(
             clock[2] = clock[0]
         if clock[0] >= last:
             return DONE
-        clock[1] = predict(model, settings, t, q, u, work)
-        if clock[1] > len(work.table.key):
-            return GROW
-        recall_basis(work)
-        clock[1] = solve_lcp(work)
-        if clock[1] != 0 or not work.certificate[0] <= settings.tolerance:
-            return SOLVER_FAILED
-        remember_basis(work)
-        if not correct(model, settings, t, q, u, work, tape):
-            return NOT_FINITE
+        status = whole_step(model, settings, t, q, u, work, tape, clock)
+        if status != DONE:
+            return status
         clock[0] += 1.0
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.problem import LcpSolver
@@ -18,62 +16,29 @@ from lcpflex.steppers.adaptive import (
     DETAIL,
     DUE,
     RECENT,
-    SHORTEST,
     STEP,
     STEPS,
     TIME,
     Backup,
     Limits,
+    accept,
     after_rejection,
-    after_success,
     backup,
     deepest,
     doubling_error,
+    next_length,
     position_tolerance,
     put_back,
     put_by,
 )
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
-from lcpflex.steppers.moreau_jean_step import Settings, correct, grown, predict, record, stages
+from lcpflex.steppers.moreau_jean_step import Settings, grown, record, stages, whole_step
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.stepping_run import (
-    DONE,
-    GROW,
-    GROW_TAPE,
-    NOT_FINITE,
-    SOLVER_FAILED,
-    TAPE_FULL,
-    contact_trouble,
-)
+from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
 __all__ = ["ControlledMoreauJean"]
-
-
-@kernel
-def whole_step(
-    model: Model,
-    settings: Settings,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    work: Workspace,
-    tape: Tape,
-    clock: FloatArray,
-) -> int:
-    """One step of length ``settings.step`` in place; DONE, or why not (clock[DETAIL])."""
-    clock[DETAIL] = predict(model, settings, t, q, u, work)
-    if clock[DETAIL] > len(work.table.key):
-        return GROW
-    recall_basis(work)
-    clock[DETAIL] = solve_lcp(work)
-    if clock[DETAIL] != 0 or not work.certificate[0] <= settings.tolerance:
-        return SOLVER_FAILED
-    remember_basis(work)
-    if not correct(model, settings, t, q, u, work, tape):
-        return NOT_FINITE
-    return DONE
 
 
 @kernel
@@ -102,9 +67,7 @@ def advance_adaptive(
             clock[DUE] = math.inf if ended else t + limits.interval
         if ended or clock[STEPS] >= last_step:
             return DONE
-        h = min(clock[STEP], limits.duration - t)
-        if limits.duration - t - h < 0.01 * h:
-            h = limits.duration - t
+        h = next_length(limits, clock)
         alone = h <= limits.shortest  # not controlled
         put_by(q, u, work, tape, kept)
         status = DONE
@@ -143,12 +106,7 @@ def advance_adaptive(
             continue
         if alone:
             sunk = deepest(model, q, tape.table)
-        clock[DEEPEST] = sunk
-        after_success(limits, clock, h, error)
-        clock[TIME] = limits.duration if t + h >= limits.duration else t + h
-        clock[RECENT] = h if alone else 0.5 * h
-        clock[STEPS] += 1.0 if alone else 2.0
-        clock[SHORTEST] += 1.0 if alone else 0.0
+        accept(limits, clock, h, error, alone, sunk)
 
 
 class ControlledMoreauJean:
@@ -164,8 +122,7 @@ class ControlledMoreauJean:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
-        parts: list[Callable[..., Any]] = [*stages(), whole_step, advance_adaptive]
-        self._advance = link(parts, {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._advance = link([*stages(), advance_adaptive], {**system.hooks, **solver_hooks(solver, system.watch)})
 
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them; see ``advance_adaptive``."""

@@ -14,7 +14,7 @@ from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import distribute, pose
+from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -28,6 +28,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.projection import project_contacts, project_joints
+from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
 
@@ -38,6 +39,7 @@ __all__ = [
     "predict",
     "record",
     "stages",
+    "whole_step",
 ]
 
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
@@ -178,9 +180,34 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
     return needed
 
 
+@kernel
+def whole_step(
+    model: Model,
+    settings: Settings,
+    t: float,
+    q: FloatArray,
+    u: FloatArray,
+    work: Workspace,
+    tape: Tape,
+    clock: FloatArray,
+) -> int:
+    """One step of length ``settings.step`` in place; DONE, or why not, which clock[NUMBER] explains."""
+    clock[NUMBER] = predict(model, settings, t, q, u, work)
+    if clock[NUMBER] > len(work.table.key):
+        return GROW
+    recall_basis(work)
+    clock[NUMBER] = solve_lcp(work)
+    if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
+        return SOLVER_FAILED
+    remember_basis(work)
+    if not correct(model, settings, t, q, u, work, tape):
+        return NOT_FINITE
+    return DONE
+
+
 def stages() -> list[Callable[..., Any]]:
     """The kernels of a step that call what may be replaced, callees first."""
-    return [project_joints, project_contacts, predict, correct, store_contacts, record]
+    return [project_joints, project_contacts, predict, correct, whole_step, store_contacts, record]
 
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:

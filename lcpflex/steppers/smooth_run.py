@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.penalty import Penalty
 from lcpflex.dynamics.acceleration import lay_rows, position_errors, project
 from lcpflex.steppers.driver import link
@@ -84,17 +83,6 @@ class SmoothRun:
         """``function`` for this system: compiled, or in Python with the hooks of the system."""
         parts = PARTS[: PARTS.index(function)] if function in PARTS else PARTS
         return link([*parts, function], self.system.hooks)
-
-    @property
-    def q(self) -> FloatArray:
-        """Configuration reached (ndof,)."""
-        return self._memory.y[: len(self.system.q)]
-
-    @property
-    def u(self) -> FloatArray:
-        """Velocity reached (ndof,)."""
-        n = len(self.system.q)
-        return self._memory.y[n : 2 * n]
 
     @property
     def time(self) -> float:

@@ -11,7 +11,7 @@ from typing import Protocol
 
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.steppers.adaptive import DETAIL, DUE, STEPS, TIME, Limits, shortest_steps_warning
+from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits, shortest_steps_warning
 from lcpflex.steppers.driver import Rescue, unsolved
 from lcpflex.steppers.run import Records
 
@@ -20,6 +20,7 @@ __all__ = [
     "GROW",
     "GROW_TAPE",
     "NOT_FINITE",
+    "NUMBER",
     "SOLVER_FAILED",
     "TAPE_FULL",
     "AdaptiveRun",
@@ -34,7 +35,7 @@ GROW = 2
 GROW_TAPE = 3
 SOLVER_FAILED = 4
 NOT_FINITE = 5
-MADE, NUMBER = 0, 1  # entries of the clock of a scheme with fixed steps
+MADE, NUMBER = 0, 1  # entries of the clock of a scheme with fixed steps; the second in that of adaptive ones, too
 
 
 class Scheme(Protocol):
@@ -42,7 +43,9 @@ class Scheme(Protocol):
 
     records: Records
     work: Workspace
-    clock: FloatArray  # fixed steps: steps made, a number that explains the last return, the step last stored, its own
+    clock: (
+        FloatArray  # [1]: a number that explains the last return; fixed steps: [0] steps made, [2] the step last stored
+    )
 
     def make_room(self, contacts: int) -> None:
         """Grow all memory to hold ``contacts`` contacts."""
@@ -157,7 +160,7 @@ class FixedRun:
             status = self.scheme.loop(self._start, int(target - clock[MADE]), stride)
             if status == DONE:
                 return ""
-            message = _remedied(self.scheme, status, int(clock[NUMBER]), self.time)
+            message = _remedied(self.scheme, status, self.time)
             if message:
                 return message
 
@@ -204,13 +207,14 @@ class AdaptiveRun:
             if status == DONE:
                 shortest_steps_warning(self.records, clock, self._limits.shortest)
                 return ""
-            message = _remedied(self.scheme, status, int(clock[DETAIL]), self.time)
+            message = _remedied(self.scheme, status, self.time)
             if message:
                 return message
 
 
-def _remedied(scheme: Scheme, status: int, number: int, time: float) -> str:
+def _remedied(scheme: Scheme, status: int, time: float) -> str:
     """Empty what is full and grow what is too small; why the loop cannot go on where neither is the reason."""
+    number = int(scheme.clock[NUMBER])
     if status == TAPE_FULL:
         scheme.records.empty()
     elif status == GROW_TAPE:
