@@ -18,12 +18,44 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lcpflex.solvers import ContactProblem
+import lcpflex as lf
+from lcpflex.solvers import ContactProblem, Lcp, Solution
 
 REPORT = pytest.StashKey[list[str]]()
 
 Medians = Mapping[str, float]
 Interleave = Callable[..., Medians]
+
+
+class Delegate:
+    """Lemke's method behind an object that is not known to be compiled: the loop of a stepper is then Python's."""
+
+    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+        return lf.Lemke().solve(problem, guess)
+
+
+@pytest.fixture
+def delegate() -> Delegate:
+    """A solver that makes steppers take their Python driver."""
+    return Delegate()
+
+
+def _resting_strip(modes: int = 4, pull: Any = None) -> lf.Scene:
+    strip = lf.Beam(length=0.7, width=0.028, thickness=0.005, density=2700.0, youngs_modulus=6.9e10)
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    body = scene.add(strip.reduce(modes=modes, damping=0.02), name="strip", position=(0.0, 0.0025))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for name, x in (("left", 0.0), ("right", 0.7)):
+        scene.contact(body.node(x, -0.0025), floor, friction=0.5, name=name)
+    if pull is not None:
+        scene.load(lf.Force(body.point("left"), (pull, 0.0)))
+    return scene
+
+
+@pytest.fixture
+def resting_strip() -> Callable[..., lf.Scene]:
+    """Builder of a strip with ``modes`` modes that lies on its two ends, with friction, and is pulled by ``pull``."""
+    return _resting_strip
 
 
 @pytest.fixture
