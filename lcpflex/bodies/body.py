@@ -32,7 +32,9 @@ __all__ = [
     "Lazily",
     "MaterialPoint",
     "Outline",
+    "Resolution",
     "Round",
+    "Rung",
     "array_of",
     "named",
     "whole_number",
@@ -80,6 +82,36 @@ class Round:
 
 
 Outline: TypeAlias = Chain | Round
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """What a mesh can resolve.
+
+    Attributes
+    ----------
+    wave_speed : of longitudinal waves, sqrt(E / rho) [m/s]
+    element_size : longest edge of an element [m]
+    """
+
+    wave_speed: float
+    element_size: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rung:
+    """A body at one fidelity.
+
+    Attributes
+    ----------
+    name : "rigid", "4 modes", "boundary nodes", "full mesh"
+    modes : number of its modal coordinates
+    make : makes it
+    """
+
+    name: str
+    modes: int
+    make: Callable[[], Body]
 
 
 class Lazily(Mapping[str, T], Generic[T]):
@@ -159,6 +191,9 @@ class Body:
     points : named material points
     surfaces : named outlines, each a :class:`Chain` or a :class:`Round`; "outline" is the whole of it
     locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
+    axisymmetric : whether it stands for a solid of revolution about x, which moves along its axis only
+    resolution : what the mesh can resolve; None where it has none
+    ladder : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is known
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
 
@@ -181,6 +216,9 @@ class Body:
     points: Mapping[str, MaterialPoint]
     surfaces: Mapping[str, Outline]
     locate: Callable[[float, float], MaterialPoint]
+    axisymmetric: bool = False
+    resolution: Resolution | None = field(default=None, repr=False)
+    ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:

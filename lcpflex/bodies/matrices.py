@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import Body, Chain, Displacement, MaterialPoint, Outline, array_of, named
-from lcpflex.bodies.reduction import (
-    Damping,
-    check_damping,
-    count_of_modes,
-    free_modes,
-    modal_damping,
-    sampled,
-    signed,
-    skew,
-    vanish,
-)
+from lcpflex.bodies.body import Body, array_of, named
+from lcpflex.bodies.finite_elements import FiniteElements, body_of, rigid_motions, smooth_fields
+from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, free_modes
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -32,7 +22,6 @@ __all__ = ["Matrices"]
 
 SYMMETRIC = 1e-9  # largest asymmetry relative to the largest entry
 RIGID = 1e-8  # largest K times rigid motion relative to |K| |rigid motion|
-NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is estimated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,70 +88,34 @@ class Matrices:
             For more modes than the mesh has, an indefinite matrix, a mechanism, or damping that is negative, of the
             wrong length, or given here as well as by a matrix.
         """
-        places = np.asarray(self.coordinates)
-        n = count_of_modes(modes, places.size - 3)
+        mesh = self.finite_elements()
+        n = count_of_modes(modes, len(mesh.dofs) - mesh.rigid.shape[1])
         if damping is not None:
             if self.damping is not None:
                 raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
             check_damping(damping, n)
-        rigid = _rigid_motions(places)
-        omega2, shapes = free_modes(self.mass, self.stiffness, rigid, n, _smooth_fields(places))
-        shapes = signed(shapes)
-        return self._body(places, rigid, omega2, shapes, damping)
+        omega2, shapes = free_modes(mesh.mass, mesh.stiffness, mesh.rigid, n, smooth_fields(mesh.places))
+        return body_of(mesh, omega2, shapes, damping)
 
-    def _body(
-        self, places: FloatArray, rigid: FloatArray, omega2: FloatArray, shapes: FloatArray, damping: Damping | None
-    ) -> Body:
-        """Inertia integrals: products with the mass matrix."""
-        weighed = self.mass @ np.column_stack([rigid, places.ravel(), shapes])
-        total = float(rigid[:, 0] @ weighed[:, 0])
-        moment = rigid[:, :2].T @ weighed[:, 3]
-        second = float(places.ravel() @ weighed[:, 3])
-        S = vanish("S", shapes.T @ weighed[:, :2], math.sqrt(total))
-        c = vanish("c", shapes.T @ weighed[:, 2], math.sqrt(second))
-        turned = np.empty_like(shapes)  # J^T Phi
-        turned[0::2] = shapes[1::2]
-        turned[1::2] = -shapes[0::2]
-        diagonal, cross = self._damping(omega2, shapes, damping)
-        nodal = shapes.reshape(len(places), 2, len(omega2))
-        material = _material(places, nodal, self.stiffness)
+    def finite_elements(self) -> FiniteElements:
+        """What every reduction starts from."""
         sets: Mapping[str, IntArray] = self.node_sets  # type: ignore[assignment]  # as __post_init__ stored them
-        return Body(
-            mass=total,
-            inertia=second,
-            moment=moment,
-            S=S,
-            a=shapes.T @ weighed[:, 3],
-            c=c,
-            stiffness=omega2,
-            damping=diagonal,
-            coupling=skew(weighed[:, 4:].T @ turned),
-            cross_damping=cross,
-            points={name: material(int(nodes[0])) for name, nodes in sets.items() if len(nodes) == 1},
-            surfaces={name: _chain(nodes, material) for name, nodes in sets.items() if len(nodes) > 1},
-            locate=_locator(places, material),
-            products=lambda displacement: _products(displacement, places, weighed),
+        rings = {name: len(nodes) > 2 and bool(nodes[0] == nodes[-1]) for name, nodes in sets.items()}
+        places = np.asarray(self.coordinates)
+        return FiniteElements(
+            mass=self.mass,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            places=places,
+            dofs=np.arange(places.size),
+            points={name: int(nodes[0]) for name, nodes in sets.items() if len(nodes) == 1},
+            sets={name: np.unique(nodes) for name, nodes in sets.items()},
+            chains={
+                name: (nodes[:-1] if rings[name] else nodes, rings[name])
+                for name, nodes in sets.items()
+                if len(nodes) > 1
+            },
         )
-
-    def _damping(
-        self, omega2: FloatArray, shapes: FloatArray, damping: Damping | None
-    ) -> tuple[FloatArray, FloatArray | None]:
-        """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
-        if self.damping is None:
-            return modal_damping(0.0 if damping is None else damping, np.sqrt(omega2)), None
-        modal = shapes.T @ (self.damping @ shapes)
-        modal = 0.5 * (modal + modal.T)
-        diagonal = np.diag(modal).copy()
-        if not len(diagonal):
-            return diagonal, None
-        worst, largest = np.linalg.eigvalsh(modal)[[0, -1]]
-        if worst < -1e-9 * max(largest, 0.0) or diagonal.min() < -1e-12 * max(largest, 0.0):
-            raise ModelError(f"damping: the matrix feeds energy into the modes ({worst:.6g} 1/s), expected >= 0")
-        diagonal = np.maximum(diagonal, 0.0)
-        cross = modal - np.diag(np.diag(modal))
-        scale = np.sqrt(np.outer(diagonal, diagonal))
-        proportional = bool((np.abs(cross) <= 1e-9 * scale + 1e-14 * max(largest, 0.0)).all())
-        return diagonal, None if proportional else cross
 
 
 def _symmetric(name: str, matrix: Any, n: int) -> csc_matrix[Any]:
@@ -205,7 +158,7 @@ def _check_mass(mass: csc_matrix[Any]) -> None:
 def _check_free(stiffness: csc_matrix[Any], places: FloatArray) -> None:
     """K times each rigid motion must vanish."""
     names = ("translation along x", "translation along y", "rotation")
-    rigid = _rigid_motions(places - places.mean(axis=0))
+    rigid = rigid_motions(places - places.mean(axis=0))
     scale = (abs(stiffness) @ np.abs(rigid)).max(axis=0)
     for name, force, large in zip(names, np.abs(stiffness @ rigid).max(axis=0), scale, strict=True):
         if force > RIGID * large:
@@ -226,82 +179,3 @@ def _nodes(name: str, nodes: int | Sequence[int], count: int) -> IntArray:
     if len(np.unique(ring)) != len(ring):
         raise ModelError(f"node_sets[{name!r}]: a node appears twice, expected a simple chain")
     return given.astype(np.int64)
-
-
-def _rigid_motions(places: FloatArray) -> FloatArray:
-    """(2 N, 3) translations and infinitesimal rotation about the origin."""
-    rigid = np.zeros((places.size, 3))
-    rigid[0::2, 0] = 1.0
-    rigid[1::2, 1] = 1.0
-    rigid[0::2, 2] = -places[:, 1]
-    rigid[1::2, 2] = places[:, 0]
-    return rigid
-
-
-def _smooth_fields(places: FloatArray) -> FloatArray:
-    """(2 N, 6) displacements x^2, x y, y^2 along x and along y, about the middle."""
-    x, y = (places - places.mean(axis=0)).T / float(np.ptp(places, axis=0).max())
-    fields = np.zeros((places.size, 6))
-    for k, values in enumerate((x * x, x * y, y * y)):
-        fields[0::2, k] = values
-        fields[1::2, k + 3] = values
-    return fields
-
-
-def _material(places: FloatArray, nodal: FloatArray, stiffness: csc_matrix[Any]) -> Callable[[int], MaterialPoint]:
-    """Node -> material point, with the rotation of the material estimated from its neighbours in the mesh."""
-
-    def material(node: int) -> MaterialPoint:
-        columns = slice(stiffness.indptr[2 * node], stiffness.indptr[2 * node + 2])
-        linked = np.unique(stiffness.indices[columns] // 2)
-        linked = linked[linked != node]
-        arms = places[linked] - places[node]
-        distance = np.hypot(arms[:, 0], arms[:, 1])
-        near = np.argsort(distance, kind="stable")[:NEIGHBOURS]
-        moves = nodal[linked[near]] - nodal[node]
-        return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(arms[near], moves))
-
-    return material
-
-
-def _rotation(arms: FloatArray, moves: FloatArray) -> FloatArray:
-    """(n,) rotation of the linear field that fits the relative displacements (k, 2, n) at the arms (k, 2)."""
-    modes = moves.shape[2]
-    if not len(arms) or not modes:
-        return np.zeros(modes)
-    spread = np.linalg.svd(arms, compute_uv=False)
-    if len(spread) < 2 or spread[1] <= 1e-6 * spread[0]:  # all on one line: the rotation of that line
-        turning = arms[:, 0, None] * moves[:, 1] - arms[:, 1, None] * moves[:, 0]
-        return np.asarray(turning.sum(axis=0) / np.sum(arms**2))
-    gradient = np.linalg.lstsq(arms, moves.reshape(len(arms), 2 * modes), rcond=None)[0].reshape(2, 2, modes)
-    return np.asarray(0.5 * (gradient[0, 1] - gradient[1, 0]))
-
-
-def _chain(nodes: IntArray, material: Callable[[int], MaterialPoint]) -> Outline:
-    closed = len(nodes) > 2 and nodes[0] == nodes[-1]
-    return Chain(tuple(material(int(node)) for node in (nodes[:-1] if closed else nodes)), bool(closed))
-
-
-def _locator(places: FloatArray, material: Callable[[int], MaterialPoint]) -> Callable[[float, float], MaterialPoint]:
-    """The node at (x, y): a mesh given by matrices has no material between its nodes that is known."""
-    slack = 1e-9 * float(np.ptp(places, axis=0).max())
-
-    def locate(x: float, y: float) -> MaterialPoint:
-        at = (in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf))
-        distance = np.hypot(places[:, 0] - at[0], places[:, 1] - at[1])
-        nearest = int(distance.argmin())
-        if distance[nearest] > slack:
-            near = tuple(float(value) for value in places[nearest])
-            raise ModelError(f"x, y: {at} was given, expected the place of a node; node {nearest} at {near} is nearest")
-        return material(nearest)
-
-    return locate
-
-
-def _products(displacement: Displacement, places: FloatArray, weighed: FloatArray) -> FloatArray:
-    """<[1_x, 1_y, J x, Phi]^T d> of nodal values d (nodes, 2), with the mass matrix of the mesh."""
-    values = sampled(displacement, places)
-    if len(values) != len(places):
-        raise ModelError(f"displacement: {len(values)} nodal values were given, expected {len(places)}")
-    sums = weighed.T @ values.ravel()
-    return np.concatenate([sums[:3], sums[4:]])

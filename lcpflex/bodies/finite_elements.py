@@ -1,0 +1,262 @@
+"""What every reduction starts from, a mesh as matrices with named nodes; and the body that a basis makes of it.
+
+A reduction chooses a basis T (columns: displacements of all nodes). :func:`body_of` removes the rigid motions from it
+and turns it once into the own orthonormal basis of the body,
+
+    T -> Phi,   Phi^T M Phi = I,   Phi^T K Phi = diag(omega^2),   Phi^T M R = 0,   R: rigid motions
+
+Being M-orthogonal to the rigid motions, Phi stands for motion relative to the frame of Buckens (Tisserand): the frame
+moves as the mass does on average, S = <Phi> = 0 and c = <Phi^T J x> = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline
+from lcpflex.bodies.reduction import Damping, modal_damping, sampled, signed, skew, vanish
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError, in_range
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+__all__ = ["FiniteElements", "body_of", "material_at_nodes", "rigid_motions", "smooth_fields"]
+
+NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is estimated
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FiniteElements:
+    """A free-free mesh of N nodes with f degrees of freedom, planar or axisymmetric; its makers have checked it.
+
+    Attributes
+    ----------
+    mass, stiffness : (f, f) sparse, symmetric [kg], [N/m]
+    damping : (f, f) or None [N s/m]
+    places : (N, 2) of the nodes in the body frame [m]; of an axisymmetric solid (along the axis, radius)
+    dofs : (f,) ascending, 2 i + direction of node i; all 2 N but the radial ones on an axis of symmetry
+    axisymmetric : rigid motion is the translation along the axis alone; forces at a node are those of its whole circle
+    points : named nodes
+    sets : named nodes, one or more, in any order: what reductions choose from
+    chains : named surfaces: nodes in their order, solid on the left, and whether the chain is closed
+    locate : place (x, y) -> nodes (k,), weights (k,) of the material there; None where only nodes are known
+    geometric : displacements (f, k) of a static state -> its geometric stiffness as an (f, f) sparse matrix, a linear
+        function of that state; None where the elements are not known
+    """
+
+    mass: csc_matrix[Any]
+    stiffness: csc_matrix[Any]
+    damping: csc_matrix[Any] | None
+    places: FloatArray
+    dofs: IntArray
+    axisymmetric: bool = False
+    points: Mapping[str, int] = field(default_factory=dict)
+    sets: Mapping[str, IntArray] = field(default_factory=dict)
+    chains: Mapping[str, tuple[IntArray, bool]] = field(default_factory=dict)
+    locate: Callable[[float, float], tuple[IntArray, FloatArray]] | None = None
+    geometric: Callable[[FloatArray], csc_matrix[Any]] | None = None
+
+    @property
+    def rigid(self) -> FloatArray:
+        """(f, 3) rigid motions along x, along y and about the origin; (f, 1) along the axis if axisymmetric."""
+        whole = rigid_motions(self.places)
+        return np.asarray(whole[self.dofs, :1] if self.axisymmetric else whole)
+
+    def nodal(self, shapes: FloatArray) -> FloatArray:
+        """(N, 2, k) displacements of all nodes from those of the degrees of freedom (f, k)."""
+        whole = np.zeros((self.places.size, shapes.shape[1]))
+        whole[self.dofs] = shapes
+        return whole.reshape(len(self.places), 2, shapes.shape[1])
+
+
+def body_of(mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None) -> Body:
+    """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
+
+    Parameters
+    ----------
+    mesh : what the basis belongs to
+    omega2 : (n,) [rad^2/s^2]
+    shapes : (f, n) Phi, as the module says
+    damping : of the modes; None for the damping matrix of the mesh, no damping if there is none
+
+    Raises
+    ------
+    ModelError
+        If the basis is not orthogonal to the rigid motions, or a damping matrix feeds energy into the modes.
+    """
+    shapes = signed(shapes)
+    diagonal, cross = _damping(mesh, omega2, shapes, damping)
+    nodal = mesh.nodal(shapes)
+    material = material_at_nodes(mesh, nodal)
+    integrals = _axial_integrals if mesh.axisymmetric else _planar_integrals
+    mass, inertia, moment, S, a, c, coupling, weighed = integrals(mesh, shapes)
+    return Body(
+        mass=mass,
+        inertia=inertia,
+        moment=moment,
+        S=S,
+        a=a,
+        c=c,
+        stiffness=omega2,
+        damping=diagonal,
+        coupling=coupling,
+        cross_damping=cross,
+        points={name: material(node) for name, node in mesh.points.items()},
+        surfaces=Lazily({name: _maker(chain, material) for name, chain in mesh.chains.items()}),
+        locate=_locator(mesh, material),
+        products=lambda displacement: _products(displacement, mesh, weighed),
+    )
+
+
+def rigid_motions(places: FloatArray) -> FloatArray:
+    """(2 N, 3) translations and infinitesimal rotation about the origin."""
+    rigid = np.zeros((places.size, 3))
+    rigid[0::2, 0] = 1.0
+    rigid[1::2, 1] = 1.0
+    rigid[0::2, 2] = -places[:, 1]
+    rigid[1::2, 2] = places[:, 0]
+    return rigid
+
+
+def smooth_fields(places: FloatArray) -> FloatArray:
+    """(2 N, 6) displacements x^2, x y, y^2 along x and along y, about the middle."""
+    x, y = (places - places.mean(axis=0)).T / float(np.ptp(places, axis=0).max())
+    fields = np.zeros((places.size, 6))
+    for k, values in enumerate((x * x, x * y, y * y)):
+        fields[0::2, k] = values
+        fields[1::2, k + 3] = values
+    return fields
+
+
+def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
+    """m, I0, s0, S, a, c, D and M [R, Phi]: products with the mass matrix."""
+    rigid = mesh.rigid
+    weighed = mesh.mass @ np.column_stack([rigid, mesh.places.ravel(), shapes])
+    total = float(rigid[:, 0] @ weighed[:, 0])
+    moment = rigid[:, :2].T @ weighed[:, 3]
+    second = float(mesh.places.ravel() @ weighed[:, 3])
+    S = vanish("S", shapes.T @ weighed[:, :2], math.sqrt(total))
+    c = vanish("c", shapes.T @ weighed[:, 2], math.sqrt(second))
+    turned = np.empty_like(shapes)  # J^T Phi
+    turned[0::2] = shapes[1::2]
+    turned[1::2] = -shapes[0::2]
+    a = shapes.T @ weighed[:, 3]
+    coupling = skew(weighed[:, 4:].T @ turned)
+    return total, second, moment, S, a, c, coupling, np.delete(weighed, 3, axis=1)
+
+
+def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
+    """The same of a solid of revolution about x: y = r cos(phi), whose square is r^2 / 2 on average."""
+    place = mesh.places.ravel()[mesh.dofs]
+    along = mesh.dofs % 2 == 0
+    projected = np.where(along, place, 0.5 * place)
+    weighed = mesh.mass @ np.column_stack([mesh.rigid, shapes])
+    total = float(mesh.rigid[:, 0] @ weighed[:, 0])
+    moment = np.array([float(place[along] @ weighed[along, 0]), 0.0])
+    second = float(place @ (mesh.mass @ projected))
+    vanish("S", shapes.T @ weighed[:, 0], math.sqrt(total))
+    n = shapes.shape[1]
+    a = shapes.T @ (mesh.mass @ projected)
+    rigid = np.column_stack([weighed[:, :1], np.zeros((len(place), 2))])  # across and about: nothing, by symmetry
+    return total, second, moment, np.zeros((n, 2)), a, np.zeros(n), None, np.column_stack([rigid, weighed[:, 1:]])
+
+
+def _damping(
+    mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None
+) -> tuple[FloatArray, FloatArray | None]:
+    """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
+    if damping is not None or mesh.damping is None:
+        if mesh.damping is not None:
+            raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
+        return modal_damping(0.0 if damping is None else damping, np.sqrt(omega2)), None
+    modal = shapes.T @ (mesh.damping @ shapes)
+    modal = 0.5 * (modal + modal.T)
+    diagonal = np.diag(modal).copy()
+    if not len(diagonal):
+        return diagonal, None
+    worst, largest = np.linalg.eigvalsh(modal)[[0, -1]]
+    if worst < -1e-9 * max(largest, 0.0) or diagonal.min() < -1e-12 * max(largest, 0.0):
+        raise ModelError(f"damping: the matrix feeds energy into the modes ({worst:.6g} 1/s), expected >= 0")
+    diagonal = np.maximum(diagonal, 0.0)
+    cross = modal - np.diag(np.diag(modal))
+    scale = np.sqrt(np.outer(diagonal, diagonal))
+    proportional = bool((np.abs(cross) <= 1e-9 * scale + 1e-14 * max(largest, 0.0)).all())
+    return diagonal, None if proportional else cross
+
+
+def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int], MaterialPoint]:
+    """Node -> material point of shapes (N, 2, n); the rotation of the material is estimated from its neighbours."""
+    from scipy.sparse import csc_matrix
+
+    stiffness, places = mesh.stiffness, mesh.places
+    node = mesh.dofs // 2
+    count = len(places)
+    owner = csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
+    pattern = csc_matrix((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+    links = (owner.T @ pattern @ owner).tocsc()
+    links.sort_indices()
+
+    def material(node: int) -> MaterialPoint:
+        linked = links.indices[links.indptr[node] : links.indptr[node + 1]]
+        linked = linked[linked != node]
+        arms = places[linked] - places[node]
+        near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
+        moves = nodal[linked[near]] - nodal[node]
+        return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(arms[near], moves))
+
+    return material
+
+
+def _rotation(arms: FloatArray, moves: FloatArray) -> FloatArray:
+    """(n,) rotation of the linear field that fits the relative displacements (k, 2, n) at the arms (k, 2)."""
+    modes = moves.shape[2]
+    if not len(arms) or not modes:
+        return np.zeros(modes)
+    spread = np.linalg.svd(arms, compute_uv=False)
+    if len(spread) < 2 or spread[1] <= 1e-6 * spread[0]:  # all on one line: the rotation of that line
+        turning = arms[:, 0, None] * moves[:, 1] - arms[:, 1, None] * moves[:, 0]
+        return np.asarray(turning.sum(axis=0) / np.sum(arms**2))
+    gradient = np.linalg.lstsq(arms, moves.reshape(len(arms), 2 * modes), rcond=None)[0].reshape(2, 2, modes)
+    return np.asarray(0.5 * (gradient[0, 1] - gradient[1, 0]))
+
+
+def _maker(chain: tuple[IntArray, bool], material: Callable[[int], MaterialPoint]) -> Callable[[], Outline]:
+    nodes, closed = chain
+    return lambda: Chain(tuple(material(int(node)) for node in nodes), closed)
+
+
+def _locator(mesh: FiniteElements, material: Callable[[int], MaterialPoint]) -> Callable[[float, float], MaterialPoint]:
+    """The material at (x, y): at a node, or interpolated where the elements are known."""
+    places = mesh.places
+    slack = 1e-9 * float(np.ptp(places, axis=0).max())
+
+    def locate(x: float, y: float) -> MaterialPoint:
+        at = (in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf))
+        distance = np.hypot(places[:, 0] - at[0], places[:, 1] - at[1])
+        nearest = int(distance.argmin())
+        if distance[nearest] <= slack:
+            return material(nearest)
+        if mesh.locate is not None:
+            nodes, weights = mesh.locate(*at)
+            found = [material(int(node)) for node in nodes]
+            phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
+            psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
+            return MaterialPoint(np.array(at), phi, psi)
+        near = tuple(float(value) for value in places[nearest])
+        raise ModelError(f"x, y: {at} was given, expected the place of a node; node {nearest} at {near} is nearest")
+
+    return locate
+
+
+def _products(displacement: Displacement, mesh: FiniteElements, weighed: FloatArray) -> FloatArray:
+    """<[1_x, 1_y, J x, Phi]^T d> of nodal values d (nodes, 2), with the mass matrix of the mesh."""
+    values = sampled(displacement, mesh.places)
+    if len(values) != len(mesh.places):
+        raise ModelError(f"displacement: {len(values)} nodal values were given, expected {len(mesh.places)}")
+    return np.asarray(weighed.T @ values.ravel()[mesh.dofs])
