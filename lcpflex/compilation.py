@@ -116,6 +116,7 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
 
     coupling_start, coupling = square(lambda body: body.coupling)
     cross_start, cross = square(lambda body: body.cross_damping)
+    geometric_start, geometric = square(lambda body: body.geometric)
     return Bodies(
         dof=frozen(np.cumsum([0, *(3 + body.modes for body in sources)]), np.int64),
         mass=joined(lambda body: body.mass),
@@ -130,6 +131,8 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
         coupling=coupling,
         cross_damping_start=cross_start,
         cross_damping=cross,
+        geometric_start=geometric_start,
+        geometric=geometric,
     )
 
 
@@ -256,6 +259,7 @@ def _contacts(
             for c in declared.values()
         ],
         assembly.points,
+        {law: number[c.slave.label] for law, c in enumerate(declared.values()) if c.slave is not None},
     )
 
 

@@ -58,6 +58,8 @@ class Bodies(NamedTuple):
     coupling: FloatArray  # flat n x n matrices D, row-major
     cross_damping_start: IntArray  # (nb + 1,)
     cross_damping: FloatArray  # flat n x n off-diagonal part of the modal damping, row-major
+    geometric_start: IntArray  # (nb + 1,) offsets into geometric; equal where G = 0
+    geometric: FloatArray  # flat n x n matrices G of stiffening by rotation, symmetric, row-major
 
 
 class Points(NamedTuple):
@@ -228,6 +230,8 @@ def bodiless_model(
         coupling=numbers,
         cross_damping_start=nowhere,
         cross_damping=numbers,
+        geometric_start=nowhere,
+        geometric=numbers,
     )
     joints = Joints(
         kind=indices,

@@ -188,6 +188,7 @@ class Body:
     damping : (n,) diagonal of the modal damping matrix, 2 zeta omega [1/s]
     coupling : (n, n) D = <Phi^T J^T Phi>, skew [-]; None where it is zero
     cross_damping : (n, n) off-diagonal part of the modal damping matrix [1/s]; None where it is zero
+    geometric : (n, n) G, symmetric: spinning at omega adds the stiffness omega^2 G [-]; None without stiffening
     points : named material points
     surfaces : named outlines, each a :class:`Chain` or a :class:`Round`; "outline" is the whole of it
     locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
@@ -216,6 +217,7 @@ class Body:
     points: Mapping[str, MaterialPoint]
     surfaces: Mapping[str, Outline]
     locate: Callable[[float, float], MaterialPoint]
+    geometric: FloatArray | None = field(default=None, repr=False)
     axisymmetric: bool = False
     resolution: Resolution | None = field(default=None, repr=False)
     ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
@@ -225,7 +227,7 @@ class Body:
         n = len(self.stiffness)
         shapes: dict[str, tuple[int, ...]] = {
             "moment": (2,), "S": (n, 2), "a": (n,), "c": (n,), "stiffness": (n,), "damping": (n,),
-            "coupling": (n, n), "cross_damping": (n, n),
+            "coupling": (n, n), "cross_damping": (n, n), "geometric": (n, n),
         }  # fmt: skip
         object.__setattr__(self, "mass", in_range("mass", self.mass, 0.0, math.inf, open_ends=True))
         object.__setattr__(self, "inertia", in_range("inertia", self.inertia, 0.0, math.inf, open_ends=True))
@@ -239,6 +241,8 @@ class Body:
             raise ModelError("coupling: the matrix that was given is not skew, expected D = -D^T")
         if self.cross_damping is not None and np.abs(np.diag(self.cross_damping)).any():
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
+        if self.geometric is not None and not np.array_equal(self.geometric, self.geometric.T):
+            raise ModelError("geometric: the matrix that was given is not symmetric, expected G = G^T")
         least = float(self.moment @ self.moment) / self.mass
         if not self.inertia > least:
             raise ModelError(f"inertia: {self.inertia!r} was given, expected more than |moment|^2 / mass = {least!r}")

@@ -2,11 +2,13 @@
 
 In its own orthonormal basis the matrix of a body, M + alpha_c C + alpha_k K, reads
 
-    [ R (3 x 3)   B^T (3 x n) ]      R = [[m I, A J (s0 + S q)], [., I0 + 2 a.q + q.q]]
+    [ R (3 x 3)   B^T (3 x n) ]      R = [[m I, A J (s0 + S q)], [., I0 + 2 a.q + q.q - q^T G q]]
     [ B (n x 3)   diag(d)     ]      B_k = [A S_k, c_k + (q^T D)_k],   d_k = 1 + alpha_c c_k + alpha_k omega_k^2
 
 so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. alpha_c = alpha_k = 0 gives the mass
 matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step of length h.
+G, for bodies that have it, is their stiffening by rotation (:mod:`lcpflex.bodies.stiffening`): deflections that draw
+the body together make it easier to spin, so that its stiffness omega^2 G and its torque come from one kinetic energy.
 Inertia terms: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference.
 """
 
@@ -49,7 +51,7 @@ def arrow(n_bodies: int, n_modes: int) -> Arrow:
 
 @kernel
 def deformed_moments(bodies: Bodies, q: FloatArray, b: int) -> tuple[float, float, float]:
-    """s0 + S q [kg m] (body axes) and I0 + 2 a.q + q.q [kg m^2] of body b."""
+    """s0 + S q [kg m] (body axes) and I0 + 2 a.q + q.q - q^T G q [kg m^2] of body b."""
     d = bodies.dof[b]
     first = d - 3 * b
     sx = bodies.moment[b, 0]
@@ -60,7 +62,25 @@ def deformed_moments(bodies: Bodies, q: FloatArray, b: int) -> tuple[float, floa
         sx += bodies.S[first + k, 0] * qk
         sy += bodies.S[first + k, 1] * qk
         inertia += (2.0 * bodies.a[first + k] + qk) * qk
+    if bodies.geometric_start[b + 1] > bodies.geometric_start[b]:
+        modal = q[d + 3 : bodies.dof[b + 1]]
+        inertia -= stiffened(bodies, b, modal, modal)
     return sx, sy, inertia
+
+
+@kernel
+def stiffened(bodies: Bodies, b: int, x: FloatArray, y: FloatArray) -> float:
+    """x^T G y of body b, which has a G."""
+    n = len(x)
+    start = bodies.geometric_start[b]
+    total = 0.0
+    for i in range(n):
+        row = bodies.geometric[start + i * n : start + (i + 1) * n]
+        part = 0.0
+        for k in range(n):
+            part += row[k] * y[k]
+        total += x[i] * part
+    return total
 
 
 @kernel
@@ -202,8 +222,9 @@ def multiply(bodies: Bodies, q: FloatArray, x: FloatArray, work: Arrow, out: Flo
 def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, force: FloatArray) -> None:
     """force += centrifugal, Coriolis and weight forces of every body.
 
-    h_R = A(omega^2 (s0 + S q) - 2 omega J S qdot) + m g,   h_theta = -2 omega (a + q).qdot + B(s0 + S q)^T A^T g,
-    h_f = omega^2 (a + q) + 2 omega D qdot + S^T A^T g
+    h_R = A(omega^2 (s0 + S q) - 2 omega J S qdot) + m g,
+    h_theta = -2 omega (a + q - G q).qdot + B(s0 + S q)^T A^T g,
+    h_f = omega^2 (a + q - G q) + 2 omega D qdot + S^T A^T g
     """
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
@@ -232,6 +253,12 @@ def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, 
             # D u = -(u^T D): D is skew
             matrix = bodies.coupling[start : start + n * n]
             add_row_product(u[d + 3 : d + 3 + n], matrix, -2.0 * omega, force[d + 3 : d + 3 + n])
+        start = bodies.geometric_start[b]
+        if bodies.geometric_start[b + 1] > start and omega != 0.0:
+            modal = q[d + 3 : d + 3 + n]
+            torque += 2.0 * omega * stiffened(bodies, b, modal, u[d + 3 : d + 3 + n])
+            matrix = bodies.geometric[start : start + n * n]
+            add_row_product(modal, matrix, -omega * omega, force[d + 3 : d + 3 + n])
         force[d] += cos * rx - sin * ry + bodies.mass[b] * loads.gravity[0]
         force[d + 1] += sin * rx + cos * ry + bodies.mass[b] * loads.gravity[1]
         force[d + 2] += torque

@@ -13,8 +13,8 @@ __all__ = ["mass_matrix"]
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
     """M(q) (ndof, ndof), symmetric positive definite, block-diagonal over the bodies; T = u^T M u / 2 [J].
 
-    M_RR = m I,  M_Rtheta = A J (s0 + S q),  M_Rf = A S,  M_thetatheta = I0 + 2 a.q + q.q,  M_thetaf = c + D^T q,
-    M_ff = I
+    M_RR = m I,  M_Rtheta = A J (s0 + S q),  M_Rf = A S,  M_thetatheta = I0 + 2 a.q + q.q - q^T G q,
+    M_thetaf = c + D^T q,  M_ff = I
     """
     dof = model.bodies.dof
     M = np.zeros((dof[-1], dof[-1]))
@@ -38,6 +38,9 @@ def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:
     M[:2, :2] *= bodies.mass[b]
     M[:2, 2] = M[2, :2] = A @ np.array([-y, x])
     M[2, 2] = bodies.inertia[b] + 2.0 * bodies.a[modes] @ modal + modal @ modal
+    start, end = bodies.geometric_start[b : b + 2]
+    if end > start:
+        M[2, 2] -= modal @ bodies.geometric[start:end].reshape(n, n) @ modal
     M[:2, 3:] = A @ S.T
     M[3:, :2] = M[:2, 3:].T
     M[2, 3:] = M[3:, 2] = turn

@@ -76,6 +76,7 @@ def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
         damping=np.where(flat, 0.0, bodies.damping),
         coupling=_uncoupled(bodies.coupling, bodies.coupling_start, static),
         cross_damping=_uncoupled(bodies.cross_damping, bodies.cross_damping_start, static),
+        geometric=_uncoupled(bodies.geometric, bodies.geometric_start, static),
     )
     points, place = _points(model, static)
     contacts = _changed(

@@ -20,8 +20,9 @@ from lcpflex.model import Bodies, Loads, frozen
 RNG = np.random.default_rng(7)
 
 
-def random_bodies(modes: tuple[int, ...]) -> Bodies:
-    """Bodies whose integrals come from point masses, so that every matrix is a possible one."""
+def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = ()) -> Bodies:
+    """Bodies whose integrals come from point masses, so that every matrix is a possible one; some of them stiffened."""
+    geometric, geometric_start = [np.zeros(0)], [0]
     fields: dict[str, list[FloatArray]] = {name: [] for name in ("S", "a", "c", "coupling", "stiffness", "damping")}
     mass, inertia, moment, starts = [], [], [], [0]
     for n in modes:
@@ -44,6 +45,10 @@ def random_bodies(modes: tuple[int, ...]) -> Bodies:
         starts.append(starts[-1] + n * n)
         fields["stiffness"].append(RNG.uniform(1.0, 9.0, n))
         fields["damping"].append(RNG.uniform(0.0, 0.1, n))
+    for b, n in enumerate(modes):
+        half = 0.2 * RNG.normal(size=(n, n)) if b in stiffened else np.zeros((0, 0))
+        geometric.append((half + half.T).ravel())
+        geometric_start.append(geometric_start[-1] + half.size)
     joined = {name: np.concatenate(parts) for name, parts in fields.items()}
     dof = np.concatenate([[0], np.cumsum([3 + n for n in modes])])
     return Bodies(
@@ -60,6 +65,8 @@ def random_bodies(modes: tuple[int, ...]) -> Bodies:
         coupling=frozen(joined["coupling"]),
         cross_damping_start=frozen(np.zeros(len(modes) + 1), np.int64),
         cross_damping=frozen([]),
+        geometric_start=frozen(geometric_start, np.int64),
+        geometric=frozen(np.concatenate(geometric)),
     )
 
 
@@ -89,9 +96,9 @@ def kinetic_hessian(bodies: Bodies, q: FloatArray) -> FloatArray:
     return np.array([[kinetic(a + b) - single[i] - single[j] for j, b in enumerate(unit)] for i, a in enumerate(unit)])
 
 
-@pytest.mark.parametrize("modes", [(0,), (5,), (3, 0, 4)])
-def test_arrow_solve_inverts_the_matrix(modes: tuple[int, ...]) -> None:
-    bodies = random_bodies(modes)
+@pytest.mark.parametrize(("modes", "stiffened"), [((0,), ()), ((5,), (0,)), ((3, 0, 4), (2,))])
+def test_arrow_solve_inverts_the_matrix(modes: tuple[int, ...], stiffened: tuple[int, ...]) -> None:
+    bodies = random_bodies(modes, stiffened)
     q = 0.3 * RNG.normal(size=bodies.dof[-1])
     matrix = kinetic_hessian(bodies, q)
     alpha_c, alpha_k = 0.4, 0.7
@@ -109,9 +116,9 @@ def test_arrow_solve_inverts_the_matrix(modes: tuple[int, ...]) -> None:
     np.testing.assert_allclose(matrix @ x, right, rtol=0, atol=1e-11)
 
 
-@pytest.mark.parametrize("modes", [(0,), (5,), (3, 0, 4)])
-def test_product_with_the_mass_matrix(modes: tuple[int, ...]) -> None:
-    bodies = random_bodies(modes)
+@pytest.mark.parametrize(("modes", "stiffened"), [((0,), ()), ((5,), (0,)), ((3, 0, 4), (2,))])
+def test_product_with_the_mass_matrix(modes: tuple[int, ...], stiffened: tuple[int, ...]) -> None:
+    bodies = random_bodies(modes, stiffened)
     q = 0.3 * RNG.normal(size=bodies.dof[-1])
     x = RNG.normal(size=len(q))
     work = arrow(len(modes), len(bodies.stiffness))
@@ -121,10 +128,10 @@ def test_product_with_the_mass_matrix(modes: tuple[int, ...]) -> None:
     np.testing.assert_allclose(out, kinetic_hessian(bodies, q) @ x, rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize("modes", [(0,), (5,), (2, 3)])
-def test_forces_are_those_of_the_lagrangian(modes: tuple[int, ...]) -> None:
+@pytest.mark.parametrize(("modes", "stiffened"), [((0,), ()), ((5,), ()), ((2, 3), ()), ((5,), (0,)), ((2, 3), (0, 1))])
+def test_forces_are_those_of_the_lagrangian(modes: tuple[int, ...], stiffened: tuple[int, ...]) -> None:
     """h = dT/dq - (dM/dt) u - dV/dq, by central differences of the energies."""
-    bodies = random_bodies(modes)
+    bodies = random_bodies(modes, stiffened)
     loads = no_loads((0.3, -9.81))
     q = 0.3 * RNG.normal(size=bodies.dof[-1])
     u = RNG.normal(size=len(q))
