@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, array_of, named
-from lcpflex.bodies.finite_elements import FiniteElements, body_of, rigid_motions, smooth_fields
-from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, free_modes
+from lcpflex.bodies.finite_elements import FiniteElements, rigid_motions
+from lcpflex.bodies.reduction import Damping
+from lcpflex.bodies.reductions import free_interface
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 
@@ -88,14 +89,7 @@ class Matrices:
             For more modes than the mesh has, an indefinite matrix, a mechanism, or damping that is negative, of the
             wrong length, or given here as well as by a matrix.
         """
-        mesh = self.finite_elements()
-        n = count_of_modes(modes, len(mesh.dofs) - mesh.rigid.shape[1])
-        if damping is not None:
-            if self.damping is not None:
-                raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
-            check_damping(damping, n)
-        omega2, shapes = free_modes(mesh.mass, mesh.stiffness, mesh.rigid, n, smooth_fields(mesh.places))
-        return body_of(mesh, omega2, shapes, damping)
+        return free_interface(self, modes, damping=damping)
 
     def finite_elements(self) -> FiniteElements:
         """What every reduction starts from."""

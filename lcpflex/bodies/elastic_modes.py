@@ -1,0 +1,294 @@
+"""Lowest modes and static response of meshes, free ones and held ones.
+
+A free mesh has a singular stiffness, K R = 0 with the rigid motions R, and a flexibility on self-equilibrated loads,
+
+    G = P^T K_c^-1 P,   P = 1 - M R R^T,   R^T M R = I
+
+where K_c is K with the fewest supports that hold the mesh; they carry nothing, since P f is in equilibrium. G M has the
+eigenvalues 1/omega^2 of the elastic modes and 0 of the rigid motions, so that Lanczos iterations find the lowest
+elastic modes first, without a shift, from one sparse factor that serves static loads as well.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.sparse_factor import Factor, NotPositive, dissection, links, positive_factor
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+__all__ = ["FULL_LIMIT", "FreeMesh", "check_memory", "fixed_modes", "orthonormal_frame", "ritz"]
+
+DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
+FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
+MEMORY = 4 * 2**30  # bytes that full matrices of a reduction may take
+EPS = float(np.finfo(np.float64).eps)
+
+
+class FreeMesh:
+    """A mesh without supports, ready for static loads and modes.
+
+    Parameters
+    ----------
+    mesh : its stiffness is factorised here
+    mass : (f, f) that replaces its mass; may be semidefinite where ``massless`` says so
+    massless : (f,) degrees of freedom without mass
+
+    Raises
+    ------
+    ModelError
+        If the mesh falls into pieces, has mechanisms, an indefinite stiffness or a mass that is not positive.
+    """
+
+    def __init__(
+        self,
+        mesh: FiniteElements,
+        mass: csc_matrix[Any] | None = None,
+        massless: np.ndarray[Any, np.dtype[np.bool_]] | None = None,
+    ) -> None:
+        self.mesh = mesh
+        self.mass = mesh.mass if mass is None else mass
+        self.stiffness = mesh.stiffness
+        self._massless = np.zeros(len(mesh.dofs), dtype=bool) if massless is None else massless
+        self.rank = mesh_rank(mesh)
+        _check_mass(mesh.mass)
+        self.frame = orthonormal_frame(self.mass, mesh.rigid)
+        self._free = np.setdiff1d(np.arange(len(mesh.dofs)), _supports(mesh))
+        self._factor = self._held()
+
+    def flexibility(self, loads: FloatArray) -> FloatArray:
+        """G f of loads (f,) or (f, k)."""
+        balanced = loads - self.mass @ (self.frame @ (self.frame.T @ loads))
+        out = np.zeros_like(balanced)
+        out[self._free] = self._factor.solve(balanced[self._free])
+        return np.asarray(out - self.frame @ (self.frame.T @ (self.mass @ out)))
+
+    def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """The ``count`` lowest elastic modes.
+
+        Returns
+        -------
+        omega2 : (count,) ascending [rad^2/s^2]
+        shapes : (f, count) with shapes^T M shapes = I, shapes^T M R = 0
+
+        Raises
+        ------
+        ModelError
+            For more modes than can be found in memory, or zero modes beyond the rigid ones.
+        """
+        n, r = self.frame.shape
+        wanted = max(count, 1)
+        if wanted > n - r:
+            return np.zeros(0), np.zeros((n, 0))
+        if is_dense(n, wanted):
+            values, vectors = self._all(wanted)
+        else:
+            values, vectors = lanczos(self.stiffness, self.mass, self.flexibility, wanted)
+        self._judge(float(values[0]))
+        vectors = vectors[:, :count]
+        for _ in range(2):
+            vectors = vectors - self.frame @ (self.frame.T @ (self.mass @ vectors))
+        return ritz(self.stiffness, self.mass, vectors)
+
+    def _all(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """From the full eigenproblem; what has no mass follows statically."""
+        from scipy.linalg import eigh, solve
+
+        r = self.frame.shape[1]
+        heavy, light = np.flatnonzero(~self._massless), np.flatnonzero(self._massless)
+        K = self.stiffness.toarray()
+        M = self.mass[heavy][:, heavy].toarray()
+        if not len(light):
+            values, vectors = eigh(K, M, subset_by_index=(r, r + count - 1))
+            return values, vectors
+        follow = -solve(K[np.ix_(light, light)], K[np.ix_(light, heavy)], assume_a="pos")
+        condensed = K[np.ix_(heavy, heavy)] + K[np.ix_(heavy, light)] @ follow
+        values, found = eigh(0.5 * (condensed + condensed.T), M, subset_by_index=(r, r + count - 1))
+        vectors = np.empty((len(K), count))
+        vectors[heavy] = found
+        vectors[light] = follow @ found
+        return values, vectors
+
+    def _held(self) -> Factor:
+        held = self.stiffness[self._free][:, self._free].tocsc()
+        try:
+            return positive_factor(held, self.rank[self._free])
+        except NotPositive:
+            pass
+        slack = 1e3 * EPS * self._top()
+        try:
+            positive_factor((self.stiffness + slack * self.mesh.mass).tocsc(), self.rank)
+        except NotPositive:
+            raise ModelError("stiffness: the matrix is indefinite, expected a positive semidefinite one") from None
+        raise ModelError(_mechanism(self.frame.shape[1]))
+
+    def _top(self) -> float:
+        """At most the largest eigenvalue: rounding scatters zero ones by some multiples of EPS times it."""
+        return float((self.stiffness.diagonal() / self.mesh.mass.diagonal()).max())
+
+    def _judge(self, lowest: float) -> None:
+        if lowest < -1e3 * EPS * self._top():
+            raise ModelError(f"stiffness: it has the eigenvalue {lowest:.6g}, expected a positive semidefinite matrix")
+        if lowest <= 10.0 * EPS * self._top():
+            raise ModelError(_mechanism(self.frame.shape[1], f" (omega^2 = {lowest:.3g} after rounding)"))
+
+
+def _mechanism(rigid: int, found: str = "") -> str:
+    return (
+        f"stiffness: it has more zero modes than the {rigid} rigid motions{found}, expected a body without mechanisms "
+        "or loose parts"
+    )
+
+
+def fixed_modes(
+    mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """The ``count`` lowest modes (omega2, shapes) of a mesh that is held; ``factor``: of its stiffness."""
+    from scipy.linalg import eigh
+
+    n = mass.shape[0]
+    if count == 0:
+        return np.zeros(0), np.zeros((n, 0))
+    if is_dense(n, count):
+        values, vectors = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
+        return values, vectors
+    return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count)[1])
+
+
+def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count: int) -> tuple[FloatArray, FloatArray]:
+    """Lowest eigenpairs, by Lanczos iterations on the inverse of the stiffness; a fixed start gives the same bits."""
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+    n = mass.shape[0]
+    check_memory("modes", n, 6 * count + 60)
+    inverse = LinearOperator((n, n), matvec=solve, dtype=np.float64)
+    start = solve(mass @ np.cos(np.arange(n, dtype=np.float64) * 1.7))  # any fixed vector with a part of every mode
+    try:
+        values, vectors = eigsh(stiffness, k=count, M=mass, sigma=0.0, OPinv=inverse, v0=start, tol=0.0)
+    except ArpackError as error:
+        raise ModelError(f"stiffness, mass: their {count} lowest modes were not found ({error})") from None
+    order = np.argsort(values, kind="stable")
+    return values[order], vectors[:, order]
+
+
+def ritz(stiffness: csc_matrix[Any], mass: csc_matrix[Any], vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(omega2, shapes) that diagonalise mass and stiffness on the span of independent vectors (f, k)."""
+    from scipy.linalg import eigh
+
+    if not vectors.shape[1]:
+        return np.zeros(0), vectors
+    gram = vectors.T @ (mass @ vectors)
+    stiff = vectors.T @ (stiffness @ vectors)
+    omega2, turn = eigh(0.5 * (stiff + stiff.T), 0.5 * (gram + gram.T))
+    return omega2, vectors @ turn
+
+
+def is_dense(n: int, count: int) -> bool:
+    """Whether ``count`` of n modes are taken from the full eigenproblem; raises ModelError if it is too large."""
+    if n > DENSE_LIMIT and count + 3 <= n // 4:
+        return False
+    if n > FULL_LIMIT:
+        raise ModelError(
+            f"modes: {count} of a mesh with {n} degrees of freedom were asked for, which needs the full eigenproblem "
+            f"(about {4 * 8 * n * n / 2**30:.1f} GiB), expected at most {FULL_LIMIT} degrees of freedom for that, or "
+            f"less than {n // 4 - 2} modes"
+        )
+    return True
+
+
+def check_memory(name: str, n: int, columns: int) -> None:
+    """Refuse what would take more than 4 GiB: so many full columns of n numbers."""
+    if 8 * n * columns > MEMORY:
+        raise ModelError(
+            f"{name}: {columns} full columns of {n} degrees of freedom would take {8 * n * columns / 2**30:.1f} GiB, "
+            f"expected at most {MEMORY // 2**30}: choose fewer nodes or modes"
+        )
+
+
+def orthonormal_frame(mass: csc_matrix[Any], rigid: FloatArray) -> FloatArray:
+    """M-orthonormal basis of the rigid motions."""
+    gram = rigid.T @ (mass @ rigid)
+    scale = np.sqrt(np.abs(np.diag(gram)))
+    try:
+        lower = np.linalg.cholesky(gram / np.outer(scale, scale))
+    except np.linalg.LinAlgError:
+        raise ModelError("mass: its rigid-body part is not positive definite, expected a mass > 0") from None
+    return np.asarray(np.linalg.solve(lower, (rigid / scale).T).T)
+
+
+def mesh_rank(mesh: FiniteElements) -> IntArray:
+    """(f,) order of elimination; refuses a mesh in pieces.
+
+    Raises
+    ------
+    ModelError
+        Naming the number of pieces and their sizes.
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    node = mesh.dofs // 2
+    graph = links(mesh.stiffness, node, len(mesh.places))
+    pieces, label = connected_components(graph, directed=False)
+    if pieces > 1:
+        sizes = sorted(np.bincount(label).tolist(), reverse=True)
+        shown = ", ".join(str(size) for size in sizes[:5]) + (", ..." if pieces > 5 else "")
+        raise ModelError(
+            f"stiffness: the mesh falls into {pieces} pieces of {shown} nodes, expected one piece without mechanisms "
+            "or loose parts (join nodes that lie at one place, drop nodes without elements)"
+        )
+    rank = dissection(mesh.places, graph)
+    return np.asarray(2 * rank[node] + mesh.dofs % 2)
+
+
+def _supports(mesh: FiniteElements) -> IntArray:
+    """Rows to hold so that the mesh has no rigid motion and no support carries a load in equilibrium."""
+    places = mesh.places
+    row = {int(dof): k for k, dof in enumerate(mesh.dofs)}
+    apart = np.hypot(*(places - places.mean(axis=0)).T)
+    first = int(apart.argmax())
+    if mesh.axisymmetric:
+        return np.array([row[2 * first]])
+    arm = places - places[first]
+    second = int(np.hypot(arm[:, 0], arm[:, 1]).argmax())
+    turns = 1 if abs(arm[second, 0]) >= abs(arm[second, 1]) else 0
+    return np.array([row[2 * first], row[2 * first + 1], row[2 * second + turns]])
+
+
+def _check_mass(mass: csc_matrix[Any]) -> None:
+    """Refuse a mass that is not positive definite, by the lowest Ritz value of a short Lanczos process.
+
+    Scaled to a unit diagonal, masses of elements have all their eigenvalues near 1 (Wathen 1987), so that a negative
+    one stands apart and is found in a few products; a factor would cost as much as that of the stiffness.
+    """
+    diagonal = mass.diagonal()
+    if not diagonal.min() > 0.0:
+        raise ModelError(f"mass: {diagonal.min():.6g} on its diagonal, expected a positive definite matrix")
+    scale = 1.0 / np.sqrt(diagonal)
+    n = len(scale)
+    steps = min(n, 40)
+    basis = np.zeros((steps + 1, n))
+    start = np.cos(np.arange(n, dtype=np.float64) * 1.7)
+    basis[0] = start / np.linalg.norm(start)
+    main, off = np.zeros(steps), np.zeros(steps)
+    for k in range(steps):
+        product = scale * (mass @ (scale * basis[k]))
+        main[k] = basis[k] @ product
+        for _ in range(2):
+            product -= basis[: k + 1].T @ (basis[: k + 1] @ product)
+        off[k] = np.linalg.norm(product)
+        if off[k] <= 1e-12 or k + 1 == steps:
+            break
+        basis[k + 1] = product / off[k]
+    found = np.diag(main[: k + 1]) + np.diag(off[:k], 1) + np.diag(off[:k], -1)
+    lowest = float(np.linalg.eigvalsh(found)[0])
+    if lowest <= 0.0:
+        raise ModelError(
+            f"mass: it is indefinite (eigenvalue {lowest:.3g} of it scaled to a unit diagonal), expected a positive "
+            "definite matrix"
+        )

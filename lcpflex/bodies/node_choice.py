@@ -1,0 +1,65 @@
+"""Nodes of a mesh as a user names them: by the name of a set, several names, or numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.compiled import IntArray
+from lcpflex.errors import ModelError
+
+__all__ = ["Nodes", "chosen_nodes", "rows_of"]
+
+Nodes: TypeAlias = str | int | Sequence[str] | Sequence[int] | npt.NDArray[np.integer]
+
+
+def chosen_nodes(mesh: FiniteElements, argument: str, choice: Nodes) -> IntArray:
+    """The nodes of a choice, ascending, each once; sets may share nodes.
+
+    Raises
+    ------
+    ModelError
+        For an unknown name, an empty choice, a number outside the mesh or one given twice.
+    """
+    if isinstance(choice, str):
+        return _named(mesh, argument, choice)
+    listed = list(choice) if isinstance(choice, (Sequence, np.ndarray)) else [choice]
+    if listed and all(isinstance(name, str) for name in listed):
+        return np.unique(np.concatenate([_named(mesh, argument, str(name)) for name in listed]))
+    whole = all(isinstance(node, (int, np.integer)) and not isinstance(node, bool) for node in listed)
+    if not listed or not whole:
+        raise ModelError(f"{argument}: {choice!r} was given, expected the name of a node set, several, or node numbers")
+    numbers = np.array(listed, dtype=np.int64)
+    count = len(mesh.places)
+    outside = numbers[(numbers < 0) | (numbers >= count)]
+    if len(outside):
+        raise ModelError(f"{argument}: node {outside[0]} was given, expected nodes from 0 to {count - 1}")
+    nodes, times = np.unique(numbers, return_counts=True)
+    if times.max() > 1:
+        raise ModelError(f"{argument}: node {nodes[times.argmax()]} was given {times.max()} times, expected once")
+    return np.asarray(nodes)
+
+
+def _named(mesh: FiniteElements, argument: str, name: str) -> IntArray:
+    if name in mesh.sets:
+        nodes = np.unique(np.asarray(mesh.sets[name], dtype=np.int64))
+    elif name in mesh.points:
+        nodes = np.array([mesh.points[name]], dtype=np.int64)
+    elif name in mesh.chains:
+        nodes = np.unique(np.asarray(mesh.chains[name][0], dtype=np.int64))
+    else:
+        known = sorted({*mesh.sets, *mesh.points, *mesh.chains})
+        shown = ", ".join(known) if known else "none at all"
+        raise ModelError(f"{argument}: {name!r} was given, expected a node set of the mesh: {shown}")
+    if not len(nodes):
+        raise ModelError(f"{argument}: the node set {name!r} is empty, expected one node or more")
+    return nodes
+
+
+def rows_of(mesh: FiniteElements, nodes: IntArray) -> IntArray:
+    """Rows of the matrices that belong to the nodes, ascending."""
+    return np.flatnonzero(np.isin(mesh.dofs // 2, nodes))

@@ -1,0 +1,67 @@
+"""From any basis of displacements to the own orthonormal basis of a body, without its rigid motions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.bodies.elastic_modes import ritz
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+
+__all__ = ["joined", "own_basis"]
+
+DEPENDENT = 1e-13  # squared length, relative to the longest, below which a direction is rounding of the others
+
+
+def own_basis(
+    mesh: FiniteElements, frame: FloatArray, basis: FloatArray, *, holds_rigid: bool
+) -> tuple[FloatArray, FloatArray]:
+    """(omega2, shapes) of the elastic motion in the span of a basis.
+
+    Parameters
+    ----------
+    frame : (f, r) M-orthonormal rigid motions
+    basis : (f, k) columns
+    holds_rigid : whether the rigid motions are in its span: k - r elastic coordinates are in it then, at the most
+
+    Raises
+    ------
+    ModelError
+        If nothing elastic is left where there are columns for it, or some of it costs no energy.
+    """
+    k = basis.shape[1]
+    if not k:
+        return np.zeros(0), basis
+    weighed = mesh.mass @ basis
+    length = np.sqrt(np.einsum("ij,ij->j", basis, weighed))
+    if not length.min() > 0.0:
+        basis, weighed, length = basis[:, length > 0.0], weighed[:, length > 0.0], length[length > 0.0]
+    basis = basis / length
+    gram = (basis.T @ weighed) / length
+    elastic = np.eye(basis.shape[1])
+    if holds_rigid:
+        elastic = _complement((weighed.T @ frame) / length[:, None])
+    squares, directions = np.linalg.eigh(_even(elastic.T @ gram @ elastic))
+    kept = squares > DEPENDENT * squares.max(initial=0.0)
+    basis = basis @ (elastic @ (directions[:, kept] / np.sqrt(squares[kept])))
+    for _ in range(2):
+        basis = basis - frame @ (frame.T @ (mesh.mass @ basis))
+        omega2, basis = ritz(mesh.stiffness, mesh.mass, basis)
+    return omega2, basis
+
+
+def _complement(rigid: FloatArray) -> FloatArray:
+    """(k, k - r) orthonormal, orthogonal to the columns of (k, r)."""
+    return np.asarray(np.linalg.qr(rigid, mode="complete").Q[:, rigid.shape[1] :])
+
+
+def _even(matrix: FloatArray) -> FloatArray:
+    return np.asarray(0.5 * (matrix + matrix.T))
+
+
+def joined(low: tuple[FloatArray, FloatArray], high: tuple[FloatArray, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Two parts of one orthonormal basis that neither mass nor stiffness couples."""
+    if len(low[0]) and len(high[0]) and not high[0].min() > 0.999 * low[0].max():
+        raise ModelError(f"modes: {len(low[0])} were given, more than rounding lets apart from the static response")
+    return np.concatenate([low[0], high[0]]), np.hstack([low[1], high[1]])
