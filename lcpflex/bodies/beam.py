@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, modal_damping, sampled, skew, vanish
+from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
 
@@ -63,23 +65,27 @@ class Beam:
         if not isinstance(self.axial, (bool, np.bool_)):
             raise ModelError(f"axial: {self.axial!r} was given, expected True or False")
 
-    def reduce(self, modes: int | None = 8, damping: Damping = 0.0) -> Body:
+    def reduce(self, modes: int | None = 8, damping: Damping = 0.0, *, stiffening: Stiffening | None = None) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh, bending and stretching together.
 
         Parameters
         ----------
         modes : at most 3 elements (2 elements without ``axial``); None for all, 0 for a rigid beam
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
+        stiffening : by spin and by an axial force; None for the linear beam, which feels neither
 
         Raises
         ------
         ModelError
-            For more modes than the mesh has, or a damping that is negative or of the wrong length.
+            For more modes than the mesh has, a damping that is negative or of the wrong length, or a stiffening that
+            cannot be: compression beyond the buckling load, places off the beam.
         """
+        check_stiffening(stiffening)
         n = count_of_modes(modes, (3 if self.axial else 2) * self.elements)
         check_damping(damping, n)
         mass = self.density * self.width * self.thickness * self.length
-        found, is_axial = self._modes(n, mass)
+        line = Line(self.length, mass, self.thickness, self.elements)
+        found, is_axial = self._modes(n, line, stiffening)
         h = self.length / self.elements
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         inertia = mass * self.length**2 / 3.0
@@ -109,16 +115,24 @@ class Beam:
             points=_end_points(locate, self.length),
             surfaces=_strip(locate, nodes, 0.5 * self.thickness),
             locate=locate,
+            geometric=spinning(line, found, stiffening),
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )
 
-    def _modes(self, n: int, mass: float) -> tuple[LineModes, np.ndarray[Any, np.dtype[np.bool_]]]:
+    def _modes(
+        self, n: int, line: Line, stiffening: Stiffening | None
+    ) -> tuple[LineModes, np.ndarray[Any, np.dtype[np.bool_]]]:
         """The n lowest modes, and which of them are stretching modes."""
         area = self.width * self.thickness
-        size = (self.elements, self.length, mass)
+        size = (self.elements, self.length, line.mass)
         bends = min(n, 2 * self.elements)
         stretches = min(n, self.elements) if self.axial else 0
-        bend2, w, slope = bending_modes(*size, self.youngs_modulus * area * self.thickness**2 / 12.0, bends)
+        rigidity = self.youngs_modulus * area * self.thickness**2 / 12.0
+        if stiffening is None or stiffening.axial_force == 0.0:
+            bend2, w, slope = bending_modes(*size, rigidity, bends)
+        else:
+            unloaded = bending_modes(*size, rigidity, 2 * self.elements)
+            bend2, w, slope = bent_under_tension(line, *unloaded, stiffening, bends)
         stretch2, u = stretching_modes(*size, self.youngs_modulus * area, stretches, lumped=False)
         omega2 = np.concatenate([bend2, stretch2])
         kept = np.argsort(omega2, kind="stable")[:n]

@@ -20,6 +20,7 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.reduction import Damping, modal_damping, sampled, signed, skew, vanish
+from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 
@@ -75,7 +76,13 @@ class FiniteElements:
         return whole.reshape(len(self.places), 2, shapes.shape[1])
 
 
-def body_of(mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None) -> Body:
+def body_of(
+    mesh: FiniteElements,
+    omega2: FloatArray,
+    shapes: FloatArray,
+    damping: Damping | None,
+    stiffening: Stiffening | None = None,
+) -> Body:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
     Parameters
@@ -84,11 +91,14 @@ def body_of(mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, dampin
     omega2 : (n,) [rad^2/s^2]
     shapes : (f, n) Phi, as the module says
     damping : of the modes; None for the damping matrix of the mesh, no damping if there is none
+    stiffening : by spin. Its axial force belongs into the stiffness that the basis diagonalises:
+        :func:`lcpflex.bodies.stiffening.prestressed`
 
     Raises
     ------
     ModelError
-        If the basis is not orthogonal to the rigid motions, or a damping matrix feeds energy into the modes.
+        If the basis is not orthogonal to the rigid motions, a damping matrix feeds energy into the modes, or the mesh
+        cannot be stiffened as asked.
     """
     shapes = signed(shapes)
     diagonal, cross = _damping(mesh, omega2, shapes, damping)
@@ -107,6 +117,7 @@ def body_of(mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, dampin
         damping=diagonal,
         coupling=coupling,
         cross_damping=cross,
+        geometric=stiffened_by_spin(mesh, stiffening, shapes),
         points={name: material(node) for name, node in mesh.points.items()},
         surfaces=Lazily({name: _maker(chain, material) for name, chain in mesh.chains.items()}),
         locate=_locator(mesh, material),

@@ -1,0 +1,101 @@
+"""Geometric stiffening of a straight beam, from the tension N along its axis: K_g = integral of N w' w' dx.
+
+Spun at 1 rad/s about p on its axis, with both ends free,
+
+    N(x) = rho A ((L - p)^2 - (x - p)^2) / 2  behind p,   rho A (p^2 - (p - x)^2) / 2  before it
+
+which for p = L/2 has no jump: the tension of free flight. The axial force N0 between A and B, as
+:mod:`lcpflex.bodies.stiffening` says, adds the integral of N0 (w' - s)^2 from A to B, s the slope of the line A B.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.bodies.line_mesh import LineModes, interpolate
+from lcpflex.bodies.reduction import signed
+from lcpflex.bodies.stiffening import Stiffening, place_of
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, in_range
+
+__all__ = ["Line", "bent_under_tension", "spinning"]
+
+
+class Line(NamedTuple):
+    """A straight beam: length [m], mass [kg], thickness [m] and number of elements."""
+
+    length: float
+    mass: float
+    thickness: float
+    elements: int
+
+
+def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> FloatArray | None:
+    """G (n, n) of the modes; None without stiffening or modes. Raises ModelError for a place off the beam."""
+    if stiffening is None or not len(modes.omega2):
+        return None
+    length = line.length
+    p = 0.5 * length if stiffening.held is None else _station(line, "held", stiffening.held)
+    x, weight = _gauss(line, 0.0, p, length)
+    reach = np.where(x < p, p, length - p)
+    tension = 0.5 * line.mass / length * (reach**2 - (x - p) ** 2)
+    slope = interpolate(modes, length / line.elements, x)[2]
+    G = slope.T @ ((weight * tension)[:, None] * slope)
+    return np.asarray(0.5 * (G + G.T))
+
+
+def bent_under_tension(
+    line: Line, omega2: FloatArray, deflection: FloatArray, rotation: FloatArray, stiffening: Stiffening, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The ``count`` lowest bending modes under the axial force, from all of those without it.
+
+    omega2 (n,), deflection and rotation (nodes, n) as :func:`lcpflex.bodies.line_mesh.bending_modes` gives them.
+
+    Raises
+    ------
+    ModelError
+        For compression beyond the buckling load, or places that the beam does not have.
+    """
+    a, b = sorted(_station(line, "between", end) for end in stiffening.between)
+    h = line.length / line.elements
+    modes = LineModes(omega2, np.zeros_like(deflection), deflection, rotation)
+    ends = interpolate(modes, h, np.array([a, b]))[1]
+    x, weight = _gauss(line, a, b)
+    slope = interpolate(modes, h, x)[2] - (ends[1] - ends[0]) / (b - a)
+    # scaled by the frequencies, K is I and what is added is small for all but the lowest modes: few digits are lost
+    scaled = slope / np.sqrt(omega2)
+    relative = np.eye(len(omega2)) + stiffening.axial_force * (scaled.T @ (weight[:, None] * scaled))
+    try:
+        lower = np.linalg.cholesky(0.5 * (relative + relative.T))
+    except np.linalg.LinAlgError:
+        raise ModelError(
+            f"axial_force: {stiffening.axial_force!r} was given, expected less compression: the beam buckles under it"
+        ) from None
+    flexible = np.linalg.solve(lower, np.diag(1.0 / np.sqrt(omega2)))
+    _, periods, turn = np.linalg.svd(flexible)
+    turn = turn[:count].T
+    nodes = len(deflection)
+    shapes = signed(np.vstack([deflection @ turn, rotation @ turn]), np.arange(2 * nodes) < nodes)
+    return periods[:count] ** -2, shapes[:nodes], shapes[nodes:]
+
+
+def _station(line: Line, name: str, held: object) -> float:
+    """Where along the beam a place lies."""
+    ends = {"left": (0.0, 0.0), "center": (0.5 * line.length, 0.0), "right": (line.length, 0.0)}
+    x, y = place_of(name, held, ends)  # type: ignore[arg-type]  # a name or (x, y), as Stiffening has checked
+    slack = 1e-12 * line.length
+    in_range(f"{name}: y", y, -0.5 * line.thickness - slack, 0.5 * line.thickness + slack)
+    return min(max(in_range(f"{name}: x", x, -slack, line.length + slack), 0.0), line.length)
+
+
+def _gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
+    """Stations and weights of four Gauss points between nodes and the given places: exact to degree 7 in each piece."""
+    places = np.unique([first, *later])
+    nodes = np.linspace(0.0, line.length, line.elements + 1)
+    breaks = np.unique(np.concatenate([places, nodes[(nodes > places[0]) & (nodes < places[-1])]]))
+    place, weight = np.polynomial.legendre.leggauss(4)
+    half = 0.5 * np.diff(breaks)
+    stations = breaks[:-1, None] + half[:, None] * (place + 1.0)
+    return stations.ravel(), (half[:, None] * weight).ravel()

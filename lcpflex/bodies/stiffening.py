@@ -1,0 +1,244 @@
+"""Geometric stiffening: what the stress of a spinning or axially loaded body adds to its stiffness.
+
+A straight beam that is bent gets shorter. In the linear floating frame it does not, and so it feels nothing of a
+tension that resists the bending: a beam spun above its first frequency diverges where a real one gets stiffer.
+
+**Spin.** Held at a material point p and spun at omega, a body carries the load omega^2 rho (x - x_p), balanced by a
+reaction at p. With sigma its static stress at omega = 1 rad/s,
+
+    G = Phi^T K_g(sigma) Phi,    u.K_g(sigma) v = integral of sigma : (grad u^T grad v) dV
+
+Foreshortening lowers the moment of inertia, so that G enters the kinetic energy: T has the part -1/2 omega^2 q^T G q,
+from which follow the stiffness omega^2 G, a torque, and the exactness of energy and angular momentum. It depends on
+omega alone, not on the place of the pivot in the world; that p is not accelerated is assumed, not enforced.
+
+**Axial force.** A pair of forces N0 (tension: positive) along the line between two places of the body, A and B, of
+which the line carries the directions with it:
+
+    K <- K + K_g(sigma) - N0 d d^T / l,    d: displacement of B against A across the line,  l: their distance
+
+The last term is what a rigid rotation takes away: it costs no energy. The modes are those of K. It holds whatever
+loads hold that tension in the scene, if they are given there as well: the turning of A and B against a load is
+seen by the floating frame, their drawing near each other is what it lacks and K_g has.
+
+Source of foreshortening as a geometric stiffness linear in omega^2: Kane, Ryan & Banerjee 1987.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.body import array_of
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError, in_range
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+    from lcpflex.bodies.finite_elements import FiniteElements
+
+__all__ = ["Stiffening", "check_stiffening", "place_of", "prestressed", "stiffened_by_spin"]
+
+
+@dataclass(frozen=True, slots=True)
+class Stiffening:
+    """Ask a reduction for geometric stiffening by spin, and by an axial force.
+
+    Parameters
+    ----------
+    held : where the body is held while it spins: the name of a point or set of nodes, or a place (x, y) of the body
+        frame [m]; None for a body that flies free and spins about its mass centre
+    axial_force : constant tension between two places, negative for compression [N]. The modes take place about
+        the state it makes, and the coordinates count from there
+    between : names of those two places, points or sets of nodes
+
+    Raises
+    ------
+    ModelError
+        For what is neither name nor place, one place twice, or numbers that are not finite.
+    """
+
+    held: str | npt.ArrayLike | None = None
+    axial_force: float = 0.0
+    between: tuple[str, str] = ("left", "right")
+
+    def __post_init__(self) -> None:
+        if not (self.held is None or isinstance(self.held, str)):
+            place = array_of("held", self.held, (2,))
+            object.__setattr__(self, "held", (float(place[0]), float(place[1])))
+        object.__setattr__(self, "axial_force", in_range("axial_force", self.axial_force, -math.inf, math.inf))
+        ends = self.between if isinstance(self.between, (tuple, list)) else ()
+        if len(ends) != 2 or not all(isinstance(end, str) for end in ends) or ends[0] == ends[1]:
+            raise ModelError(f"between: {self.between!r} was given, expected the names of two places")
+        object.__setattr__(self, "between", tuple(ends))
+
+
+def check_stiffening(value: object) -> None:
+    """Raise ModelError unless ``value`` is a Stiffening or None."""
+    if not (value is None or isinstance(value, Stiffening)):
+        raise ModelError(f"stiffening: {value!r} was given, expected a Stiffening or None")
+
+
+def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteElements:
+    """The mesh with the stiffness that the axial force leaves it; itself without one.
+
+    Raises
+    ------
+    ModelError
+        For compression beyond the buckling load, unknown places, places at one point, or a mesh that cannot.
+    """
+    check_stiffening(stiffening)
+    if stiffening is None or stiffening.axial_force == 0.0:
+        return mesh
+    from scipy.sparse import csc_matrix
+
+    from lcpflex.bodies.sparse_factor import NotPositive
+
+    _refuse_unknown_stress(mesh)
+    force = stiffening.axial_force
+    a, b = (_place(mesh, "between", end) for end in stiffening.between)
+    line = _middle(mesh, b) - _middle(mesh, a)
+    length = float(np.hypot(*line))
+    if not length > 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
+        raise ModelError(f"between: {stiffening.between!r} have one middle, expected places apart from each other")
+    along = line / length
+    pair = _at(mesh, b, along) - _at(mesh, a, along)
+    across = np.array([-along[1], along[0]])
+    moved = csc_matrix((_at(mesh, b, across) - _at(mesh, a, across))[:, None])
+    added = _stress_stiffness(mesh, force * pair) - (force / length) * (moved @ moved.T)
+    whole = (mesh.stiffness + added).tocsc()
+    stiffness = (0.5 * (whole + whole.T)).tocsc()
+    try:
+        _supported(mesh, stiffness)
+    except NotPositive:
+        raise ModelError(
+            f"axial_force: {force!r} was given, expected less compression: the body buckles under it"
+        ) from None
+    return replace(mesh, stiffness=stiffness)
+
+
+def stiffened_by_spin(mesh: FiniteElements, stiffening: Stiffening | None, shapes: FloatArray) -> FloatArray | None:
+    """G (n, n) of the module, in the basis ``shapes`` (f, n); None without stiffening or modes.
+
+    Raises
+    ------
+    ModelError
+        For a place to hold it that it does not have, or a mesh whose elements are not known or that cannot spin.
+    """
+    check_stiffening(stiffening)
+    if stiffening is None or not shapes.shape[1]:
+        return None
+    _refuse_unknown_stress(mesh)
+    field = mesh.places.copy()
+    weight = mesh.mass @ mesh.rigid[:, :2]
+    total = float(mesh.rigid[:, 0] @ weight[:, 0])
+    center = mesh.places.ravel() @ weight / total
+    if stiffening.held is None:
+        load = mesh.mass @ (field - center).ravel()
+    else:
+        held = _place(mesh, "held", stiffening.held)
+        pivot = _middle(mesh, held)
+        load = mesh.mass @ (field - pivot).ravel() - _at(mesh, held, total * (center - pivot))
+    G = shapes.T @ (_stress_stiffness(mesh, load) @ shapes)
+    return np.asarray(0.5 * (G + G.T))
+
+
+def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float, float]]) -> tuple[float, float]:
+    """The place (x, y) that was named or given."""
+    if not isinstance(held, str):
+        x, y = np.asarray(held, dtype=float)
+        return float(x), float(y)
+    if held not in places:
+        known = ", ".join(map(repr, sorted(places))) or "no named places"
+        raise ModelError(f"{name}: {held!r} was given, expected one of {known}, or a place (x, y)")
+    return places[held]
+
+
+Nodes = tuple[IntArray, FloatArray]  # nodes (k,) and weights (k,), of sum 1
+
+
+def _refuse_unknown_stress(mesh: FiniteElements) -> None:
+    if mesh.axisymmetric:
+        raise ModelError(
+            "stiffening: it was asked of a solid of revolution, which moves along its axis and never turns"
+        )
+    if mesh.geometric is None:
+        raise ModelError(
+            "stiffening: matrices alone do not tell the stress in the elements, expected a mesh with its elements"
+        )
+
+
+def _place(mesh: FiniteElements, name: str, held: Any) -> Nodes:
+    """Nodes that share a force at a set (alike), a point or a place."""
+    if not isinstance(held, str):
+        return _nodes_at(mesh, name, float(held[0]), float(held[1]))
+    if held in mesh.sets:
+        nodes = np.asarray(mesh.sets[held], dtype=np.int64)
+    elif held in mesh.points:
+        nodes = np.array([mesh.points[held]], dtype=np.int64)
+    else:
+        known = ", ".join(map(repr, sorted({*mesh.sets, *mesh.points}))) or "none"
+        raise ModelError(f"{name}: {held!r} was given, expected the name of a point or set of the mesh ({known})")
+    return nodes, np.full(len(nodes), 1.0 / len(nodes))
+
+
+def _nodes_at(mesh: FiniteElements, name: str, x: float, y: float) -> Nodes:
+    distance = np.hypot(mesh.places[:, 0] - x, mesh.places[:, 1] - y)
+    nearest = int(distance.argmin())
+    if distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
+        return np.array([nearest]), np.ones(1)
+    if mesh.locate is None:
+        near = tuple(float(value) for value in mesh.places[nearest])
+        raise ModelError(
+            f"{name}: {(x, y)} was given, expected the place of a node; node {nearest} at {near} is nearest"
+        )
+    try:
+        nodes, weights = mesh.locate(x, y)
+    except ModelError as error:
+        raise ModelError(f"{name}: {(x, y)} was given, expected a place of the body ({error})") from None
+    return np.asarray(nodes), np.asarray(weights)
+
+
+def _middle(mesh: FiniteElements, at: Nodes) -> FloatArray:
+    nodes, weights = at
+    return np.asarray(weights @ mesh.places[nodes])
+
+
+def _at(mesh: FiniteElements, at: Nodes, force: FloatArray) -> FloatArray:
+    """(f,) a force (2,) shared by the nodes."""
+    nodes, weights = at
+    whole = np.zeros((len(mesh.places), 2))
+    np.add.at(whole, nodes, weights[:, None] * force)
+    return whole.ravel()
+
+
+def _stress_stiffness(mesh: FiniteElements, load: FloatArray) -> csc_matrix[Any]:
+    """K_g of the static stress under a load (f,) that is in equilibrium with itself."""
+    assert mesh.geometric is not None
+    factor, free = _supported(mesh, mesh.stiffness)
+    state = np.zeros((len(load), 1))
+    state[free, 0] = factor.solve(load[free])
+    return mesh.geometric(state)
+
+
+def _supported(mesh: FiniteElements, stiffness: csc_matrix[Any]) -> tuple[Any, IntArray]:
+    """Factors of the stiffness with three degrees of freedom held, which a load in equilibrium does not feel.
+
+    Raises NotPositive for a stiffness that is not positive definite beyond its rigid motions.
+    """
+    from lcpflex.bodies.sparse_factor import dissection, links, positive_factor
+
+    places = mesh.places
+    first = int(np.argmin(places.sum(axis=1)))
+    arm = places - places[first]
+    second = int(np.argmax(np.hypot(arm[:, 0], arm[:, 1])))
+    across = 1 if abs(arm[second, 0]) >= abs(arm[second, 1]) else 0
+    free = np.setdiff1d(np.arange(places.size), [2 * first, 2 * first + 1, 2 * second + across])
+    node = mesh.dofs // 2
+    rank = dissection(places, links(stiffness, node, len(places)))[node]
+    return positive_factor(stiffness[free][:, free].tocsc(), rank[free]), free
