@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -39,6 +39,7 @@ class PlacedSurface:
     body: int  # index of the body, -1 for the ground
     label: str  # unique in the scene, such as "pendulum.outline"
     shape: Surface = field(repr=False)
+    again: Callable[[Placed], PlacedSurface] = field(repr=False)  # makes it on another body in the place of this one
     disc: tuple[MaterialPoint, float] | None = field(default=None, repr=False)  # centre and radius, to be drawn
 
 
@@ -72,12 +73,13 @@ class Placed:
         known = {} if self.source is None else self.source.points
         if not isinstance(name, str) or name not in known:
             raise ModelError(f"point: {self.name!r} has no point {name!r}, expected one of {listed(list(known))}")
-        return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name])
+        return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], lambda body: body.point(name))
 
     def at(self, x: float, y: float) -> PlacedPoint:
         """The material point at (x, y)."""
         material = self._located((x, y))
-        return PlacedPoint(self.scene, self.body, f"{self.name}.at({float(x):g}, {float(y):g})", material)
+        label = f"{self.name}.at({float(x):g}, {float(y):g})"
+        return PlacedPoint(self.scene, self.body, label, material, lambda body: body.at(x, y))
 
     def surface(self, name: str = "outline") -> PlacedSurface:
         """A surface that the body came with; "outline" is the whole of it."""
@@ -96,16 +98,19 @@ class Placed:
                 if outline.hole
                 else shapes.circle(outline.center, outline.radius)
             )
-        return PlacedSurface(self.scene, self.body, f"{self.name}.{name}", self._on_body(shape))
+        label = f"{self.name}.{name}"
+        return PlacedSurface(self.scene, self.body, label, self._on_body(shape), lambda body: body.surface(name))
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
         middle, size = self._located(center), _radius(radius)
-        return self._made("circle", shapes.circle(middle, size), (middle, size))
+        again = _again(center, lambda body, place: body.circle(place, radius))
+        return self._made("circle", shapes.circle(middle, size), again, (middle, size))
 
     def hole(self, center: Place, radius: float) -> PlacedSurface:
         """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
-        return self._made("hole", shapes.hole(self._located(center), _radius(radius)))
+        again = _again(center, lambda body, place: body.hole(place, radius))
+        return self._made("hole", shapes.hole(self._located(center), _radius(radius)), again)
 
     def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
         """Part of a circle, counter-clockwise from the angle ``start`` over ``extent`` in (0, 2 pi] [rad].
@@ -116,19 +121,22 @@ class Placed:
         extent = in_range("extent", extent, 0.0, 2.0 * math.pi)
         if extent == 0.0:
             raise ModelError("extent: 0 was given, expected an angle in (0, 2 pi]")
-        return self._made("arc", shapes.arc(self._located(center), _radius(radius), start, extent, hole))
+        again = _again(center, lambda body, place: body.arc(place, radius, start, extent, hole))
+        return self._made("arc", shapes.arc(self._located(center), _radius(radius), start, extent, hole), again)
 
     def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
         """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
         middle, size = self._located((x, y)), in_range("radius", radius, 0.0, math.inf)
-        return self._made("node", shapes.node(middle, size), (middle, size) if size > 0.0 else None)
+        disc = (middle, size) if size > 0.0 else None
+        return self._made("node", shapes.node(middle, size), lambda body: body.node(x, y, radius), disc)
 
     def half_plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
         """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
         direction = array_of("normal", normal, (2,))
         if not direction.any():
             raise ModelError(f"normal: {normal!r} was given, expected a direction (x, y), not both 0")
-        return self._made("half_plane", shapes.half_plane(self._located(point), direction))
+        again = _again(point, lambda body, place: body.half_plane(place, direction))
+        return self._made("half_plane", shapes.half_plane(self._located(point), direction), again)
 
     def chain(self, places: Sequence[Place], closed: bool = False) -> PlacedSurface:
         """Straight pieces from place to place, at least two, solid on the left and outward normal on the right.
@@ -137,14 +145,25 @@ class Placed:
         """
         if isinstance(places, str) or not hasattr(places, "__iter__"):
             raise ModelError(f"places: {places!r} was given, expected a sequence of places")
+        places = tuple(places)
         points = tuple(self._located(place) for place in places)
         if len(points) < (3 if closed else 2):
             raise ModelError(f"places: {len(points)} were given, expected at least {3 if closed else 2}")
-        return self._made("chain", shapes.chain(points, closed))
+        return self._made(
+            "chain",
+            shapes.chain(points, closed),
+            lambda body: body.chain([_on(place, body) for place in places], closed),
+        )
 
-    def _made(self, kind: str, shape: Surface, disc: tuple[MaterialPoint, float] | None = None) -> PlacedSurface:
+    def _made(
+        self,
+        kind: str,
+        shape: Surface,
+        again: Callable[[Placed], PlacedSurface],
+        disc: tuple[MaterialPoint, float] | None = None,
+    ) -> PlacedSurface:
         shape = self._on_body(shape)
-        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, disc)
+        surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again, disc)
         self.scene.keep(surface)
         return surface
 
@@ -170,3 +189,13 @@ class Placed:
 
 def _radius(value: float) -> float:
     return in_range("radius", value, 0.0, math.inf, open_ends=True)
+
+
+def _on(place: Place, body: Placed) -> Place:
+    """The same place of another body: points are made anew, names and numbers stay."""
+    return place.again(body) if isinstance(place, PlacedPoint) else place
+
+
+def _again(place: Place, make: Callable[[Placed, Place], PlacedSurface]) -> Callable[[Placed], PlacedSurface]:
+    """``make`` at the same place of another body."""
+    return lambda body: make(body, _on(place, body))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -91,6 +91,17 @@ class ContactRule:
     restitution: float
     tangential_restitution: float
     exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
+
+
+class Parts(NamedTuple):
+    """All that has been declared of a scene."""
+
+    placed: tuple[Placed, ...]
+    joints: dict[str, Joint]
+    loads: tuple[Load, ...]
+    contacts: dict[str, DeclaredContact]
+    rules: tuple[ContactRule, ...]
+    surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
 
 
 class Scene:
@@ -252,6 +263,24 @@ class Scene:
         law = _law(friction, restitution, tangential_restitution)
         self._rules.append(ContactRule(*law, tuple((x, y) for x, y in exclude)))
 
+    def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
+        """A new scene like this one with other bodies under the names of ``bodies``; this one is not changed.
+
+        Points, surfaces, joints, loads, contacts and rules are made again on the new bodies: named ones by their names,
+        all others at the same undeformed places. An initial deformation is carried over by projection, the part of it
+        that the new body can only follow as rigid motion included. Functions of the user that hold points of this
+        scene still mean points of this one.
+
+        Raises
+        ------
+        ModelError
+            For an unknown name, anything but a body, and what the new body does not have: a name, a place, the
+            distribution of mass to project an initial deformation with.
+        """
+        from lcpflex.exchange import exchanged
+
+        return exchanged(self, bodies)
+
     def compile(self, project: bool = False) -> Compiled:
         """Check the scene as a whole and compile it; the scene is not changed.
 
@@ -263,14 +292,20 @@ class Scene:
         return Compiled(
             *compiled_parts(
                 self.gravity,
-                tuple(self._placed.values()),
-                dict(self._joints),
-                tuple(self._loads),
-                dict(self._contacts),
-                tuple(self._rules),
-                tuple(self._surfaces),
+                *self.parts(),
                 project,
             )
+        )
+
+    def parts(self) -> Parts:
+        """What has been declared, in the order in which it was."""
+        return Parts(
+            tuple(self._placed.values()),
+            dict(self._joints),
+            tuple(self._loads),
+            dict(self._contacts),
+            tuple(self._rules),
+            tuple(self._surfaces),
         )
 
     def keep(self, surface: PlacedSurface) -> None:

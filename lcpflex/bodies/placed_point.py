@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from lcpflex.errors import ModelError
 
@@ -24,6 +25,7 @@ class PlacedPoint:
     body: int  # index of the body, -1 for the ground
     label: str  # for messages, such as "pendulum.left"
     material: MaterialPoint  # place in the body frame (world axes for the ground) and mode shapes
+    again: Callable[[Any], PlacedPoint] = field(repr=False)  # makes it on another body at the same place, by its name
 
 
 def check_point(owner: str, argument: str, value: object) -> None:

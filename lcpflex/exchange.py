@@ -1,0 +1,131 @@
+"""The same scene with other bodies: everything that was made on a body is made again on the one in its place.
+
+An initial deformation d(x) = Phi_old(x)^T q of a body is split by the new one into motion of its frame and its own
+modal coordinates (:meth:`lcpflex.bodies.body.Body.project`); so is its rate. With the split (d0, delta, q') of the
+deformation and (v0, nu, q'') of its rate, in body axes,
+
+    R' = R + A d0,  angle' = angle + delta,   Rdot' = Rdot + A (v0 + omega J d0),  omega' = omega + nu
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.bodies.body import Body, named
+from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+from lcpflex.placed import Placed, PlacedSurface, listed
+
+if TYPE_CHECKING:
+    from lcpflex.scene import Parts, Scene
+
+__all__ = ["exchanged"]
+
+
+def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
+    """A new scene with ``bodies`` in the place of those of the same names; ``scene`` is not changed."""
+    from lcpflex.scene import Scene
+
+    parts = scene.parts()
+    known = [placed.name for placed in parts.placed]
+    for name, body in named("bodies", bodies).items():
+        if name not in known:
+            raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
+        if not isinstance(body, Body):
+            raise ModelError(f"bodies[{name!r}]: {body!r} was given, expected a Body")
+    new = Scene(scene.gravity)
+    for placed in parts.placed:
+        body = bodies.get(placed.name, placed.source)
+        q, u = _start(placed, body)
+        new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])
+    _Again(scene, new).declare(parts)
+    return new
+
+
+class _Again:
+    """Makes the parts of one scene on the bodies of another."""
+
+    def __init__(self, old: Scene, new: Scene) -> None:
+        self._old = old
+        self._new = new
+        self._bodies = {-1: new.ground} | {placed.body: placed for placed in new.parts().placed}
+        self._surfaces: dict[int, PlacedSurface] = {}
+
+    def declare(self, parts: Parts) -> None:
+        """All of them, in their order: what is numbered gets the same number."""
+        for surface in parts.surfaces:
+            self._surface(surface)
+        for name, joint in parts.joints.items():
+            self._new.join(replace(joint, name=name, **self._points(joint)))
+        for load in parts.loads:
+            self._new.load(replace(load, **self._points(load)))
+        for name, contact in parts.contacts.items():
+            a, b = (self._surface(surface) for surface in contact.pair)
+            law = (contact.friction, contact.restitution, contact.tangential_restitution)
+            slave = None if contact.slave is None else self._surface(contact.slave)
+            self._new.contact(a, b, *law, name=name, slave=slave)
+        for rule in parts.rules:
+            self._new.contact_all(
+                rule.friction, rule.restitution, rule.tangential_restitution,
+                [(self._side(x), self._side(y)) for x, y in rule.exclude],
+            )  # fmt: skip
+
+    def _points(self, part: Any) -> dict[str, Any]:
+        points: dict[str, PlacedPoint | None] = {name: getattr(part, name, None) for name in ("P", "Q")}
+        return {name: P.again(self._bodies[P.body]) for name, P in points.items() if P is not None}
+
+    def _surface(self, surface: PlacedSurface) -> PlacedSurface:
+        key = id(surface)  # the old scene keeps it alive
+        if key not in self._surfaces:
+            self._surfaces[key] = surface.again(self._bodies[surface.body])
+        return self._surfaces[key]
+
+    def _side(self, side: Placed | PlacedSurface) -> Placed | PlacedSurface:
+        return self._bodies[side.body] if isinstance(side, Placed) else self._surface(side)
+
+
+def _start(placed: Placed, body: Body) -> tuple[FloatArray, FloatArray]:
+    """Initial configuration and velocity (3 + n,) of ``body`` in the place of the one that is there."""
+    q, u = placed.start
+    old = placed.source
+    assert old is not None
+    if _same_basis(old, body):
+        return q, u
+    if not (q[3:].any() or u[3:].any()):
+        still = np.zeros(body.modes)
+        return np.concatenate([q[:3], still]), np.concatenate([u[:3], still])
+    d0, delta, modal = _split(old, body, q[3:])
+    v0, nu, rate = _split(old, body, u[3:])
+    cos, sin = np.cos(q[2]), np.sin(q[2])
+    turn = np.array([[cos, -sin], [sin, cos]])
+    carried = v0 + u[2] * np.array([-d0[1], d0[0]])
+    return (
+        np.concatenate([q[:2] + turn @ d0, [q[2] + delta], modal]),
+        np.concatenate([u[:2] + turn @ carried, [u[2] + nu], rate]),
+    )
+
+
+def _split(old: Body, new: Body, modal: FloatArray) -> tuple[FloatArray, float, FloatArray]:
+    """The displacement field of modal coordinates of ``old`` as motion of the frame and coordinates of ``new``."""
+
+    def displacement(x: float, y: float) -> tuple[float, float]:
+        dx, dy = modal @ old.locate(x, y).phi
+        return float(dx), float(dy)
+
+    dx, dy, angle, found = new.project(displacement)
+    return np.array([dx, dy]), angle, found
+
+
+def _same_basis(old: Body, new: Body) -> bool:
+    """Whether the coordinates of both mean the same: made alike, or the same body."""
+    if old is new:
+        return True
+    arrays = ("moment", "S", "a", "c", "stiffness", "damping")
+    return (old.mass, old.inertia) == (new.mass, new.inertia) and all(
+        np.array_equal(getattr(old, name), getattr(new, name)) for name in arrays
+    )
