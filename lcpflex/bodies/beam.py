@@ -11,6 +11,7 @@ import numpy as np
 
 from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
+from lcpflex.bodies.ladder import mode_ladder
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, modal_damping, sampled, skew, vanish
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
@@ -81,7 +82,8 @@ class Beam:
             cannot be: compression beyond the buckling load, places off the beam.
         """
         check_stiffening(stiffening)
-        n = count_of_modes(modes, (3 if self.axial else 2) * self.elements)
+        available = (3 if self.axial else 2) * self.elements
+        n = count_of_modes(modes, available)
         check_damping(damping, n)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
@@ -116,6 +118,7 @@ class Beam:
             surfaces=_strip(locate, nodes, 0.5 * self.thickness),
             locate=locate,
             geometric=spinning(line, found, stiffening),
+            ladder=lambda: mode_ladder(available, lambda k, z: self.reduce(k, z, stiffening=stiffening), damping),
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )
 
@@ -229,6 +232,7 @@ class Bar:
             points=_end_points(locate, self.length),
             surfaces=_strip(locate, nodes, 0.5 * height),
             locate=locate,
+            ladder=lambda: mode_ladder(self.elements, self.reduce, damping),
             products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
         )
 
