@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,14 +33,16 @@ def mode_ladder(available: int, reduce: Callable[[int, Damping], Body], damping:
 
     def rung(modes: int) -> Rung:
         name = "rigid" if modes == 0 else "full mesh" if modes == available else _counted(modes)
-        return Rung(name, modes, lambda: reduce(modes, damping if ratios is None else ratios[:modes]))
+        own = damping if ratios is None else ratios[:modes]
+        return Rung(name, modes, lambda: replace(reduce(modes, own), ladder=lambda: rungs))
 
     counts = [0]
     step = 1
     while NEAR * step < known:
         counts.append(step)
         step *= 2
-    return tuple(rung(modes) for modes in dict.fromkeys([*counts, known]))
+    rungs = tuple(rung(modes) for modes in dict.fromkeys([*counts, known]))
+    return rungs
 
 
 def _counted(modes: int) -> str:
