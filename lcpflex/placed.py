@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
 
-__all__ = ["Placed", "PlacedSurface", "can_touch", "listed"]
+__all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]
 
 Place = str | PlacedPoint | npt.ArrayLike
 
@@ -46,6 +46,11 @@ class PlacedSurface:
 def can_touch(a: PlacedSurface, b: PlacedSurface) -> bool:
     """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
     return shapes.can_touch(a.shape, b.shape)
+
+
+def is_slave_of(slave: PlacedSurface, master: PlacedSurface) -> bool:
+    """Whether ``slave`` has material points that may touch others, and ``master`` something to be touched."""
+    return shapes.is_slave_of(slave.shape, master.shape)
 
 
 def listed(names: Sequence[str]) -> str:

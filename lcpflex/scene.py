@@ -16,7 +16,7 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Model
-from lcpflex.placed import Placed, PlacedSurface, can_touch, listed
+from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.time_functions import Callback
@@ -81,6 +81,7 @@ class DeclaredContact:
     friction: float
     restitution: float
     tangential_restitution: float
+    slave: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -208,10 +209,18 @@ class Scene:
         restitution: float = 0.0,
         tangential_restitution: float = 0.0,
         name: str | None = None,
+        *,
+        slave: PlacedSurface | None = None,
     ) -> str:
         """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
 
         friction: Coulomb's mu >= 0; restitution: Newton's e_N in [0, 1]; tangential_restitution: e_T in [0, 1].
+
+        ``slave``, one of a and b, makes its points touch the segments and arcs of the other, and no more: one pass.
+        By default what is a disc, node or solid arc is the slave; of two chains each is the slave of the other: two
+        passes. One pass lets nodes of the master into the slave between its nodes, so the finer mesh should be the
+        slave; two passes keep both out, with about twice the unknowns: where both meshes meet node to node, the same
+        pair is counted twice, and its force is shared in a way that nothing determines.
         """
         for argument, surface in (("a", a), ("b", b)):
             if not isinstance(surface, PlacedSurface):
@@ -234,8 +243,9 @@ class Scene:
             if {a.label, b.label} == {surface.label for surface in declared.pair}:
                 raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {other!r} is between them")
         law = _law(friction, restitution, tangential_restitution)
+        _check_slave(slave, a, b)
         name = _name("contact", name, list(self._contacts))
-        self._contacts[name] = DeclaredContact((a, b), *law)
+        self._contacts[name] = DeclaredContact((a, b), *law, slave)
         return name
 
     def contact_all(
@@ -250,7 +260,8 @@ class Scene:
         Left out are pairs of bodies with a joint between them, pairs declared with :meth:`contact`, and the pairs in
         ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``; and pairs of kinds between
         which there is no contact, such as two holes. Contacts are named after their surfaces, such as
-        "box1.outline/ground.half_plane1". It holds for what is added later, too.
+        "box1.outline/ground.half_plane1". It holds for what is added later, too. Slaves follow from the kinds, two
+        chains are slaves of each other: where a choice of slave is wanted, declare the pair with :meth:`contact`.
         """
         if not isinstance(exclude, list | tuple):
             raise ModelError(f"exclude: {exclude!r} was given, expected a list of pairs of bodies or surfaces")
@@ -319,6 +330,22 @@ class Scene:
     def _own(self, argument: str, part: Any) -> None:
         if part.scene is not self:
             raise ModelError(f"{argument}: {part!r} was given, expected a part of this scene, not of another one")
+
+
+def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface) -> None:
+    """Raise ModelError for a slave that is neither a nor b, or that cannot be the slave of the other one."""
+    if slave is None:
+        return
+    chosen = slave.label if isinstance(slave, PlacedSurface) and slave.scene is a.scene else ""
+    if chosen not in (a.label, b.label):
+        given = repr(slave.label) if isinstance(slave, PlacedSurface) else repr(slave)
+        raise ModelError(f"slave: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
+    master = b if chosen == a.label else a
+    if not is_slave_of(slave, master):
+        raise ModelError(
+            f"slave: {slave.label!r} (a {slave.shape.kind.value}) was given for {master.label!r} (a "
+            f"{master.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"
+        )
 
 
 def _law(friction: float, restitution: float, tangential_restitution: float) -> tuple[float, float, float]:

@@ -2,16 +2,17 @@
 
 A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs
 that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are slaves of
-everything, the nodes of a chain of half-planes, holes and (in both directions) of the segments of another chain.
+everything, the nodes of a chain of half-planes, holes and (both ways) of another chain, if nothing else was chosen.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +33,7 @@ __all__ = [
     "compile_contacts",
     "half_plane",
     "hole",
+    "is_slave_of",
     "node",
     "on_body",
 ]
@@ -145,6 +147,11 @@ def can_touch(a: Surface, b: Surface) -> bool:
     return min(ranks) < NO_SLAVE and max(ranks) > RANK[Kind.NODE]
 
 
+def is_slave_of(slave: Surface, master: Surface) -> bool:
+    """Whether ``slave`` has material points that may touch others, and ``master`` features to be touched."""
+    return slave.kind in RANK and master.kind is not Kind.NODE
+
+
 @dataclass(slots=True)
 class _Feature:
     kind: int
@@ -162,10 +169,11 @@ def compile_contacts(
     surfaces: Sequence[tuple[int, Surface]],
     declared: Sequence[tuple[int, int, float, float, float]],
     points: PointTable,
+    slave_of: Mapping[int, int] = MappingProxyType({}),
 ) -> Contacts:
     """Flat arrays of ``surfaces`` (body index, surface) and ``declared`` contacts (surface a, surface b, mu, e_N, e_T).
 
-    Registers their material points in ``points``.
+    Registers their material points in ``points``. ``slave_of``: by number of contact, the surface chosen as its slave.
 
     Raises
     ------
@@ -184,7 +192,7 @@ def compile_contacts(
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
     spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
     surface_block, block_start, circles, heights = _blocks(features, feature_start)
-    passes = [(*pair, law) for law, (a, b, *_) in enumerate(declared) for pair in _passes(surfaces, a, b)]
+    passes = [(*w, law) for law, d in enumerate(declared) for w in _passes(surfaces, d[0], d[1], slave_of.get(law))]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
     return Contacts(
@@ -218,8 +226,8 @@ def compile_contacts(
     )
 
 
-def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int) -> list[tuple[int, int]]:
-    """(slave surface, feature surface) pairs of one declared contact."""
+def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, slave: int | None) -> list[tuple[int, int]]:
+    """(slave surface, feature surface) pairs of one declared contact; one only where a ``slave`` is chosen."""
     if surfaces[a][0] == surfaces[b][0]:
         raise ModelError(f"contact: surfaces {a} and {b} belong to the same body, expected two bodies")
     first, second = surfaces[a][1], surfaces[b][1]
@@ -227,6 +235,8 @@ def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int) -> list[tup
         raise ModelError(
             f"contact: a {first.kind.value} and a {second.kind.value} were given, which cannot touch each other"
         )
+    if slave is not None:
+        return [(slave, a + b - slave)]
     if first.kind is Kind.CHAIN and second.kind is Kind.CHAIN:
         return [(a, b), (b, a)]
     return [(a, b) if RANK.get(first.kind, NO_SLAVE) <= RANK.get(second.kind, NO_SLAVE) else (b, a)]
