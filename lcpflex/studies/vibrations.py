@@ -1,0 +1,185 @@
+"""Small vibrations of a scene about the state in which it rests, or turns as a whole.
+
+Seen from axes that turn at omega about the origin of the world, a scene that turns with them rests. With the residual
+
+    r(q, v, w, lambda) = M(q) udot - h(q, u) - J^T lambda,   phi(q) = 0
+
+where u and udot belong to the motion that has the velocity v and the acceleration w as seen from the turning axes, the
+state (q, lambda) is the one with r(q, 0, 0, lambda) = 0, and small motions d q = Z y about it, J Z = 0, follow
+
+    Z^T (M w + (dr/dv) v + (dr/dq) d q) = 0
+
+Derivatives are central differences of r.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, SolverError, in_range
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy.typing as npt
+
+    from lcpflex.scene import Compiled, Scene
+
+__all__ = ["Vibrations", "small_vibrations"]
+
+DIFFERENCE = 1e-5  # of a unit of each coordinate: forces are at most quadratic in them, but for the sine of angles
+ITERATIONS = 30
+SETTLED = 1e-9
+INDEPENDENT = 1e-10  # of joint rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Vibrations:
+    """Small motions exp(s t) about a steady state.
+
+    Attributes
+    ----------
+    q : (ndof,) the steady state
+    exponents : (2 f,) s, complex, of the f coordinates that the joints leave free, ascending by imaginary part [1/s]
+    """
+
+    q: FloatArray
+    exponents: npt.NDArray[np.complex128]
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Imaginary parts above zero, ascending [rad/s]; what does not oscillate is not among them."""
+        return np.asarray(self.exponents.imag[self.exponents.imag > 0.0])
+
+    @property
+    def growth(self) -> float:
+        """Greatest real part [1/s]: above zero (and rounding) the state is unstable."""
+        return float(self.exponents.real.max(initial=-math.inf))
+
+
+def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
+    """Frequencies and growth of small motions of a scene about its steady state. Contacts are left out.
+
+    Parameters
+    ----------
+    scene : with joints and loads as they are at t = 0; its start is the first guess of the steady state. With a spin,
+        nothing in it may tell one direction of the world from another: no gravity, no ground point but the origin
+    spin : of the scene as a whole about the origin of the world [rad/s]; drives must turn at it
+
+    Raises
+    ------
+    ModelError
+        For gravity with a spin, and what ``scene.compile()`` refuses.
+    SolverError
+        If no steady state was found near the start.
+    """
+    spin = in_range("spin", spin, -math.inf, math.inf)
+    compiled = scene.compile(project=True)
+    if spin != 0.0 and np.any(compiled.model.loads.gravity):
+        raise ModelError("gravity: it was given with a spin, expected none: a scene that turns in it is never steady")
+    turning = _Turning(compiled, spin)
+    q, reaction = _steady(turning, compiled.q.copy())
+    n = len(q)
+    still = np.zeros(n)
+    J = turning.joints(q)[1]
+    free = _null(J)
+    K = _jacobian(lambda x: turning.residual(x, still, reaction), q)
+    D = _jacobian(lambda v: turning.residual(q, v, reaction), still)
+    M, D, K = (free.T @ A @ free for A in (turning.mass(q), D, K))
+    zero, one = np.zeros_like(M), np.eye(len(M))
+    exponents = np.linalg.eigvals(np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]]))
+    order = np.lexsort((exponents.real, exponents.imag))
+    return Vibrations(q, np.asarray(exponents[order], dtype=np.complex128))
+
+
+class _Turning:
+    """The mechanics of a scene as seen from turning axes."""
+
+    def __init__(self, compiled: Compiled, spin: float) -> None:
+        from lcpflex.packed import pack
+
+        self._compiled = compiled
+        self._model = pack(compiled.model)
+        self._spin = spin
+        self._frames = compiled.model.bodies.dof[:-1]
+
+    def _external(self, q: FloatArray, u: FloatArray) -> FloatArray:
+        from lcpflex.dynamics.time_functions import State
+
+        external = np.zeros((self._compiled.n_external, 3))
+        state = State(0.0, q, u, self._compiled.model.bodies.dof)
+        for callback in self._compiled.callbacks:
+            callback.fill(0.0, state, external)
+        return external
+
+    def joints(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """phi (m,) and J (m, ndof)."""
+        from lcpflex.dynamics.start import violation
+
+        u = np.zeros_like(q)
+        found = violation(self._compiled.model, q, u, self._external(q, u))
+        return found.position, found.jacobian
+
+    def mass(self, q: FloatArray) -> FloatArray:
+        """M (ndof, ndof)."""
+        from lcpflex.dynamics.mass_matrix import mass_matrix
+
+        return mass_matrix(self._compiled.model, q)
+
+    def residual(self, q: FloatArray, v: FloatArray, reaction: FloatArray) -> FloatArray:
+        """r of the module at w = 0 (ndof,)."""
+        from lcpflex.dynamics.applied_forces import applied_forces
+        from lcpflex.dynamics.inertia import elastic_forces, inertial_forces
+
+        x, y, spin = self._frames, self._frames + 1, self._spin
+        u, udot = v.copy(), np.zeros_like(v)
+        u[x] -= spin * q[y]
+        u[y] += spin * q[x]
+        u[self._frames + 2] += spin
+        udot[x] = -(spin**2) * q[x] - 2.0 * spin * v[y]
+        udot[y] = -(spin**2) * q[y] + 2.0 * spin * v[x]
+        model = self._model
+        force = np.zeros_like(q)
+        inertial_forces(model.bodies, model.loads, q, u, force)
+        elastic_forces(model.bodies, q, u, force, force)
+        applied_forces(model, 0.0, q, u, self._external(q, u), force, force, force)
+        return np.asarray(self.mass(q) @ udot - force - self.joints(q)[1].T @ reaction)
+
+
+def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """State and reactions (m,) without any motion as seen from the turning axes, by Newton's method."""
+    still = np.zeros_like(q)
+    J = turning.joints(q)[1]
+    reaction = np.linalg.lstsq(J.T, turning.residual(q, still, np.zeros(len(J))), rcond=None)[0]
+    for _ in range(ITERATIONS):
+        phi, J = turning.joints(q)
+        rest = np.concatenate([turning.residual(q, still, reaction), phi])
+        K = _jacobian(lambda x, held=reaction: turning.residual(x, still, held), q)
+        matrix = np.block([[K, -J.T], [J, np.zeros((len(J), len(J)))]])
+        change = np.linalg.lstsq(matrix, -rest, rcond=1e-14)[0]
+        q = q + change[: len(q)]
+        reaction = reaction + change[len(q) :]
+        if np.abs(change[: len(q)]).max() <= SETTLED * (1.0 + np.abs(q).max()):
+            return q, reaction
+    raise SolverError(f"no steady state was found near the start of the scene in {ITERATIONS} steps of Newton's method")
+
+
+def _jacobian(function: Callable[..., FloatArray], x: FloatArray) -> FloatArray:
+    columns: list[Any] = []
+    for k in range(len(x)):
+        step = np.zeros_like(x)
+        step[k] = DIFFERENCE
+        columns.append((function(x + step) - function(x - step)) / (2.0 * DIFFERENCE))
+    return np.column_stack(columns)
+
+
+def _null(J: FloatArray) -> FloatArray:
+    """(ndof, f) orthonormal basis of the motions that the joints leave free."""
+    _, sizes, rows = np.linalg.svd(J)
+    rank = int((sizes > INDEPENDENT * sizes.max(initial=0.0)).sum())
+    return np.asarray(rows[rank:].T)
