@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-__all__ = ["LcpflexError", "ModelError", "SolverError", "StepError", "in_range", "writable_path"]
+__all__ = ["LcpflexError", "ModelError", "ModelWarning", "SolverError", "StepError", "in_range", "writable_path"]
 
 
 class LcpflexError(Exception):
@@ -19,6 +19,10 @@ class LcpflexError(Exception):
 
 class ModelError(LcpflexError, ValueError):
     """A scene, body, joint, load, contact or option that cannot be: raised before time is spent."""
+
+
+class ModelWarning(UserWarning):
+    """A model that can be computed but hardly means what it says, as for units that do not fit each other."""
 
 
 class SolverError(LcpflexError, RuntimeError):

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline
+from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, Resolution
 from lcpflex.bodies.reduction import Damping, modal_damping, sampled, signed, skew, vanish
 from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.compiled import FloatArray, IntArray
@@ -47,7 +47,8 @@ class FiniteElements:
     sets : named nodes, one or more, in any order: what reductions choose from
     chains : named surfaces: nodes in their order, solid on the left, and whether the chain is closed
     locate : place (x, y) -> nodes (k,), weights (k,) of the material there; None where only nodes are known
-    geometric : displacements (f, k) of a static state -> its geometric stiffness as an (f, f) sparse matrix, a linear
+    resolution : what the elements can resolve; None where they are not known
+    geometric : displacements (f,) of a static state -> its geometric stiffness as an (f, f) sparse matrix, a linear
         function of that state; None where the elements are not known
     """
 
@@ -62,6 +63,7 @@ class FiniteElements:
     chains: Mapping[str, tuple[IntArray, bool]] = field(default_factory=dict)
     locate: Callable[[float, float], tuple[IntArray, FloatArray]] | None = None
     geometric: Callable[[FloatArray], csc_matrix[Any]] | None = None
+    resolution: Resolution | None = None
 
     @property
     def rigid(self) -> FloatArray:
@@ -121,6 +123,8 @@ def body_of(
         points={name: material(node) for name, node in mesh.points.items()},
         surfaces=Lazily({name: _maker(chain, material) for name, chain in mesh.chains.items()}),
         locate=_locator(mesh, material),
+        axisymmetric=mesh.axisymmetric,
+        resolution=mesh.resolution,
         products=lambda displacement: _products(displacement, mesh, weighed),
     )
 

@@ -1,0 +1,104 @@
+"""Planar elastic bodies from a mesh."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.elastic_mesh import check_material, finite_elements_of
+from lcpflex.bodies.element_integrals import Solid, elastic_law
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.planar_mesh import planar_mesh
+from lcpflex.bodies.reduction import Damping
+from lcpflex.bodies.reductions import free_interface
+from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.errors import ModelError, in_range
+
+__all__ = ["Continuum"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Continuum:
+    """A planar linear elastic body of a mesh: rho u_tt = div sigma, in plane stress or plane strain.
+
+    Elements are those of the mesh, linear or quadratic triangles or quadrilaterals with the shape functions of
+    scikit-fem, fully integrated, with consistent mass. The body frame is that of the mesh. All nodes are degrees of
+    freedom, those amid edges and elements included.
+
+    Surfaces are named after loops of the boundary: "outline", the outer one, counter-clockwise; "hole1", "hole2", ...,
+    clockwise (in the order of their middles in x, then y). Groups that the mesh came with keep their names, as sets
+    and, where they are one unbroken row of boundary edges, as surfaces.
+
+    Parameters
+    ----------
+    mesh : a scikit-fem mesh (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2; :mod:`lcpflex.bodies.meshes` makes some), or the
+        name of a file that meshio reads (Gmsh, Abaqus, VTK, ...) with one kind of planar element. Places [m]
+    density : [kg/m^3]
+    youngs_modulus : [Pa]
+    poissons_ratio : in (-1, 0.5)
+    thickness : out of the plane [m]
+    plane_strain : True for a slice of a long body that cannot contract out of the plane
+    sets : name -> predicate f(x, y) -> bool of node places (arrays or numbers), node numbers, or the name of a group of
+        the mesh. One node is a named point; nodes that are those of one unbroken row of boundary edges are a surface
+        (solid on its left); anything else, as an area or two separate rows, is a node set for reductions only.
+
+    Raises
+    ------
+    ModelError
+        For numbers out of range; meshes that are not connected through edges, have flat or folded elements or other
+        kinds; files that cannot be read; sets that are empty, unknown, or whose predicate fails.
+
+    Warns
+    -----
+    ModelWarning
+        If no material has that wave speed sqrt(E / rho): a unit is wrong. If nodes without an element are left out.
+    """
+
+    mesh: Any
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    thickness: float = 1.0
+    plane_strain: bool = False
+    sets: Mapping[str, Any] = field(default_factory=dict)
+    _finite_elements: FiniteElements = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        check_material(self)
+        object.__setattr__(self, "thickness", in_range("thickness", self.thickness, 0.0, math.inf, open_ends=True))
+        if not isinstance(self.plane_strain, (bool, np.bool_)):
+            raise ModelError(f"plane_strain: {self.plane_strain!r} was given, expected True or False")
+        law = elastic_law(self.youngs_modulus, self.poissons_ratio, bool(self.plane_strain))
+        speed = math.sqrt(self.youngs_modulus / self.density)
+        if self.plane_strain:
+            speed /= math.sqrt(1.0 - self.poissons_ratio**2)
+        solid = Solid(planar_mesh(self.mesh), self.density, law, self.thickness)
+        object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
+
+    def finite_elements(self) -> FiniteElements:
+        """What every reduction starts from."""
+        return self._finite_elements
+
+    def reduce(
+        self, modes: int | None = 8, damping: Damping | None = None, stiffening: Stiffening | None = None
+    ) -> Body:
+        """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
+
+        Parameters
+        ----------
+        modes : at most 2 N - 3 of N nodes; None for all, 0 for a rigid body
+        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
+            None for none
+        stiffening : :class:`Stiffening` to keep the geometric stiffness of a turning body; None for none
+
+        Raises
+        ------
+        ModelError
+            For more modes than the mesh has, or a damping that is negative or of the wrong length.
+        """
+        return free_interface(self, modes, damping=damping, stiffening=stiffening)

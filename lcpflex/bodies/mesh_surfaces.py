@@ -1,0 +1,247 @@
+"""Surfaces of a mesh: its boundary as ordered loops, and named nodes as points, sets and chains of it.
+
+A boundary edge belongs to one element, which lies on its left. So the outer loop runs counter-clockwise, loops around
+holes clockwise, and outward normals point to the right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lcpflex.bodies.body import named
+from lcpflex.bodies.planar_mesh import PlanarMesh
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+
+__all__ = ["Boundary", "Names", "boundary_of", "names_of"]
+
+Chains: TypeAlias = dict[str, tuple[IntArray, bool]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Boundary:
+    """The boundary of a mesh.
+
+    Attributes
+    ----------
+    loops : nodes of each loop in its order, nodes amid edges included; the outer one first
+    stride : nodes an edge goes on by: 1, or 2 with a node amid it
+    """
+
+    loops: tuple[IntArray, ...]
+    stride: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Names:
+    """Named points, sets and surfaces, as :class:`FiniteElements` takes them."""
+
+    points: dict[str, int] = field(default_factory=dict)
+    sets: dict[str, IntArray] = field(default_factory=dict)
+    chains: Chains = field(default_factory=dict)
+
+
+def boundary_of(mesh: PlanarMesh) -> Boundary:
+    """The loops of boundary edges: the outer one, then holes in the order of their middles (x, then y).
+
+    Each starts at its leftmost node (the lowest of them).
+
+    Raises
+    ------
+    ModelError
+        Where elements overlap (an edge of more than two) or touch at a corner only.
+    """
+    walked = mesh.cells[:, mesh.kind.edges()].reshape(-1, 3 if mesh.kind.quadratic else 2)
+    ends = np.sort(walked[:, :2], axis=1)
+    _, first, number, uses = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    if uses.max() > 2:
+        _refuse(mesh, int(ends[first[uses.argmax()], 0]), f"{uses.max()} elements share an edge", "at most two")
+    edges = walked[first[uses == 1]]
+    inner = np.flatnonzero(uses == 2)
+    order = np.argsort(number.ravel(), kind="stable")
+    pairs = walked[order[np.searchsorted(number.ravel()[order], inner)[:, None] + [0, 1]]]
+    same = (pairs[:, 0, :2] == pairs[:, 1, :2]).all(axis=1)
+    if same.any():
+        _refuse(mesh, int(pairs[same.argmax(), 0, 0]), "two elements lie on the same side of an edge", "no overlap")
+    if mesh.kind.quadratic and (pairs[:, 0, 2] != pairs[:, 1, 2]).any():
+        apart = int((pairs[:, 0, 2] != pairs[:, 1, 2]).argmax())
+        _refuse(mesh, int(pairs[apart, 0, 2]), "an edge has two nodes amid it", "one that both elements share")
+    loops = _linked(mesh, edges)
+    areas = [_area(mesh.places[loop]) for loop in loops]
+    outer = int(np.argmax(areas))
+    holes = [loop for k, loop in enumerate(loops) if k != outer]
+    holes.sort(key=lambda loop: tuple(mesh.places[loop].mean(axis=0)))
+    return Boundary((loops[outer], *holes), 2 if mesh.kind.quadratic else 1)
+
+
+def _refuse(mesh: PlanarMesh, node: int, fault: str, expected: str) -> None:
+    x, y = mesh.places[node]
+    raise ModelError(f"{mesh.source}: {fault} at ({x:.6g}, {y:.6g}), expected {expected}")
+
+
+def _linked(mesh: PlanarMesh, edges: IntArray) -> list[IntArray]:
+    """The closed walks along directed edges (k, 2 or 3: from, to, amid)."""
+    starts, uses = np.unique(edges[:, 0], return_counts=True)
+    if uses.max() > 1:
+        node = int(starts[uses.argmax()])
+        _refuse(mesh, node, "parts of the mesh touch at one node only", "a boundary that does not meet itself")
+    row = dict(zip(edges[:, 0].tolist(), range(len(edges)), strict=True))
+    x, y = mesh.places.T
+    left = sorted(row, key=lambda node: (x[node], y[node]))
+    loops: list[IntArray] = []
+    seen: set[int] = set()
+    for start in left:
+        walk: list[int] = []
+        node = start
+        while node not in seen:
+            seen.add(node)
+            edge = edges[row[node]]
+            walk += [node, *(int(amid) for amid in edge[2:])]
+            node = int(edge[1])
+        if walk:
+            loops.append(np.array(walk))
+    return loops
+
+
+def _area(places: FloatArray) -> float:
+    arms = places - places[0]
+    on = np.roll(arms, -1, axis=0)
+    return 0.5 * float((arms[:, 0] * on[:, 1] - on[:, 0] * arms[:, 1]).sum())
+
+
+def names_of(mesh: PlanarMesh, boundary: Boundary, sets: Mapping[str, Any], axis: bool) -> Names:
+    """Every name of the mesh: its boundary, the groups it came with, and the user's sets.
+
+    One node is a point and a set. Nodes that are those of one unbroken row of boundary edges are a surface, too: in
+    the order of their loop, closed if it is the whole loop. Other nodes (an area; several rows) are a set only.
+
+    Parameters
+    ----------
+    sets : name -> predicate f(x, y) -> bool on the places of nodes (arrays or numbers), node numbers, or the name of
+        a group of the mesh
+    axis : whether edges on y = 0 are no surface but the axis of a solid of revolution
+
+    Raises
+    ------
+    ModelError
+        For sets that are empty or none of these, a predicate that raises, unknown groups, and names that are taken.
+    """
+    found = Names()
+    _name_loops(found, mesh, boundary, axis)
+    taken = set(found.chains)
+    given = {name: _nodes(name, value, mesh) for name, value in named("sets", sets).items()}
+    clash = sorted(taken & set(given))
+    if clash:
+        raise ModelError(f"sets: the name {clash[0]!r} was given, expected another one: a loop of the boundary has it")
+    for name, nodes in {**mesh.groups, **given}.items():
+        if name in taken:
+            continue  # a group of a file that is called like a loop: the loop is what contact needs
+        found.sets[name] = np.asarray(nodes)
+        if len(nodes) == 1:
+            found.points[name] = int(nodes[0])
+            continue
+        chain = _chain(np.asarray(nodes), boundary)
+        if chain is not None:
+            found.chains[name] = chain
+    return found
+
+
+def _name_loops(found: Names, mesh: PlanarMesh, boundary: Boundary, axis: bool) -> None:
+    """ "outline" and "hole1", ...; of a half section also "surface", without the axis, and open cavities as holes."""
+    outer, *holes = boundary.loops
+    found.chains["outline"] = (outer, True)
+    rest: list[tuple[IntArray, bool]] = [(hole, True) for hole in holes]
+    if axis:
+        radius = mesh.places[:, 1]
+        on_axis = (radius[outer] == 0.0) & (np.roll(radius[outer], -boundary.stride) == 0.0)
+        on_axis[np.arange(len(outer)) % boundary.stride != 0] = False
+        pieces = _pieces(outer, ~on_axis[:: boundary.stride], boundary.stride)
+        pieces.sort(key=lambda piece: -mesh.places[piece[0][0], 0])  # the outer one comes back from the far end
+        found.chains["surface"], rest = pieces[0], pieces[1:] + rest
+    for k, chain in enumerate(rest, start=1):
+        found.chains[f"hole{k}"] = chain
+    for name, (nodes, _) in found.chains.items():
+        found.sets[name] = np.unique(nodes)
+
+
+def _pieces(loop: IntArray, kept: np.ndarray[Any, np.dtype[np.bool_]], stride: int) -> list[tuple[IntArray, bool]]:
+    """The runs of the edges ``kept`` of a closed loop, as chains."""
+    if kept.all():
+        return [(loop, True)]
+    begins = np.flatnonzero(kept & ~np.roll(kept, 1))
+    ends = np.flatnonzero(kept & ~np.roll(kept, -1))
+    pieces = []
+    for begin in begins:
+        after = ends[ends >= begin]
+        length = (int(after[0]) if len(after) else int(ends[0]) + len(kept)) - int(begin) + 1
+        places = (stride * int(begin) + np.arange(stride * length + 1)) % len(loop)
+        pieces.append((loop[places], False))
+    return pieces
+
+
+def _chain(nodes: IntArray, boundary: Boundary) -> tuple[IntArray, bool] | None:
+    """The nodes in the order of their loop, if they are one unbroken row of its edges."""
+    for loop in boundary.loops:
+        inside = np.isin(loop, nodes)
+        whole = inside & np.roll(inside, -1)
+        if boundary.stride == 2:
+            whole = whole & np.roll(inside, -2)
+        pieces = _pieces(loop, whole[:: boundary.stride], boundary.stride) if inside.any() else []
+        if len(pieces) == 1 and len(pieces[0][0]) == len(nodes):
+            return pieces[0]
+    return None
+
+
+def _nodes(name: str, value: Any, mesh: PlanarMesh) -> IntArray:
+    """The nodes that a user means."""
+    label = f"sets[{name!r}]"
+    if isinstance(value, str):
+        if value not in mesh.groups:
+            known = ", ".join(map(repr, mesh.groups)) or "none"
+            raise ModelError(f"{label}: {value!r} was given, expected a group of the mesh ({known})")
+        return mesh.groups[value]
+    if callable(value):
+        chosen = np.flatnonzero(_asked(label, value, mesh))
+        if not len(chosen):
+            (x0, y0), (x1, y1) = mesh.places.min(axis=0), mesh.places.max(axis=0)
+            raise ModelError(
+                f"{label}: no node fulfils the predicate, expected one: they lie in {x0:.6g} <= x <= {x1:.6g}, "
+                f"{y0:.6g} <= y <= {y1:.6g}, and places that are computed are equal to rounding only"
+            )
+        return chosen
+    try:
+        given = np.atleast_1d(np.asarray(value))
+    except ValueError:
+        given = np.zeros(0)
+    if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
+        raise ModelError(f"{label}: {value!r} was given, expected a predicate f(x, y), node numbers or a group's name")
+    count = len(mesh.places)
+    if given.min() < 0 or given.max() >= count:
+        bad = int(given.min() if given.min() < 0 else given.max())
+        raise ModelError(f"{label}: node {bad} was given, expected nodes from 0 to {count - 1}")
+    return np.unique(given)
+
+
+def _asked(label: str, predicate: Any, mesh: PlanarMesh) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """(N,) the answers of a predicate, which may be written for arrays or for numbers."""
+    x, y = mesh.places.T
+    try:
+        answer = predicate(x.copy(), y.copy())
+    except Exception:
+        answer = None  # perhaps it is written for numbers: what is wrong with it comes up below
+    if isinstance(answer, np.ndarray) and answer.shape == x.shape and answer.dtype == np.bool_:
+        return answer
+    answers = np.empty(len(x), dtype=np.bool_)
+    for k, place in enumerate(mesh.places.tolist()):
+        try:
+            one = predicate(*place)
+        except Exception as error:
+            raise ModelError(f"{label}: the predicate raised {error!r} at ({place[0]:g}, {place[1]:g})") from error
+        if not isinstance(one, (bool, np.bool_)):
+            raise ModelError(f"{label}: the predicate gave {one!r} at ({place[0]:g}, {place[1]:g}), expected a bool")
+        answers[k] = one
+    return answers

@@ -1,0 +1,107 @@
+"""Elastic solids of revolution from a mesh of their half section, for impacts along the axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.elastic_mesh import check_material, finite_elements_of
+from lcpflex.bodies.element_integrals import Solid, elastic_law
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh, planar_mesh
+from lcpflex.bodies.reduction import Damping
+from lcpflex.bodies.reductions import free_interface
+from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.errors import ModelError
+
+__all__ = ["SolidOfRevolution"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SolidOfRevolution:
+    """A linear elastic solid of revolution about the x axis: strains e_xx, e_rr, gamma_xr and u_r / r around the axis.
+
+    The mesh is that of half a section: x along the axis, y = r >= 0 the radius. Integrals are those of the whole
+    solid, dV = 2 pi r dx dr, and a force at a node is that on its whole circle. Nodes on the axis have no radial
+    displacement. Elements, sets, groups and "hole1", ... are those of :class:`Continuum`.
+
+    The body moves along its axis only, and a scene refuses it otherwise: hold it by a joint
+    ``Prismatic(P, Q, axis=...)`` along its axis, or a weld. Bodies that it meets lie on the same axis; a contact of
+    nodes off the axis stands for that of their circles.
+
+    Surfaces: "outline" is the loop around the half section, along the axis as well; "surface" is the outer one
+    without the axis, from its far end (largest x) to its near one; further rows of edges off the axis are "hole1", ...
+
+    Parameters
+    ----------
+    mesh : of the half section, as for :class:`Continuum` [m]
+    density : [kg/m^3]
+    youngs_modulus : [Pa]
+    poissons_ratio : in (-1, 0.5)
+    sets : as for :class:`Continuum`
+
+    Raises
+    ------
+    ModelError
+        As for :class:`Continuum`, and for nodes below the axis.
+
+    Warns
+    -----
+    ModelWarning
+        As for :class:`Continuum`.
+    """
+
+    mesh: Any
+    density: float
+    youngs_modulus: float
+    poissons_ratio: float
+    sets: Mapping[str, Any] = field(default_factory=dict)
+    _finite_elements: FiniteElements = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        check_material(self)
+        law = elastic_law(self.youngs_modulus, self.poissons_ratio, None)
+        solid = Solid(_above_axis(planar_mesh(self.mesh)), self.density, law, None)
+        speed = math.sqrt(self.youngs_modulus / self.density)
+        object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
+
+    def finite_elements(self) -> FiniteElements:
+        """What every reduction starts from."""
+        return self._finite_elements
+
+    def reduce(
+        self, modes: int | None = 8, damping: Damping | None = None, stiffening: Stiffening | None = None
+    ) -> Body:
+        """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
+
+        Parameters
+        ----------
+        modes : at most one less than there are degrees of freedom; None for all, 0 for a rigid body
+        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
+            None for none
+        stiffening : must be None: a body that moves along its axis only does not turn
+
+        Raises
+        ------
+        ModelError
+            For more modes than the mesh has, or a damping that is negative or of the wrong length.
+        """
+        return free_interface(self, modes, damping=damping, stiffening=stiffening)
+
+
+def _above_axis(mesh: PlanarMesh) -> PlanarMesh:
+    """The mesh with its nodes near the axis on it; refuses nodes below."""
+    places = mesh.places.copy()
+    lowest = int(places[:, 1].argmin())
+    x, y = places[lowest]
+    slack = FLAT * mesh.size
+    if y < -slack:
+        raise ModelError(
+            f"{mesh.source}: node {lowest} at ({x:.6g}, {y:.6g}) lies below the axis, expected y >= 0: the mesh is "
+            f"that of half a section, with its axis on y = 0"
+        )
+    places[places[:, 1] <= slack, 1] = 0.0
+    return replace(mesh, places=places)
