@@ -88,7 +88,7 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     still = np.zeros(n)
     J = turning.joints(q)[1]
     free = _null(J)
-    K = _jacobian(lambda x: turning.residual(x, still, reaction), q)
+    K = _stiffness(turning, q, reaction)
     D = _jacobian(lambda v: turning.residual(q, v, reaction), still)
     M, D, K = (free.T @ A @ free for A in (turning.mass(q), D, K))
     zero, one = np.zeros_like(M), np.eye(len(M))
@@ -159,7 +159,7 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     for _ in range(ITERATIONS):
         phi, J = turning.joints(q)
         rest = np.concatenate([turning.residual(q, still, reaction), phi])
-        K = _jacobian(lambda x, held=reaction: turning.residual(x, still, held), q)
+        K = _stiffness(turning, q, reaction)
         matrix = np.block([[K, -J.T], [J, np.zeros((len(J), len(J)))]])
         change = np.linalg.lstsq(matrix, -rest, rcond=1e-14)[0]
         q = q + change[: len(q)]
@@ -167,6 +167,11 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         if np.abs(change[: len(q)]).max() <= SETTLED * (1.0 + np.abs(q).max()):
             return q, reaction
     raise SolverError(f"no steady state was found near the start of the scene in {ITERATIONS} steps of Newton's method")
+
+
+def _stiffness(turning: _Turning, q: FloatArray, reaction: FloatArray) -> FloatArray:
+    still = np.zeros_like(q)
+    return _jacobian(lambda x: turning.residual(x, still, reaction), q)
 
 
 def _jacobian(function: Callable[..., FloatArray], x: FloatArray) -> FloatArray:
