@@ -14,6 +14,7 @@ from lcpflex.studies.graph_distance import graph_distance
 
 if TYPE_CHECKING:
     from lcpflex.result import Result
+    from lcpflex.scene import Compiled
 
 __all__ = [
     "Measured",
@@ -23,9 +24,12 @@ __all__ = [
     "chosen_outputs",
     "error_between",
     "is_nothing",
+    "motion_of",
     "resolution",
     "scale_text",
     "standard_outputs",
+    "trajectory",
+    "two_places",
 ]
 
 STILL = 1e-9  # a range below this, relative to the values, is rounding
@@ -257,7 +261,12 @@ def trajectory(result: Result) -> list[Part]:
             for mark, values in (("", result.q), ("'", result.u))
             for k, name in enumerate(names)
         ]
-    places = [(body, place) for body in result.compiled.layout.bodies for place in _two_places(result, body)]
+    return motion_of(result, two_places(result.compiled))
+
+
+def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, float]]]) -> list[Part]:
+    """Position and velocity of the material at the undeformed ``places`` of bodies [m], with one scale each."""
+    assert result.compiled is not None
     position = np.stack([result.point(*at) for at in places], axis=1)
     velocity = np.stack([result.velocity(*at) for at in places], axis=1)
     length = float(np.linalg.norm(np.ptp(position, axis=0), axis=-1).max(initial=0.0))
@@ -268,13 +277,19 @@ def trajectory(result: Result) -> list[Part]:
     ]
 
 
-def _two_places(result: Result, body: str) -> list[tuple[float, float]]:
-    """Undeformed places [m] that between them see a body translate, turn and bend."""
-    assert result.compiled is not None
-    model = result.compiled.model
-    b = result.compiled.layout.bodies.index(body)
+def two_places(compiled: Compiled, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, float]]]:
+    """Undeformed places [m], two for each body, that between them see it translate, turn and bend.
+
+    Of bodies in ``ends`` they are the ends of what is known of them even if they are rigid.
+    """
+    return [(body, place) for body in compiled.layout.bodies for place in _two_of(compiled, body, body in ends)]
+
+
+def _two_of(compiled: Compiled, body: str, ends: bool) -> list[tuple[float, float]]:
+    model = compiled.model
+    b = compiled.layout.bodies.index(body)
     own = model.points.place[model.points.body == b]
-    if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3:
+    if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3 and not (ends and len(own)):
         arm = float(np.sqrt(model.bodies.inertia[b] / model.bodies.mass[b]))
         return [(0.0, 0.0), (arm, 0.0)]
     if not len(own):
