@@ -155,7 +155,8 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """State and reactions (m,) without any motion as seen from the turning axes, by Newton's method."""
     still = np.zeros_like(q)
     J = turning.joints(q)[1]
-    reaction = np.linalg.lstsq(J.T, turning.residual(q, still, np.zeros(len(J))), rcond=None)[0]
+    unheld = turning.residual(q, still, np.zeros(len(J)))
+    reaction: FloatArray = np.asarray(np.linalg.lstsq(J.T, unheld, rcond=None)[0], dtype=np.float64)
     for _ in range(ITERATIONS):
         phi, J = turning.joints(q)
         rest = np.concatenate([turning.residual(q, still, reaction), phi])
