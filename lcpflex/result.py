@@ -71,6 +71,7 @@ class ContactHistory:
     impulse: FloatArray  # (m, 2) accumulated since the start, impacts included [N s]
     state: StateArray  # (m,) OPEN, STICK or SLIP
     gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin
+    pairs: IntArray  # (m,) pairs of touching points that carry a normal force
     first_event: float  # [s] first event that names the contact; infinite if there is none
 
     @property
@@ -147,9 +148,10 @@ class Result:
             raise ModelError(f"name: no contact {name!r}; expected one of {_listed(self.contact_names)}")
         k = self.contact_names.index(name)
         first = min((event.time for event in self.events if event.contact == name), default=float("inf"))
-        return ContactHistory(
-            name, self.times, self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k], first
-        )
+        pressed = (self.spots.contact == k) & (self.spots.force[:, 0] > 0.0)
+        pairs = np.bincount(self.spots.record[pressed], minlength=len(self.times))
+        force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
+        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.
