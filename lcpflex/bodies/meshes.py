@@ -1,21 +1,25 @@
 """Meshes of simple shapes, as scikit-fem meshes with named boundaries.
 
-Places are in metres. A mesh is moved with ``mesh.translated((dx, dy))``, refined with ``mesh.refined()``, and given
-quadratic elements with :func:`quadratic`.
+Places are in metres. Besides these, everything of scikit-fem works: ``mesh.translated((dx, dy))``, ``mesh.refined()``,
+``mesh.scaled(0.001)``, ``mesh.save(path)``. Local refinement towards a contact is :func:`graded`.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from lcpflex.bodies.body import whole_number
-from lcpflex.compiled import FloatArray
+from lcpflex.bodies.body import array_of, whole_number
+from lcpflex.bodies.mesh_grading import Zone, named_again, refined_to
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 
-__all__ = ["bar", "quadratic", "rectangle"]
+__all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
+__all__ += ["rectangle", "ring"]
 
 
 def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool = False) -> Any:
@@ -32,26 +36,40 @@ def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool
     ModelError
         For sizes that are not positive or numbers below 1.
     """
-    size = [
-        in_range(name, value, 0.0, math.inf, open_ends=True)
-        for name, value in zip(("length", "height"), (length, height), strict=True)
-    ]
-    n = [whole_number(name, value, 1) for name, value in zip(("nx", "ny"), (nx, ny), strict=True)]
-    return _grid(np.linspace(0.0, size[0], n[0] + 1), np.linspace(0.0, size[1], n[1] + 1), triangles)
+    across, up = _positive("length", length), _positive("height", height)
+    n = whole_number("nx", nx, 1), whole_number("ny", ny, 1)
+    return grid(np.linspace(0.0, across, n[0] + 1), np.linspace(0.0, up, n[1] + 1), triangles=triangles)
 
 
-def _grid(x: FloatArray, y: FloatArray, triangles: bool) -> Any:
-    """The mesh of all pairs of the coordinates, with its four sides named."""
+def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False) -> Any:
+    """Elements between grid lines; boundaries "left", "right", "bottom", "top".
+
+    Parameters
+    ----------
+    x, y : (nx + 1,), (ny + 1,) ascending coordinates of the lines [m]
+    triangles : two triangles in the place of each quadrilateral
+
+    Raises
+    ------
+    ModelError
+        For fewer than two lines, or lines that do not ascend.
+    """
     import skfem
 
-    mesh = (skfem.MeshTri1 if triangles else skfem.MeshQuad1).init_tensor(x, y)
-    sides = {
-        "left": lambda at: at[0] == x[0],
-        "right": lambda at: at[0] == x[-1],
-        "bottom": lambda at: at[1] == y[0],
-        "top": lambda at: at[1] == y[-1],
-    }
-    return mesh.with_boundaries(sides)
+    lines = [array_of(name, value, (-1,)) for name, value in (("x", x), ("y", y))]
+    for name, line in zip(("x", "y"), lines, strict=True):
+        if len(line) < 2 or not np.diff(line).min() > 0.0:
+            raise ModelError(f"{name}: {line!r} was given, expected two ascending coordinates or more")
+    mesh = (skfem.MeshTri1 if triangles else skfem.MeshQuad1).init_tensor(*lines)
+    (x0, x1), (y0, y1) = (line[[0, -1]] for line in lines)
+    return mesh.with_boundaries(
+        {
+            "left": lambda at: at[0] == x0,
+            "right": lambda at: at[0] == x1,
+            "bottom": lambda at: at[1] == y0,
+            "top": lambda at: at[1] == y1,
+        }
+    )
 
 
 def bar(length: float, height: float, elements: int, *, across: int = 1, triangles: bool = False) -> Any:
@@ -59,7 +77,123 @@ def bar(length: float, height: float, elements: int, *, across: int = 1, triangl
 
     Boundaries "left", "right", "bottom", "top". Raises :class:`ModelError` as :func:`rectangle` does.
     """
-    return rectangle(length, height, elements, across, triangles=triangles).translated((0.0, -0.5 * float(height)))
+    return rectangle(length, height, elements, across, triangles=triangles).translated((0.0, -0.5 * height))
+
+
+def ring(inner: float, outer: float, around: int, through: int, *, quadratic: bool = False) -> Any:
+    """A circular ring about the origin, of quadrilaterals; boundaries "inner" and "outer".
+
+    Parameters
+    ----------
+    inner, outer : radii [m]
+    around, through : numbers of elements
+    quadratic : quadratic elements, curved along the circles
+
+    Raises
+    ------
+    ModelError
+        For radii that are not 0 < inner < outer, fewer than 3 elements around or 1 through.
+    """
+    import skfem
+
+    inside = _positive("inner", inner)
+    outside = in_range("outer", outer, inside, math.inf, open_ends=True)
+    n, layers = whole_number("around", around, 3), whole_number("through", through, 1)
+    angle = 2.0 * math.pi * np.arange(n) / n
+    radius = np.linspace(inside, outside, layers + 1)
+    places = np.stack([np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle))]).reshape(2, -1)
+    number = np.arange(n * (layers + 1)).reshape(layers + 1, n)
+    after = np.roll(number, -1, axis=1)
+    cells = np.stack([number[:-1], number[1:], after[1:], after[:-1]]).reshape(4, -1)
+    mesh = skfem.MeshQuad1(places, cells)
+    middle = 0.5 * (inside + outside)
+    mesh = mesh.with_boundaries(
+        {
+            "inner": lambda at: np.hypot(*at) < middle,
+            "outer": lambda at: np.hypot(*at) > middle,
+        }
+    )
+    return _raised(mesh, _bent_around) if quadratic else mesh
+
+
+def half_disc(
+    radius: float, size: float, *, finest: float | None = None, within: float = 0.0, quadratic: bool = False
+) -> Any:
+    """Triangles on the half disc x^2 + y^2 <= radius^2, y <= 0, refined towards its pole (0, -radius).
+
+    Boundaries "round" and "flat" (y = 0).
+
+    Parameters
+    ----------
+    radius : [m]
+    size : longest edge anywhere [m]
+    finest : longest edge at the pole [m]; None for no refinement
+    within : distance from the pole up to which edges are as short as that [m]; beyond, they grow by a fifth of theirs
+    quadratic : quadratic elements, curved along the circle
+
+    Raises
+    ------
+    ModelError
+        For sizes that are not positive, finest > size, or a mesh of more than two million elements.
+    """
+    R = _positive("radius", radius)
+    mesh = _half_round(R, size, finest, within, np.array([0.0, -R]), -1.0)
+    return _raised(mesh, _onto_circle(R)) if quadratic else mesh
+
+
+def half_section_of_sphere(
+    radius: float, size: float, *, finest: float | None = None, within: float = 0.0, quadratic: bool = False
+) -> Any:
+    """Triangles on the half section x^2 + y^2 <= radius^2, y >= 0 of a sphere, refined towards its pole (radius, 0).
+
+    For :class:`SolidOfRevolution`. Boundaries "round" and "axis" (y = 0). Parameters and errors are those of
+    :func:`half_disc`.
+    """
+    R = _positive("radius", radius)
+    mesh = _half_round(R, size, finest, within, np.array([R, 0.0]), 1.0)
+    return _raised(mesh, _onto_circle(R)) if quadratic else mesh
+
+
+def half_section_of_rod(
+    length: float, radius: float, size: float, *, finest: float | None = None, within: float = 0.0
+) -> Any:
+    """Triangles on the half section 0 <= x <= length, 0 <= y <= radius of a rod, refined towards (0, 0).
+
+    For :class:`SolidOfRevolution`. Boundaries "left", "right", "bottom" (the axis), "top". The other parameters and
+    errors are those of :func:`half_disc`.
+    """
+    whole, up, largest = _positive("length", length), _positive("radius", radius), _positive("size", size)
+    leg = largest / math.sqrt(2.0)
+    counts = math.ceil(whole / leg * (1.0 - 1e-12)), math.ceil(up / leg * (1.0 - 1e-12))
+    mesh = rectangle(whole, up, *counts, triangles=True)
+    return mesh if finest is None else graded(mesh, (0.0, 0.0), finest, within=within)
+
+
+def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 0.0, growth: float = 0.2) -> Any:
+    """The mesh of straight-sided triangles, split where edges are longer than ``finest + growth (distance - within)``.
+
+    Parameters
+    ----------
+    mesh : MeshTri1 of scikit-fem; its boundaries keep their names, subdomains do not
+    towards : (2,) a place, or (2, 2) both ends of a straight line, where contact is expected [m]
+    finest : longest edge there [m]
+    within : distance up to which edges are as short as that [m]
+    growth : of the longest edge with the distance, in (0, 1]
+
+    Raises
+    ------
+    ModelError
+        For another kind of mesh, numbers out of range, or more than two million elements.
+    """
+    if type(mesh).__name__ != "MeshTri1":
+        raise ModelError(f"mesh: {type(mesh).__name__} was given, expected a MeshTri1 of scikit-fem")
+    ends = np.asarray(towards, dtype=np.float64) if np.ndim(towards) == 1 else array_of("towards", towards, (2, 2))
+    line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
+    if len(line) not in (1, 2):
+        raise ModelError(f"towards: {towards!r} was given, expected a place or the two ends of a line")
+    slope = in_range("growth", growth, 1e-3, 1.0)
+    zone = Zone(line, _positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
+    return named_again(refined_to(mesh, zone, None), mesh)
 
 
 def quadratic(mesh: Any) -> Any:
@@ -67,13 +201,80 @@ def quadratic(mesh: Any) -> Any:
 
     Raises :class:`ModelError` for anything but a MeshTri1 or MeshQuad1 of scikit-fem.
     """
+    return _raised(mesh, None)
+
+
+def _positive(name: str, value: Any) -> float:
+    return in_range(name, value, 0.0, math.inf, open_ends=True)
+
+
+def _half_round(R: float, size: float, finest: float | None, within: float, pole: FloatArray, up: float) -> Any:
+    """Three equal triangles, split until they are small enough, new boundary nodes put onto the circle."""
+    import skfem
+
+    largest = _positive("size", size)
+    least = largest if finest is None else in_range("finest", finest, 0.0, largest * (1.0 + 1e-12))
+    zone = Zone(pole[None], _positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
+    angle = math.pi * np.arange(4) / 3.0
+    places = R * np.array([[*np.cos(angle), 0.0], [*(up * np.sin(angle)), 0.0]])
+    places[1, [0, 3]] = 0.0
+    start = skfem.MeshTri1(places, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4]]).T)
+    if up < 0.0:  # the pole must be a node
+        start = start.refined(np.array([1]))
+        start = _moved(start, _onto_circle(R)(start.p, start.facets, start))
+    mesh = refined_to(start, zone, lambda m: _moved(m, _onto_circle(R)(m.p, m.facets, m)))
+    flat = "flat" if up < 0.0 else "axis"
+    tall = 1e-9 * R
+    return mesh.with_boundaries({"round": lambda at: np.abs(at[1]) > tall, flat: lambda at: np.abs(at[1]) <= tall})
+
+
+def _moved(mesh: Any, places: FloatArray) -> Any:
+    import skfem
+
+    return skfem.MeshTri1(places[:, : mesh.p.shape[1]], mesh.t)
+
+
+Bend = Callable[[FloatArray, IntArray, Any], FloatArray]
+
+
+def _onto_circle(R: float) -> Bend:
+    """Puts nodes of the round boundary onto the circle."""
+
+    def bend(places: FloatArray, facets: IntArray, mesh: Any) -> FloatArray:
+        places = places.copy()
+        edges = mesh.boundary_facets()
+        middle = 0.5 * (mesh.p[:, facets[0, edges]] + mesh.p[:, facets[1, edges]])
+        on_arc = edges[np.abs(middle[1]) > 1e-9 * R]
+        nodes = np.unique(facets[:, on_arc])
+        if places.shape[1] > mesh.p.shape[1]:
+            nodes = np.concatenate([nodes, mesh.p.shape[1] + on_arc])  # of quadratic meshes: after the corners
+        on_axis = np.abs(places[1, nodes]) <= 1e-9 * R
+        nodes = nodes[~on_axis]
+        places[:, nodes] *= R / np.hypot(*places[:, nodes])
+        return places
+
+    return bend
+
+
+def _bent_around(places: FloatArray, facets: IntArray, mesh: Any) -> FloatArray:
+    """Gives nodes amid edges and elements the mean radius of their corners."""
+    radius = np.hypot(*mesh.p)
+    wanted = np.concatenate([radius, radius[facets].mean(axis=0), radius[mesh.t].mean(axis=0)])[: places.shape[1]]
+    return np.asarray(places * (wanted / np.hypot(*places)))
+
+
+def _raised(mesh: Any, bend: Bend | None) -> Any:
+    """The mesh with quadratic elements, its new nodes moved by ``bend``."""
     import skfem
 
     kinds = {"MeshTri1": "MeshTri2", "MeshQuad1": "MeshQuad2"}
     name = type(mesh).__name__
     if name not in kinds:
         raise ModelError(f"mesh: {name} was given, expected a MeshTri1 or MeshQuad1 of scikit-fem")
-    raised = getattr(skfem, kinds[name]).from_mesh(mesh)
+    kind = getattr(skfem, kinds[name])
+    raised = kind.from_mesh(mesh)
+    if bend is not None:
+        raised = kind(bend(np.asarray(raised.doflocs), mesh.facets, mesh), raised.t)
     if mesh.boundaries:
         raised = raised.with_boundaries({key: np.asarray(facets) for key, facets in mesh.boundaries.items()})
     return raised.with_subdomains(dict(mesh.subdomains)) if mesh.subdomains else raised

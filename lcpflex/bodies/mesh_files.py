@@ -1,0 +1,153 @@
+"""Meshes from files, through meshio: Gmsh, Abaqus, VTK and its other formats.
+
+Nodes keep the order of the file, from 0. Groups of the file keep their names: physical groups of Gmsh, node and
+element sets of Abaqus, and what scikit-fem stores with its meshes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+
+__all__ = ["read_mesh"]
+
+LINES = ("vertex", "line", "line3")  # what a planar mesh may hold besides: it names points and edges
+ABAQUS = {"3": "CPS3", "4": "CPS4", "6": "CPE6", "8": "S8R"}  # by number of nodes: the names that meshio knows
+ABAQUS_TYPE = re.compile(r"(?im)^(\*element\b.*?\btype\s*=\s*)(?:cps|cpe|cax)([3468])\w*")
+
+
+def read_mesh(path: str | os.PathLike[str]) -> Any:
+    """The planar mesh in a file: a :class:`PlanarMesh`, or the mesh of scikit-fem that was stored there.
+
+    Raises
+    ------
+    ModelError
+        For files that cannot be read, spatial meshes, and elements of several or other kinds.
+    """
+    name = os.fspath(path)
+    source = f"mesh {name!r}"
+    if not Path(name).is_file():
+        raise ModelError(f"mesh: {name!r} was given, expected the name of a file that is there")
+    found = _read(name, source)
+    if any(key.startswith("skfem:") for key in found.cell_data):
+        from skfem.io.meshio import from_meshio
+
+        _only_kind(found, source)
+        found.points = _planar(np.asarray(found.points, dtype=np.float64), source)
+        return from_meshio(found)
+    kind = _only_kind(found, source)
+    places = _planar(np.asarray(found.points, dtype=np.float64), source)
+    cells = np.concatenate([np.asarray(block.data) for block in found.cells if block.type == kind]).astype(np.int64)
+    if not cells.size or cells.min() < 0 or cells.max() >= len(places):
+        raise ModelError(f"{source}: elements with nodes that it does not have, expected 0 to {len(places) - 1}")
+    return PlanarMesh(KINDS[kind], places, cells, _groups(found), source)
+
+
+def _read(name: str, source: str) -> Any:
+    """What meshio reads; its own talk is kept off the terminal, and becomes the message of the error."""
+    import meshio
+
+    talk = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk):
+            if name.lower().endswith(".inp"):
+                return _read_abaqus(name)
+            return meshio.read(name)
+    except SystemExit:  # meshio leaves the program where no reader takes the file
+        said = " ".join(talk.getvalue().split())
+    except MemoryError:
+        raise
+    except Exception as error:  # the readers raise whatever a broken file makes them stumble over
+        said = f"{type(error).__name__}: {error}"
+    raise ModelError(f"{source}: meshio cannot read it ({said}), expected a mesh in a format that it knows")
+
+
+def _read_abaqus(name: str) -> Any:
+    """An Abaqus input file, with the planar and axisymmetric element types that meshio has no name for."""
+    import meshio
+
+    text = Path(name).read_text(errors="replace")
+    translated = ABAQUS_TYPE.sub(lambda match: match[1] + ABAQUS[match[2]], text)
+    if translated == text or re.search(r"(?im)^\*include", text):
+        return meshio.read(name)
+    return meshio.abaqus._abaqus.read_buffer(io.StringIO(translated))
+
+
+def _only_kind(found: Any, source: str) -> str:
+    """The one kind of planar elements."""
+    kinds = sorted({block.type for block in found.cells if len(block.data)} - set(LINES))
+    if len(kinds) == 1 and kinds[0] in KINDS:
+        return kinds[0]
+    hint = ""
+    if "quad8" in kinds:
+        hint = "; quadrilaterals of second order have nine nodes here (Gmsh: Mesh.SecondOrderIncomplete = 0)"
+    raise ModelError(
+        f"{source}: elements {', '.join(kinds) or '(none)'} were found, expected one kind of {', '.join(KINDS)}{hint}"
+    )
+
+
+def _planar(points: FloatArray, source: str) -> FloatArray:
+    """(N, 2) places; refuses a mesh that leaves its plane."""
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
+        raise ModelError(f"{source}: points of shape {points.shape}, expected two or three coordinates each")
+    if points.shape[1] == 3:
+        extent = float(np.ptp(points, axis=0).max())
+        height = np.abs(points[:, 2])
+        if not height.max() <= FLAT * extent:
+            raise ModelError(
+                f"{source}: node {int(height.argmax())} has z = {points[height.argmax(), 2]:.6g}, expected a mesh "
+                f"in the plane z = 0"
+            )
+    return np.ascontiguousarray(points[:, :2])
+
+
+def _groups(found: Any) -> dict[str, IntArray]:
+    """Named nodes: of edges and points first, then of areas; a name that comes twice keeps its first meaning."""
+    groups: dict[str, IntArray] = {str(k): np.asarray(v, dtype=np.int64) for k, v in (found.point_sets or {}).items()}
+    for wanted in (lambda kind: kind in LINES, lambda kind: kind in KINDS):
+        for name, nodes in (*_cell_sets(found, wanted), *_physical(found, wanted)):
+            groups.setdefault(name, nodes)
+    return {name: np.unique(nodes) for name, nodes in groups.items() if len(nodes)}
+
+
+def _cell_sets(found: Any, wanted: Callable[[str], bool]) -> Iterator[tuple[str, IntArray]]:
+    for name, blocks in (found.cell_sets or {}).items():
+        if str(name).startswith("gmsh:"):
+            continue  # meshio's own bookkeeping
+        parts = [
+            np.asarray(block.data)[np.asarray(chosen, dtype=np.int64)].ravel()
+            for block, chosen in zip(found.cells, blocks, strict=False)
+            if chosen is not None and len(chosen) and wanted(block.type)
+        ]
+        if parts:
+            yield str(name), np.concatenate(parts).astype(np.int64)
+
+
+def _physical(found: Any, wanted: Callable[[str], bool]) -> Iterator[tuple[str, IntArray]]:
+    """Physical groups of Gmsh; one without a name is called by its number."""
+    tags = (found.cell_data or {}).get("gmsh:physical")
+    if tags is None:
+        return
+    names = {(int(value[1]), int(value[0])): name for name, value in (found.field_data or {}).items()}
+    nodes: dict[str, list[IntArray]] = {}
+    for block, of_cells in zip(found.cells, tags, strict=True):
+        if not wanted(block.type):
+            continue
+        dimension = 0 if block.type == "vertex" else 1 if block.type in LINES else 2
+        for tag in np.unique(of_cells):
+            if tag:  # 0: in no group
+                name = names.get((dimension, int(tag)), str(int(tag)))
+                nodes.setdefault(name, []).append(np.asarray(block.data)[np.asarray(of_cells) == tag].ravel())
+    for name, parts in nodes.items():
+        yield name, np.concatenate(parts).astype(np.int64)

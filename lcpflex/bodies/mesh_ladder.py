@@ -1,0 +1,106 @@
+"""A meshed body and its ladder: the same mesh at every fidelity, from rigid to all of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+
+from lcpflex.bodies.bases import Basis, elastic_count, free_basis, residual_basis
+from lcpflex.bodies.body import Body, Rung
+from lcpflex.bodies.elastic_modes import FULL_LIMIT, FreeMesh
+from lcpflex.bodies.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.node_choice import rows_of
+from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
+from lcpflex.bodies.stiffening import Stiffening, prestressed
+from lcpflex.compiled import IntArray
+from lcpflex.errors import ModelError
+
+__all__ = ["reduced"]
+
+NEAR = 1.4  # rungs have fewer modes than the full mesh by this factor: else they are hardly cheaper
+MOST_MODES = 128  # of the rungs between rigid and the boundary nodes
+KEPT = 32  # free-free modes besides the static response of the boundary nodes
+MOST_NODES = 150  # of the boundary: two columns each
+
+
+def reduced(
+    mesh: FiniteElements,
+    basis: Callable[[FiniteElements], Basis],
+    damping: Damping | None,
+    stiffening: Stiffening | None,
+    nodes: IntArray | None = None,
+    columns: int | None = None,
+) -> Body:
+    """The body of a mesh in the basis that is made of it, with its ladder.
+
+    Parameters
+    ----------
+    nodes : those that the ladder takes for the boundary; None for those of small named sets
+    columns : number of modes, where it is known before the basis is made: to refuse wrong dampings early
+    """
+    if damping is not None and mesh.damping is not None:
+        raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
+    if damping is not None and columns is not None:
+        check_damping(damping, columns)
+    stiffened = prestressed(mesh, stiffening)
+    body = body_of(stiffened, *basis(stiffened), damping, stiffening)
+    return replace(body, ladder=lambda: _ladder(stiffened, damping, stiffening, nodes))
+
+
+def _ladder(
+    mesh: FiniteElements, damping: Damping | None, stiffening: Stiffening | None, nodes: IntArray | None
+) -> tuple[Rung, ...]:
+    """Rigid, 1, 2, 4, ... free-interface modes, the static response of the boundary nodes, and the full mesh.
+
+    With a damping ratio for each mode the ladder ends with as many: of the damping of others nothing is known.
+    """
+    free = cache(lambda: FreeMesh.of(mesh))  # one factor for all rungs
+    rungs: list[Rung] = []
+
+    def rung(name: str, modes: int, basis: Callable[[], Basis]) -> None:
+        def make() -> Body:
+            own = damping[:modes] if isinstance(damping, np.ndarray) else damping
+            return replace(body_of(mesh, *basis(), own, stiffening), ladder=lambda: tuple(rungs))
+
+        rungs.append(Rung(name, modes, make))
+
+    most = elastic_count(mesh)
+    known = most
+    if not (damping is None or isinstance(damping, Rayleigh) or np.ndim(damping) == 0):
+        damping = np.asarray(damping, dtype=np.float64)
+        known = len(damping)
+    rung("rigid", 0, partial(_modes, free, 0))
+    for n in _powers(min(known, most)):
+        rung("1 mode" if n == 1 else f"{n} modes", n, partial(_modes, free, n))
+    if known < most:
+        rung(f"{known} modes", known, partial(_modes, free, known))
+        return tuple({rung.modes: rung for rung in rungs}.values())
+    rows = rows_of(mesh, _boundary(mesh) if nodes is None else nodes)
+    if 0 < len(rows) <= 2 * MOST_NODES and NEAR * (len(rows) + KEPT) < most:
+        rung("boundary nodes", KEPT + len(rows), lambda: residual_basis(free(), rows, KEPT))
+    if len(mesh.dofs) <= FULL_LIMIT:
+        rung("full mesh", most, partial(_modes, free, most))
+    return tuple(rungs)
+
+
+def _modes(free: Callable[[], FreeMesh], count: int) -> Basis:
+    return free_basis(free(), count)
+
+
+def _powers(known: int) -> list[int]:
+    """1, 2, 4, ... as long as they are much fewer than the modes that are known."""
+    return [2**k for k in range(MOST_MODES.bit_length()) if NEAR * 2**k < known]
+
+
+def _boundary(mesh: FiniteElements) -> IntArray:
+    """Nodes of points and named sets, the smallest first, as long as there are not too many."""
+    taken = np.array(sorted(set(mesh.points.values())), dtype=np.int64)
+    for nodes in sorted(mesh.sets.values(), key=len):
+        together = np.union1d(taken, nodes)
+        if len(together) > MOST_NODES:
+            break
+        taken = together
+    return taken
