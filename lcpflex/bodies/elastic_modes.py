@@ -11,9 +11,10 @@ elastic modes first, without a shift, from one sparse factor that serves static 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.sparse_factor import Factor, NotPositive, dissection, links, positive_factor
@@ -23,7 +24,9 @@ from lcpflex.errors import ModelError
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["FULL_LIMIT", "FreeMesh", "check_memory", "fixed_modes", "orthonormal_frame", "ritz"]
+BoolArray: TypeAlias = npt.NDArray[np.bool_]
+
+__all__ = ["FULL_LIMIT", "FreeMesh", "check_memory", "fixed_modes", "free_modes", "judge", "orthonormal_frame", "ritz"]
 
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
 FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
@@ -32,35 +35,41 @@ EPS = float(np.finfo(np.float64).eps)
 
 
 class FreeMesh:
-    """A mesh without supports, ready for static loads and modes.
+    """A mesh without supports, ready for static loads and modes: f degrees of freedom, r rigid motions.
 
     Parameters
     ----------
-    mesh : its stiffness is factorised here
-    mass : (f, f) that replaces its mass; may be semidefinite where ``massless`` says so
-    massless : (f,) degrees of freedom without mass
+    mass, stiffness : (f, f) symmetric
+    rigid : (f, r) all rigid motions
+    rank : (f,) in whose order the stiffness is factorised, here and now
+    massless : (f,) degrees of freedom that are given no mass; they follow the others statically
 
     Raises
     ------
     ModelError
-        If the mesh falls into pieces, has mechanisms, an indefinite stiffness or a mass that is not positive.
+        If the mesh has mechanisms, an indefinite stiffness, or a mass that is not positive.
     """
 
     def __init__(
         self,
-        mesh: FiniteElements,
-        mass: csc_matrix[Any] | None = None,
-        massless: np.ndarray[Any, np.dtype[np.bool_]] | None = None,
+        mass: csc_matrix[Any],
+        stiffness: csc_matrix[Any],
+        rigid: FloatArray,
+        rank: IntArray,
+        massless: BoolArray | None = None,
     ) -> None:
-        self.mesh = mesh
-        self.mass = mesh.mass if mass is None else mass
-        self.stiffness = mesh.stiffness
-        self._massless = np.zeros(len(mesh.dofs), dtype=bool) if massless is None else massless
-        self.rank = mesh_rank(mesh)
-        _check_mass(mesh.mass)
-        self.frame = orthonormal_frame(self.mass, mesh.rigid)
-        self._free = np.setdiff1d(np.arange(len(mesh.dofs)), _supports(mesh))
-        self._factor = self._held()
+        _check_mass(mass)
+        self._massless = np.zeros(len(rigid), dtype=bool) if massless is None else massless
+        self.mass = mass if massless is None else _without(mass, massless)
+        self.stiffness = stiffness
+        self.frame = orthonormal_frame(self.mass, rigid)
+        self._free = np.setdiff1d(np.arange(len(rigid)), _supports(rigid))
+        self._factor = self._held(mass, rank)
+
+    @classmethod
+    def of(cls, mesh: FiniteElements, massless: BoolArray | None = None) -> FreeMesh:
+        """That of a mesh, which must be one piece."""
+        return cls(mesh.mass, mesh.stiffness, mesh.rigid, mesh_rank(mesh), massless)
 
     def flexibility(self, loads: FloatArray) -> FloatArray:
         """G f of loads (f,) or (f, k)."""
@@ -90,7 +99,7 @@ class FreeMesh:
             values, vectors = self._all(wanted)
         else:
             values, vectors = lanczos(self.stiffness, self.mass, self.flexibility, wanted)
-        self._judge(float(values[0]))
+        judge(float(values[0]), self.mass, self.stiffness, r)
         vectors = vectors[:, :count]
         for _ in range(2):
             vectors = vectors - self.frame @ (self.frame.T @ (self.mass @ vectors))
@@ -98,45 +107,67 @@ class FreeMesh:
 
     def _all(self, count: int) -> tuple[FloatArray, FloatArray]:
         """From the full eigenproblem; what has no mass follows statically."""
-        from scipy.linalg import eigh, solve
+        from scipy.linalg import solve
 
         r = self.frame.shape[1]
         heavy, light = np.flatnonzero(~self._massless), np.flatnonzero(self._massless)
         K = self.stiffness.toarray()
         M = self.mass[heavy][:, heavy].toarray()
         if not len(light):
-            values, vectors = eigh(K, M, subset_by_index=(r, r + count - 1))
-            return values, vectors
+            return _full(K, M, r, count)
         follow = -solve(K[np.ix_(light, light)], K[np.ix_(light, heavy)], assume_a="pos")
         condensed = K[np.ix_(heavy, heavy)] + K[np.ix_(heavy, light)] @ follow
-        values, found = eigh(0.5 * (condensed + condensed.T), M, subset_by_index=(r, r + count - 1))
+        values, found = _full(0.5 * (condensed + condensed.T), M, r, count)
         vectors = np.empty((len(K), count))
         vectors[heavy] = found
         vectors[light] = follow @ found
         return values, vectors
 
-    def _held(self) -> Factor:
+    def _held(self, mass: csc_matrix[Any], rank: IntArray) -> Factor:
         held = self.stiffness[self._free][:, self._free].tocsc()
         try:
-            return positive_factor(held, self.rank[self._free])
+            return positive_factor(held, rank[self._free])
         except NotPositive:
             pass
-        slack = 1e3 * EPS * self._top()
         try:
-            positive_factor((self.stiffness + slack * self.mesh.mass).tocsc(), self.rank)
+            positive_factor((self.stiffness + 1e3 * EPS * _top(mass, self.stiffness) * mass).tocsc(), rank)
         except NotPositive:
             raise ModelError("stiffness: the matrix is indefinite, expected a positive semidefinite one") from None
         raise ModelError(_mechanism(self.frame.shape[1]))
 
-    def _top(self) -> float:
-        """At most the largest eigenvalue: rounding scatters zero ones by some multiples of EPS times it."""
-        return float((self.stiffness.diagonal() / self.mesh.mass.diagonal()).max())
 
-    def _judge(self, lowest: float) -> None:
-        if lowest < -1e3 * EPS * self._top():
-            raise ModelError(f"stiffness: it has the eigenvalue {lowest:.6g}, expected a positive semidefinite matrix")
-        if lowest <= 10.0 * EPS * self._top():
-            raise ModelError(_mechanism(self.frame.shape[1], f" (omega^2 = {lowest:.3g} after rounding)"))
+def judge(lowest: float, mass: csc_matrix[Any], stiffness: csc_matrix[Any], rigid: int) -> None:
+    """Refuse an elastic omega^2 that is negative or zero to rounding, which scatters zeros by some EPS of the highest.
+
+    Raises
+    ------
+    ModelError
+        For a negative one, or for a zero one.
+    """
+    top = _top(mass, stiffness)
+    if lowest < -1e3 * EPS * top:
+        raise ModelError(f"stiffness: it has the eigenvalue {lowest:.6g}, expected a positive semidefinite matrix")
+    if lowest <= 10.0 * EPS * top:
+        raise ModelError(_mechanism(rigid, f" (omega^2 = {lowest:.3g} after rounding)"))
+
+
+def _top(mass: csc_matrix[Any], stiffness: csc_matrix[Any]) -> float:
+    """At most the highest omega^2."""
+    heavy = mass.diagonal() > 0.0
+    return float((stiffness.diagonal()[heavy] / mass.diagonal()[heavy]).max())
+
+
+def _full(K: FloatArray, M: FloatArray, first: int, count: int) -> tuple[FloatArray, FloatArray]:
+    """Some of the eigenpairs of full matrices."""
+    from scipy.linalg import LinAlgError, eigh
+
+    chosen = None if 2 * count > len(K) else (first, first + count - 1)  # all of them cost less than most of them
+    try:
+        values, vectors = eigh(K, M, subset_by_index=chosen, overwrite_a=True, overwrite_b=True)
+    except LinAlgError as error:
+        raise ModelError(f"mass: expected a positive definite matrix ({error})") from None
+    kept = slice(first, first + count) if chosen is None else slice(0, count)
+    return values[kept], vectors[:, kept]
 
 
 def _mechanism(rigid: int, found: str = "") -> str:
@@ -146,19 +177,32 @@ def _mechanism(rigid: int, found: str = "") -> str:
     )
 
 
+def free_modes(
+    mass: csc_matrix[Any], stiffness: csc_matrix[Any], rigid: FloatArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """The ``count`` lowest elastic modes of banded matrices; see :meth:`FreeMesh.modes`."""
+    return FreeMesh(mass, stiffness, rigid, np.arange(len(rigid))).modes(count)
+
+
 def fixed_modes(
     mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor, count: int
 ) -> tuple[FloatArray, FloatArray]:
     """The ``count`` lowest modes (omega2, shapes) of a mesh that is held; ``factor``: of its stiffness."""
-    from scipy.linalg import eigh
-
     n = mass.shape[0]
     if count == 0:
         return np.zeros(0), np.zeros((n, 0))
     if is_dense(n, count):
-        values, vectors = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
-        return values, vectors
+        return _full(stiffness.toarray(), mass.toarray(), 0, count)
     return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count)[1])
+
+
+def softest(mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor) -> float:
+    """An estimate from above of the lowest omega^2 of a mesh that is held, by a few steps of inverse iteration."""
+    vector = np.cos(np.arange(mass.shape[0], dtype=np.float64) * 1.7)
+    for _ in range(4):
+        vector = factor.solve(mass @ vector)
+        vector /= np.linalg.norm(vector)
+    return float(vector @ (stiffness @ vector)) / float(vector @ (mass @ vector))
 
 
 def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count: int) -> tuple[FloatArray, FloatArray]:
@@ -246,18 +290,23 @@ def mesh_rank(mesh: FiniteElements) -> IntArray:
     return np.asarray(2 * rank[node] + mesh.dofs % 2)
 
 
-def _supports(mesh: FiniteElements) -> IntArray:
-    """Rows to hold so that the mesh has no rigid motion and no support carries a load in equilibrium."""
-    places = mesh.places
-    row = {int(dof): k for k, dof in enumerate(mesh.dofs)}
-    apart = np.hypot(*(places - places.mean(axis=0)).T)
-    first = int(apart.argmax())
-    if mesh.axisymmetric:
-        return np.array([row[2 * first]])
-    arm = places - places[first]
-    second = int(np.hypot(arm[:, 0], arm[:, 1]).argmax())
-    turns = 1 if abs(arm[second, 0]) >= abs(arm[second, 1]) else 0
-    return np.array([row[2 * first], row[2 * first + 1], row[2 * second + turns]])
+def _supports(rigid: FloatArray) -> IntArray:
+    """Rows to hold so that no rigid motion (f, r) is left: those that resist them best, by pivoted elimination."""
+    left = rigid / np.abs(rigid).max(axis=0)
+    rows = []
+    for _ in range(rigid.shape[1]):
+        row = int(np.linalg.norm(left, axis=1).argmax())
+        rows.append(row)
+        along = left[row] / np.linalg.norm(left[row])
+        left = left - np.outer(left @ along, along)
+    return np.array(rows)
+
+
+def _without(mass: csc_matrix[Any], massless: BoolArray) -> csc_matrix[Any]:
+    from scipy.sparse import diags_array
+
+    keep = diags_array(np.where(massless, 0.0, 1.0))
+    return (keep @ mass @ keep).tocsc()
 
 
 def _check_mass(mass: csc_matrix[Any]) -> None:

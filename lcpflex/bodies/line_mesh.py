@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.reduction import free_modes, signed
+from lcpflex.bodies.elastic_modes import free_modes
+from lcpflex.bodies.reduction import signed
 from lcpflex.compiled import FloatArray
 
 __all__ = ["LineModes", "bending_modes", "interpolate", "mixed_mass", "stretching_modes"]
@@ -78,10 +79,7 @@ def bending_modes(
     rigid[0::2, 0] = 1.0
     rigid[0::2, 1] = node
     rigid[1::2, 1] = 1.0
-    smooth = np.zeros((n, 1))
-    smooth[0::2, 0] = node**2
-    smooth[1::2, 0] = 2.0 * node
-    _, shapes = free_modes(mass_matrix, (curvature.T @ curvature).tocsc(), rigid, count, smooth)
+    _, shapes = free_modes(mass_matrix, (curvature.T @ curvature).tocsc(), rigid, count)
     # Rounding in K hides low frequencies of many elements (omega^2 ~ N^-4); strains keep twice the digits.
     _, strain, turn = np.linalg.svd(np.asarray(curvature @ shapes), full_matrices=False)
     shapes = signed(shapes @ turn[::-1].T, np.arange(n) % 2 == 0)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from lcpflex.bodies.elastic_modes import ritz
-from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.elastic_modes import judge, ritz
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
 
 __all__ = ["joined", "own_basis"]
 
@@ -15,7 +19,7 @@ DEPENDENT = 1e-13  # squared length, relative to the longest, below which a dire
 
 
 def own_basis(
-    mesh: FiniteElements, frame: FloatArray, basis: FloatArray, *, holds_rigid: bool
+    mass: csc_matrix[Any], stiffness: csc_matrix[Any], frame: FloatArray, basis: FloatArray, *, holds_rigid: bool
 ) -> tuple[FloatArray, FloatArray]:
     """(omega2, shapes) of the elastic motion in the span of a basis.
 
@@ -33,7 +37,7 @@ def own_basis(
     k = basis.shape[1]
     if not k:
         return np.zeros(0), basis
-    weighed = mesh.mass @ basis
+    weighed = mass @ basis
     length = np.sqrt(np.einsum("ij,ij->j", basis, weighed))
     if not length.min() > 0.0:
         basis, weighed, length = basis[:, length > 0.0], weighed[:, length > 0.0], length[length > 0.0]
@@ -46,8 +50,9 @@ def own_basis(
     kept = squares > DEPENDENT * squares.max(initial=0.0)
     basis = basis @ (elastic @ (directions[:, kept] / np.sqrt(squares[kept])))
     for _ in range(2):
-        basis = basis - frame @ (frame.T @ (mesh.mass @ basis))
-        omega2, basis = ritz(mesh.stiffness, mesh.mass, basis)
+        basis = basis - frame @ (frame.T @ (mass @ basis))
+        omega2, basis = ritz(stiffness, mass, basis)
+    judge(float(omega2.min(initial=np.inf)), mass, stiffness, frame.shape[1])
     return omega2, basis
 
 

@@ -1,0 +1,146 @@
+"""Bases of the reductions: (omega2, shapes) of a mesh, M-orthonormal, without rigid motions, from chosen nodes.
+
+The formulas are said where the reductions are offered, in :mod:`lcpflex.bodies.reductions`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lcpflex.bodies.elastic_modes import (
+    EPS,
+    FULL_LIMIT,
+    FreeMesh,
+    check_memory,
+    fixed_modes,
+    mesh_rank,
+    orthonormal_frame,
+    softest,
+)
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.node_choice import rows_of
+from lcpflex.bodies.own_basis import joined, own_basis
+from lcpflex.bodies.reduction import count_of_modes
+from lcpflex.bodies.sparse_factor import Factor, NotPositive, positive_factor
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+
+Basis: TypeAlias = tuple[FloatArray, FloatArray]
+
+__all__ = ["Basis", "boundary_basis", "check_full", "elastic_count", "free_basis", "regional_basis", "residual_basis"]
+
+
+NOISE = 1e-10  # part of a static response beyond the kept modes that is rounding
+SHARE = 6  # columns in memory at a time, for each of the basis
+
+
+def elastic_count(mesh: FiniteElements) -> int:
+    """Number of elastic modes of the whole mesh."""
+    return len(mesh.dofs) - mesh.rigid.shape[1]
+
+
+def check_full(mesh: FiniteElements) -> None:
+    """Refuse a mesh whose full eigenproblem takes too much memory."""
+    f = len(mesh.dofs)
+    if f > FULL_LIMIT:
+        raise ModelError(
+            f"model: a mesh with {f} degrees of freedom was given, which unreduced needs about "
+            f"{4 * 8 * f * f / 2**30:.1f} GiB, expected at most {FULL_LIMIT}; use a reduction"
+        )
+
+
+def free_basis(free: FreeMesh, modes: int | None) -> Basis:
+    """Lowest free-free modes."""
+    return free.modes(count_of_modes(modes, len(free.frame) - free.frame.shape[1]))
+
+
+def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) -> Basis:
+    """Constraint modes of the boundary nodes and modes of the mesh held there."""
+    f = len(mesh.dofs)
+    held = rows_of(mesh, boundary)
+    inner = np.setdiff1d(np.arange(f), held)
+    n = count_of_modes(modes, len(inner))
+    columns = len(held) + n
+    check_memory("boundary, modes", f, SHARE * columns)
+    basis = np.zeros((f, columns))
+    basis[held, np.arange(len(held))] = 1.0
+    rank = mesh_rank(mesh)
+    if len(inner):
+        stiffness = mesh.stiffness[inner][:, inner].tocsc()
+        mass = mesh.mass[inner][:, inner].tocsc()
+        factor = _held(mass, stiffness, rank[inner], len(boundary))
+        basis[inner, : len(held)] = -factor.solve(mesh.stiffness[inner][:, held].toarray())
+        basis[inner, len(held) :] = fixed_modes(mass, stiffness, factor, n)[1]
+    frame = orthonormal_frame(mesh.mass, mesh.rigid)
+    return own_basis(mesh.mass, mesh.stiffness, frame, basis, holds_rigid=True)
+
+
+def _held(mass: Any, stiffness: Any, rank: IntArray, count: int) -> Factor:
+    """Factors of the stiffness of what is not boundary."""
+    top = float((stiffness.diagonal() / mass.diagonal()).max())
+    try:
+        factor = positive_factor(stiffness, rank)
+    except NotPositive:
+        lowest = 0.0
+    else:
+        lowest = softest(mass, stiffness, factor)
+        if lowest > 10.0 * EPS * top:
+            return factor
+    raise ModelError(
+        f"boundary: with its {count} node(s) held, the rest of the mesh can still move without deformation "
+        f"(omega^2 = {lowest:.3g}), expected nodes that hold every piece of the rest: two, one of an axisymmetric mesh"
+    )
+
+
+def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
+    """Lowest free-free modes, and the static response of all others to forces at the rows."""
+    n = count_of_modes(modes, len(free.frame) - free.frame.shape[1])
+    check_memory("contact, modes", len(free.frame), SHARE * (len(rows) + n))
+    omega2, shapes = free.modes(n)
+    static = _residual(free, shapes, rows)
+    rest = own_basis(free.mass, free.stiffness, free.frame, static, holds_rigid=False)
+    return joined((omega2, shapes), rest)
+
+
+def _residual(free: FreeMesh, shapes: FloatArray, rows: IntArray) -> FloatArray:
+    """(f, k) static displacements by unit forces at the rows, without what the kept modes have of them."""
+    loads = np.zeros((len(shapes), len(rows)))
+    loads[rows, np.arange(len(rows))] = 1.0
+    static = free.flexibility(loads)
+    whole = np.linalg.norm(static, axis=0)
+    for _ in range(2):
+        static = static - shapes @ (shapes.T @ (free.mass @ static))
+    return np.asarray(static[:, np.linalg.norm(static, axis=0) > NOISE * whole])
+
+
+def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, interface_modes: bool) -> Basis:
+    """Displacements of the region, modes of the rest with the region following statically, and their interface."""
+    f = len(mesh.dofs)
+    own = rows_of(mesh, region)
+    rest = np.setdiff1d(np.arange(f), own)
+    if not len(rest):
+        raise ModelError(f"region: all {len(mesh.places)} nodes were given, expected a part of the mesh (or unreduced)")
+    linked = abs(mesh.stiffness[rest][:, own]).sum(axis=0)
+    touched = own[np.asarray(linked).ravel() > 0.0]
+    border = rows_of(mesh, np.unique(mesh.dofs[touched] // 2))
+    inside = np.setdiff1d(own, border)
+    if not len(inside) and not interface_modes:
+        raise ModelError(
+            f"region: all of its {len(region)} node(s) border on the rest, expected some inside; or interface_modes"
+        )
+    massless = np.zeros(f, dtype=bool)
+    massless[inside] = True
+    r = mesh.rigid.shape[1]
+    n = count_of_modes(modes, f - len(inside) - r)
+    check_memory("region, modes", f, SHARE * (len(own) + n + r))
+    free = FreeMesh.of(mesh, massless)
+    _, shapes = free.modes(n)
+    nodal = np.zeros((f, len(inside)))
+    nodal[inside, np.arange(len(inside))] = 1.0
+    columns = [nodal, free.frame, shapes]
+    if interface_modes:
+        columns.append(_residual(free, shapes, border))
+    frame = orthonormal_frame(mesh.mass, mesh.rigid)
+    return own_basis(mesh.mass, mesh.stiffness, frame, np.hstack(columns), holds_rigid=True)
