@@ -17,9 +17,9 @@ which the line carries the directions with it:
 
     K <- K + K_g(sigma) - N0 d d^T / l,    d: displacement of B against A across the line,  l: their distance
 
-The last term is what a rigid rotation takes away: it costs no energy. The modes are those of K. It holds whatever
-loads hold that tension in the scene, if they are given there as well: the turning of A and B against a load is
-seen by the floating frame, their drawing near each other is what it lacks and K_g has.
+The last term is what a rigid rotation takes away: it costs no energy. The modes are those of K. The pair is part of
+the body, as a cable in it or the walls that it is strung between: the scene has no load for it. A load of the scene
+along the same line already sees, in the floating frame, how that line leans, and must not be given besides.
 
 Source of foreshortening as a geometric stiffness linear in omega^2: Kane, Ryan & Banerjee 1987.
 """
@@ -221,8 +221,8 @@ def _stress_stiffness(mesh: FiniteElements, load: FloatArray) -> csc_matrix[Any]
     """K_g of the static stress under a load (f,) that is in equilibrium with itself."""
     assert mesh.geometric is not None
     factor, free = _supported(mesh, mesh.stiffness)
-    state = np.zeros((len(load), 1))
-    state[free, 0] = factor.solve(load[free])
+    state = np.zeros(len(load))
+    state[free] = factor.solve(load[free])
     return mesh.geometric(state)
 
 
