@@ -1,0 +1,88 @@
+"""How far a reduced scene is from its full mesh, judged by runs that are all reduced.
+
+The outputs x of a scene are compared with those of a much richer reference V of the same scene, d = |x - x_V|. Both
+differ from the full mesh F; what the reference lacks itself is extrapolated. With the number of modes N, z = N + 1/2,
+
+    |x_N - x_F| ~ C (z_N^-p - z_F^-p)   so that   d_N ~ C (z_N^-p - z_V^-p),   e_V = C (z_V^-p - z_F^-p)
+
+p is the slope that fits the rungs below V best, within bounds: impacts converge irregularly, symmetric modes change
+nothing, and an impact without restitution loses 1/(2 N + 1) of the energy of a free bar (p = 1). The estimate of a
+scene is d + e_V: differences to one far richer scene, not to the next rung, so that a mode which changes nothing
+proves nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+__all__ = ["Sample", "Trend", "cost_of", "left_at", "trend_of"]
+
+SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that of an impact
+SLOPES = np.linspace(SLOWEST, FASTEST, 26)
+NOTHING = 1e-13  # differences below this are rounding
+LATEST = 3  # rungs that tell how large the error still is: the first ones are not on the way yet
+
+
+class Sample(NamedTuple):
+    """A rung below the reference: its number of modes and its difference to it."""
+
+    modes: float
+    difference: float
+
+
+class Trend(NamedTuple):
+    """Error ~ factor z^-rate."""
+
+    rate: float
+    factor: float
+    samples: int  # rungs that it comes from
+
+
+def trend_of(samples: Sequence[Sample], reference: float) -> Trend:
+    """The law of the differences to a reference with so many modes; the usual rate where they do not tell one."""
+    used = sorted(
+        {one.modes: one for one in samples if 0 <= one.modes < reference and one.difference > NOTHING}.values()
+    )
+    if not used:
+        return Trend(USUAL, 0.0, 0)
+    if len(used) > 2 and used[0].modes == 0:
+        used = used[1:]  # rigid is no member of the family
+    used = used[-LATEST:]
+    z = np.array([one.modes + 0.5 for one in used])
+    log_d = np.log([one.difference for one in used])
+    end = reference + 0.5
+    rate = USUAL
+    if len(used) > 1:
+        misfit = [float(np.var(log_d - np.log(z**-p - end**-p))) for p in SLOPES]
+        rate = float(SLOPES[int(np.argmin(misfit))])
+    factor = math.exp(float(np.mean(log_d - np.log(z**-rate - end**-rate))))
+    return Trend(rate, factor, len(used))
+
+
+def left_at(trend: Trend, modes: float, full: float) -> float:
+    """Error that the trend leaves with so many modes, relative to the full mesh."""
+    if modes >= full:
+        return 0.0
+    return trend.factor * float((modes + 0.5) ** -trend.rate - (full + 0.5) ** -trend.rate)
+
+
+def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
+    """Wall time [s] of a run with so many coordinates: a + b coordinates, fitted to measured (coordinates, time).
+
+    Weighted towards the larger ones, and never falling with the coordinates. NaN where nothing was measured.
+    """
+    if not known:
+        return math.nan
+    n = np.array([one[0] for one in known], dtype=float)
+    t = np.array([one[1] for one in known])
+    if len(set(n.tolist())) == 1:
+        return float(np.median(t)) * max(1.0, coordinates / n[0])
+    slope, at_zero = np.polyfit(n, t, 1, w=np.sqrt(n))
+    slope = max(float(slope), 0.0)
+    at_zero = max(float(at_zero), 0.0)
+    scale = float(np.sum(t) / np.sum(at_zero + slope * n)) if slope or at_zero else 0.0
+    return scale * (at_zero + slope * coordinates)

@@ -1,0 +1,110 @@
+"""One scene at many fidelities: which bodies have a ladder, and the scene with each of them on one of its rungs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from lcpflex.bodies.body import Body, Rung
+from lcpflex.errors import ModelError
+from lcpflex.scene import Scene
+from lcpflex.studies.outputs import Output, Part, chosen_outputs, motion_of, standard_outputs, trajectory, two_places
+
+if TYPE_CHECKING:
+    from lcpflex.result import Result
+
+__all__ = ["Ladders", "State", "comparable", "known_outputs", "of_scene"]
+
+State: TypeAlias = tuple[int, ...]  # rung of each body that has a ladder
+MOTION = "motion"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ladders:
+    """A scene whose bodies ``names`` can be had on the rungs ``rungs``; the others stay as they are."""
+
+    scene: Scene
+    names: tuple[str, ...]
+    rungs: tuple[tuple[Rung, ...], ...]
+    rigid: int  # coordinates of all bodies without their modes, modes of bodies without a ladder included
+    _made: dict[tuple[int, int], Body] = field(default_factory=dict, repr=False)
+
+    @property
+    def bottom(self) -> State:
+        """Every body on its first rung."""
+        return (0,) * len(self.names)
+
+    @property
+    def top(self) -> State:
+        """Every body as its full mesh."""
+        return tuple(len(rungs) - 1 for rungs in self.rungs)
+
+    def modes(self, state: State) -> tuple[int, ...]:
+        """Number of modes of each body."""
+        return tuple(rungs[k].modes for rungs, k in zip(self.rungs, state, strict=True))
+
+    def coordinates(self, state: State) -> int:
+        """Number of coordinates of the scene."""
+        return self.rigid + sum(self.modes(state))
+
+    def labels(self, state: State) -> dict[str, str]:
+        """Name of the rung of each body."""
+        return {name: rungs[k].name for name, rungs, k in zip(self.names, self.rungs, state, strict=True)}
+
+    def at(self, state: State) -> Scene:
+        """The scene with its bodies on these rungs; a body is made once."""
+        bodies: dict[str, Body] = {}
+        for b, (name, rung) in enumerate(zip(self.names, state, strict=True)):
+            if (b, rung) not in self._made:
+                self._made[b, rung] = self.rungs[b][rung].make()
+            bodies[name] = self._made[b, rung]
+        return self.scene.with_bodies(bodies)
+
+
+def of_scene(scene: Any) -> Ladders:
+    """The ladders of the bodies of a scene, of the function that makes it, or of a Case. Raises ModelError."""
+    build = getattr(scene, "build", scene)
+    made = build() if callable(build) else build
+    if hasattr(made, "build") and hasattr(made, "duration"):  # a function that returns a case
+        made = made.build()
+    if not isinstance(made, Scene):
+        raise ModelError(f"scene: {scene!r} was given, expected a Scene, a function that makes one, or a Case")
+    placed = made.parts().placed
+    found = {one.name: one.source.ladder() for one in placed if one.source is not None and one.source.ladder}
+    found = {name: rungs for name, rungs in found.items() if len(rungs) > 1}
+    if not found:
+        raise ModelError(
+            "scene: none of its bodies has a ladder of fidelities, expected at least one that was reduced from a mesh, "
+            "such as Beam(...).reduce()"
+        )
+    fixed = sum(one.source.modes for one in placed if one.source is not None and one.name not in found)
+    return Ladders(made, tuple(found), tuple(found.values()), 3 * len(placed) + fixed)
+
+
+def known_outputs() -> tuple[str, ...]:
+    """Names that right_size knows; the first and the impulses are used by default."""
+    return (MOTION, *(output.name for output in standard_outputs()))
+
+
+def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
+    """The outputs, those of motion at the same undeformed places of every rung. Raises ModelError."""
+    places = two_places(ladders.scene.compile(project=True), ladders.names)
+    if outputs is None:
+        outputs = (MOTION, "impulses")
+    if isinstance(outputs, str) or not isinstance(outputs, (Sequence, Mapping)):
+        outputs = (outputs,)
+    if not isinstance(outputs, Mapping):
+        outputs = [_position(places) if isinstance(one, str) and one == MOTION else one for one in outputs]
+    return tuple(
+        Output(one.name, _at(places), one.scale) if one.function is trajectory else one
+        for one in chosen_outputs(outputs)
+    )
+
+
+def _position(places: Sequence[tuple[str, tuple[float, float]]]) -> Output:
+    return Output(MOTION, lambda result: motion_of(result, places)[:1])
+
+
+def _at(places: Sequence[tuple[str, tuple[float, float]]]) -> Callable[[Result], list[Part]]:
+    return lambda result: motion_of(result, places)

@@ -1,0 +1,277 @@
+"""The climb: which rungs of a scene are run, and which of them is the cheapest that is good enough."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from lcpflex.energy import EnergyGrowth
+from lcpflex.studies.fidelity_estimate import Sample, Trend, cost_of, left_at, trend_of
+from lcpflex.studies.fidelity_scenes import Ladders, State
+from lcpflex.studies.outputs import Output, error_between, is_nothing
+from lcpflex.studies.trial import Conditions, Trial, refined, trial
+
+__all__ = ["Search"]
+
+INSTANTS = 2000  # at which outputs are compared
+MIDDLE = 8  # modes of the run that tells early what a richer one costs
+FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
+HARDLY = 0.9  # a rung that leaves more than this part of the error changed nothing
+BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
+EQUAL = 1.2  # ratio of wall times that says nothing
+
+
+@dataclass(slots=True)
+class Search:
+    """Runs made so far, by state, and what they say about each other."""
+
+    ladders: Ladders
+    outputs: tuple[Output, ...]
+    tolerance: float
+    duration: float
+    stepper_of: Callable[[Any], Any]
+    limit: float
+    done: Callable[[], object] = lambda: None
+    trials: dict[State, Trial] = field(default_factory=dict)
+    reference: State | None = None
+    needing: tuple[int, ...] = ()  # bodies whose refinement changes the outputs
+    spent: float = 0.0  # [s]
+    notes: list[str] = field(default_factory=list)
+
+    def run(self, state: State) -> Trial:
+        """The run of a state; each is made once."""
+        if state not in self.trials:
+            found = self._run(state, self.stepper_of(self.ladders.at(state)))
+            self.trials[state] = found
+            self.done()
+        return self.trials[state]
+
+    def _run(self, state: State, stepper: Any) -> Trial:
+        conditions = Conditions(
+            lambda: self.ladders.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
+        )
+        found = trial(conditions, stepper)
+        self.spent += sum(found.times)
+        return found
+
+    def sound(self, state: State) -> bool:
+        """Whether the run of a state was made and can be trusted."""
+        one = self.trials.get(state)
+        return one is not None and one.measured is not None and not one.failure
+
+    def cost(self, state: State) -> float:
+        """Wall time of a run [s]: measured, or else predicted from those that were."""
+        one = self.trials.get(state)
+        if one is not None and one.times and self.sound(state):
+            return one.wall_time
+        known = [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if self.sound(s)]
+        return cost_of(known, self.ladders.coordinates(state))
+
+    def used(self) -> tuple[Output, ...]:
+        """The outputs that are anything at all in the reference: impulses are not, where nothing touches."""
+        measured = self.trials[self.reference].measured if self.reference is not None else None
+        if measured is None:
+            return ()
+        return tuple(one for one in self.outputs if not is_nothing(measured[one.name])) or self.outputs[:1]
+
+    def difference(self, state: State, output: Output, other: State | None = None) -> float:
+        """Between two states, the reference by default, relative to the scale of the reference."""
+        assert self.reference is not None
+        a, b = self.trials[state].measured, self.trials[other or self.reference].measured
+        scale = self.trials[self.reference].measured
+        assert a is not None
+        assert b is not None
+        assert scale is not None
+        return error_between(output, a[output.name], b[output.name], self.duration, scale[output.name])
+
+    def errors(self, state: State) -> dict[str, float]:
+        """Estimated error of each output relative to the full mesh; empty where nothing can be said."""
+        if self.reference is None or not self.sound(state):
+            return {}
+        return {one.name: self.difference(state, one) + self.left(one) for one in self.used()}
+
+    def estimate(self, state: State) -> float:
+        """The largest of them; infinite where nothing can be said."""
+        return max(self.errors(state).values(), default=math.inf)
+
+    def left(self, output: Output) -> float:
+        """What the reference itself lacks."""
+        trend, size, full = self.trend(output)
+        return left_at(trend, size, full)
+
+    def trend(self, output: Output) -> tuple[Trend, float, float]:
+        """The law of the error of an output, and the modes of the reference and of the full mesh that go with it."""
+        assert self.reference is not None
+        bodies = self.needing or tuple(range(len(self.reference)))
+        rich, full = self.ladders.modes(self.reference), self.ladders.modes(self.ladders.top)
+        lead = max(bodies, key=lambda b: rich[b])
+        known: dict[float, float] = {}
+        for state in self.trials:
+            below = all(state[b] < self.reference[b] or self.reference[b] == self.ladders.top[b] for b in bodies)
+            if state != self.reference and below and self.sound(state):
+                own = self.ladders.modes(state)
+                ratio = min((own[b] + 0.5) / (rich[b] + 0.5) for b in bodies)
+                modes = ratio * (rich[lead] + 0.5) - 0.5
+                known[modes] = min(known.get(modes, math.inf), self.difference(state, output))
+        share = min((rich[b] + 0.5) / (full[b] + 0.5) for b in bodies)
+        size = rich[lead] + 0.0
+        samples = [Sample(modes, difference) for modes, difference in known.items()]
+        return trend_of(samples, size), size, (size + 0.5) / share - 0.5
+
+    def good(self, state: State) -> bool:
+        """Whether it is proved to be within the tolerance: each body that matters was also run far richer."""
+        if self.reference is None or not self.sound(state):
+            return False
+        top = self.ladders.top
+        compared = all(state[b] < self.reference[b] or self.reference[b] == top[b] for b in self.needing)
+        return compared and self.estimate(state) <= self.tolerance
+
+    def find(self) -> State | None:
+        """The cheapest state within the tolerance, None if no run is proved to be."""
+        self.run(self.ladders.bottom)
+        richest = tuple(max(k - 1, min(k, 1)) for k in self.ladders.top)
+        middle = tuple(
+            min(limit, max(k for k, rung in enumerate(rungs) if rung.modes <= MIDDLE))
+            for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
+        )
+        self.run(middle)
+        self._look_ahead(richest)
+        if self.reference is None:
+            return None
+        found = self._climb(middle)
+        if found is None and self.reference != self.ladders.top:
+            cost = self.cost(self.ladders.top)
+            if cost > self.limit:
+                self.notes.append(f"full mesh not run: about {cost:.2g} s, limit {self.limit:g} s")
+                return None
+            if self._sound_reference(self.ladders.top):
+                found = self._climb(middle)
+        return None if found is None else self._cheapest(self._descend(found))
+
+    def _look_ahead(self, state: State) -> None:
+        """Run the richest state that can be afforded and trusted: what all others are compared with."""
+        while self.cost(state) > self.limit and any(state):
+            state = self._lowered(state)
+        while any(state):
+            if self._sound_reference(state):
+                return
+            state = self._lowered(state)
+
+    def _sound_reference(self, state: State) -> bool:
+        one = self.run(state)
+        if self.sound(state):
+            self.reference = state
+            return True
+        self.notes.append(f"{_text(self.ladders.labels(state))} cannot be trusted: {one.failure}")
+        return False
+
+    def _lowered(self, state: State) -> State:
+        """One rung less for the body with most modes."""
+        modes = self.ladders.modes(state)
+        b = max((b for b in range(len(state)) if state[b]), key=lambda b: modes[b])
+        return _with(state, b, state[b] - 1)
+
+    def _screened(self, middle: State) -> tuple[int, ...]:
+        """The bodies that change the outputs when they alone are rigid and the others rich."""
+        assert self.reference is not None
+        if len(self.reference) == 1:
+            return (0,)
+        background = self.reference if len(self.reference) == 2 or not self.sound(middle) else middle
+        share = self.tolerance / (2.0 * len(background))
+        found = []
+        for b in range(len(background)):
+            alone = _with(background, b, 0)
+            self.run(alone)
+            if not self.sound(alone) or max(self.difference(alone, one, background) for one in self.used()) > share:
+                found.append(b)
+        return tuple(found)
+
+    def _climb(self, middle: State) -> State | None:
+        """The first state on the way up that is good; None if there is none."""
+        state = self.ladders.bottom
+        self.needing = ()
+        if self.good(state) and self._compared(state):
+            return state
+        self.needing = self._screened(middle)
+        while not self.good(state):
+            higher = self._raised(state)
+            if higher is None and len(self.needing) < len(state):
+                self.needing = tuple(range(len(state)))  # they change nothing alone, but they do together
+                higher = self._raised(state)
+            if higher is None:
+                return None
+            state = higher
+        return state
+
+    def _compared(self, state: State) -> bool:
+        assert self.reference is not None
+        return all(a < b for a, b in zip(state, self.reference, strict=True))
+
+    def _raised(self, state: State) -> State | None:
+        """The next state: the body that leaves the least error one rung higher, or two while that is large."""
+        assert self.reference is not None
+        far = self.sound(state) and self.estimate(state) > FAR * self.tolerance
+        candidates = []
+        for b in self.needing:
+            last = self.reference[b]
+            if state[b] < last:
+                step = 2 if far and state[b] + 2 < last else 1
+                candidates.append(_with(state, b, state[b] + step))
+        if not candidates:
+            return None
+        for one in candidates:
+            self.run(one)
+        best = min(candidates, key=self.estimate)
+        if len(candidates) > 1 and self.estimate(best) > HARDLY * self.estimate(state):
+            best = tuple(max(one[b] for one in candidates) for b in range(len(state)))
+            self.run(best)
+        return best
+
+    def _descend(self, state: State) -> State:
+        """Rungs that were skipped on the way, while they are good, too."""
+        for b in sorted(self.needing, key=lambda b: -self.ladders.modes(state)[b]):
+            while state[b]:
+                lower = _with(state, b, state[b] - 1)
+                if lower not in self.trials:
+                    bad = [s for s in self.trials if not self.good(s) and _all_above(s, lower)]
+                    full = self.cost(self.ladders.top)
+                    if any(s for s in bad if s != self.reference) or self.spent + self.cost(lower) > BUDGET * full:
+                        break
+                    self.run(lower)
+                if not self.good(lower):
+                    break
+                state = lower
+        return state
+
+    def _cheapest(self, found: State) -> State:
+        """Of all good states; of those that cost about the same the one with the fewest coordinates."""
+        good = [state for state in self.trials if self.good(state)] or [found]
+        least = min(self.cost(state) for state in good)
+        near = [state for state in good if self.cost(state) <= EQUAL * least]
+        return min(near, key=self.ladders.coordinates)
+
+    def step_error(self, state: State) -> tuple[float, float]:
+        """Change of the outputs with half the step, and how long that run took; NaN where there is no step."""
+        finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
+        if finer is None or self.spent + 2.0 * self.cost(state) > BUDGET * self.cost(self.ladders.top):
+            return math.nan, math.nan
+        one = self._run(state, finer)
+        own = self.trials[state].measured
+        if one.measured is None or own is None:
+            return math.nan, math.nan
+        errors = [error_between(o, own[o.name], one.measured[o.name], self.duration) for o in self.used()]
+        return max(errors), one.wall_time
+
+
+def _with(state: State, body: int, rung: int) -> State:
+    return (*state[:body], rung, *state[body + 1 :])
+
+
+def _all_above(a: State, b: State) -> bool:
+    return all(x >= y for x, y in zip(a, b, strict=True))
+
+
+def _text(labels: dict[str, str]) -> str:
+    return ", ".join(f"{name}: {rung}" for name, rung in labels.items())
