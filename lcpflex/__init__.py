@@ -27,6 +27,14 @@ _HOME = {
     "Beam": "lcpflex.bodies.beam",
     "Rayleigh": "lcpflex.bodies.reduction",
     "Matrices": "lcpflex.bodies.matrices",
+    "Continuum": "lcpflex.bodies.continuum",
+    "SolidOfRevolution": "lcpflex.bodies.solid_of_revolution",
+    "Stiffening": "lcpflex.bodies.stiffening",
+    "craig_bampton": "lcpflex.bodies.reductions",
+    "free_interface": "lcpflex.bodies.reductions",
+    "residual_compliance": "lcpflex.bodies.reductions",
+    "sub_regional": "lcpflex.bodies.reductions",
+    "unreduced": "lcpflex.bodies.reductions",
     "Box": "lcpflex.bodies.rigid",
     "Disc": "lcpflex.bodies.rigid",
     "Polygon": "lcpflex.bodies.rigid",
@@ -69,10 +77,17 @@ _HOME = {
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
     "LcpflexError": "lcpflex.errors",
     "ModelError": "lcpflex.errors",
+    "ModelWarning": "lcpflex.errors",
     "SolverError": "lcpflex.errors",
     "StepError": "lcpflex.errors",
 }
-_PACKAGES = ("gallery", "solvers", "studies")  # loaded when they are first named
+_PACKAGES = {  # loaded when they are first named
+    "advice": "lcpflex.advice",
+    "gallery": "lcpflex.gallery",
+    "meshes": "lcpflex.bodies.meshes",
+    "solvers": "lcpflex.solvers",
+    "studies": "lcpflex.studies",
+}
 
 __all__ = [
     "AdaptiveStep",
@@ -80,6 +95,7 @@ __all__ = [
     "Bar",
     "Beam",
     "Box",
+    "Continuum",
     "Disc",
     "Distance",
     "DrivenAngle",
@@ -96,6 +112,7 @@ __all__ = [
     "MasslessBoundary",
     "Matrices",
     "ModelError",
+    "ModelWarning",
     "MoreauJean",
     "Newton",
     "Penalty",
@@ -111,10 +128,12 @@ __all__ = [
     "RigidBody",
     "Scene",
     "Smooth",
+    "SolidOfRevolution",
     "SolverError",
     "Spring",
     "StepError",
     "Stiff",
+    "Stiffening",
     "Table",
     "Torque",
     "TorsionSpring",
@@ -123,14 +142,19 @@ __all__ = [
     "Weld",
     "__version__",
     "admissible_accelerations",
+    "craig_bampton",
+    "free_interface",
+    "residual_compliance",
     "simulate",
+    "sub_regional",
+    "unreduced",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Load a public name from its module at first use."""
     if name in _PACKAGES:
-        return import_module(f"lcpflex.{name}")
+        return import_module(_PACKAGES[name])
     if name not in _HOME:
         raise AttributeError(f"module 'lcpflex' has no attribute {name!r}")
     value = getattr(import_module(_HOME[name]), name)
@@ -156,13 +180,23 @@ sys.modules[__name__].__class__ = _Package
 if TYPE_CHECKING:
     from lcpflex.accelerations import admissible_accelerations
     from lcpflex.bodies.beam import Bar, Beam
+    from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
+    from lcpflex.bodies.reductions import (
+        craig_bampton,
+        free_interface,
+        residual_compliance,
+        sub_regional,
+        unreduced,
+    )
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+    from lcpflex.bodies.stiffening import Stiffening
     from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
     from lcpflex.contact.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
-    from lcpflex.errors import LcpflexError, ModelError, SolverError, StepError
+    from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
     from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.recorder import RecordProblems

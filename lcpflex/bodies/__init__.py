@@ -11,13 +11,23 @@ _HOME = {
     "Body": "body",
     "Box": "rigid",
     "Chain": "body",
+    "Continuum": "continuum",
     "Disc": "rigid",
     "MaterialPoint": "body",
     "Matrices": "matrices",
     "Polygon": "rigid",
     "Rayleigh": "reduction",
+    "Resolution": "body",
     "RigidBody": "rigid",
     "Round": "body",
+    "Rung": "body",
+    "SolidOfRevolution": "solid_of_revolution",
+    "Stiffening": "stiffening",
+    "craig_bampton": "reductions",
+    "free_interface": "reductions",
+    "residual_compliance": "reductions",
+    "sub_regional": "reductions",
+    "unreduced": "reductions",
 }
 
 __all__ = [
@@ -26,13 +36,23 @@ __all__ = [
     "Body",
     "Box",
     "Chain",
+    "Continuum",
     "Disc",
     "MaterialPoint",
     "Matrices",
     "Polygon",
     "Rayleigh",
+    "Resolution",
     "RigidBody",
     "Round",
+    "Rung",
+    "SolidOfRevolution",
+    "Stiffening",
+    "craig_bampton",
+    "free_interface",
+    "residual_compliance",
+    "sub_regional",
+    "unreduced",
 ]
 
 
@@ -47,7 +67,11 @@ def __getattr__(name: str) -> Any:
 
 if TYPE_CHECKING:
     from lcpflex.bodies.beam import Bar, Beam
-    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Round
+    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung
+    from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
+    from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
+    from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+    from lcpflex.bodies.stiffening import Stiffening
