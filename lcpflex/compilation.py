@@ -15,7 +15,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.shapes import compile_contacts
 from lcpflex.dynamics.time_functions import Callback, SignalTable, State
 from lcpflex.errors import ModelError
-from lcpflex.joints import Joint
+from lcpflex.joints import Joint, Prismatic, Weld
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
 from lcpflex.packed import pack
@@ -29,6 +29,7 @@ __all__ = ["compiled_parts"]
 
 JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
 PROJECTION_TOLERANCE = 1e-12
+AXIS_TOLERANCE = 1e-6  # [rad] between a solid of revolution and what guides it
 PENETRATION = 1e-6  # times the size of the largest body: an initial penetration beyond it is an error
 
 
@@ -80,6 +81,7 @@ def compiled_parts(
     q = frozen(np.concatenate([p.start[0] for p in placed]))
     u = frozen(np.concatenate([p.start[1] for p in placed]))
     assembly = Assembly(State(0.0, q, u, bodies.dof))
+    _refuse_unguided(placed, tuple(joints.values()), assembly.state)
     named = {
         (p.name, name): assembly.point(p.body, p.source.points[name])
         for p in placed
@@ -103,6 +105,35 @@ def compiled_parts(
     if declared:
         _refuse_penetration(model, q.copy(), tuple(declared), size)
     return model, layout, frozen(q), frozen(u), size, assembly.signals.n_external, callbacks
+
+
+def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: State) -> None:
+    """Solids of revolution move along their axis: joints must hold it, or moments that do not exist would turn them."""
+    solids = {p.body for p in placed if p.source and p.source.axisymmetric}
+    if not solids:
+        return
+    held = {-1}  # the ground, and what Prismatic joints and welds keep from turning
+    for _ in placed:
+        for joint in joints:
+            pair = {joint.P.body, joint.Q.body}
+            if len(pair & held) == 1 and all(_guides(joint, body, state) for body in pair & solids):
+                held |= pair if isinstance(joint, Prismatic | Weld) else set()
+    for p in placed:
+        if p.body in solids - held:
+            raise ModelError(
+                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along its axis that "
+                f"holds it: P = body.point('axis'); scene.join(Prismatic(P, scene.ground.at(X, Y), axis=(x, y))), or a Weld"
+            )
+
+
+def _guides(joint: Joint, body: int, state: State) -> bool:
+    """Whether the joint holds a solid of revolution on its axis, and lets it move along it at most."""
+    own = joint.P if joint.P.body == body else joint.Q
+    on_axis = not own.material.phi[:, 1].any() and own.material.place[1] == 0.0
+    if not (on_axis and isinstance(joint, Prismatic)):
+        return on_axis
+    axis = state.angle(joint.Q) + math.atan2(joint.axis[1], joint.axis[0])
+    return abs(math.sin(axis - float(state.q[state.dof[body] + 2]))) <= AXIS_TOLERANCE
 
 
 def _bodies(sources: Sequence[Body]) -> Bodies:

@@ -120,7 +120,7 @@ def body_of(
         coupling=coupling,
         cross_damping=cross,
         geometric=stiffened_by_spin(mesh, stiffening, shapes),
-        points={name: material(node) for name, node in mesh.points.items()},
+        points={**_axis(mesh, moment / mass, len(c)), **{name: material(node) for name, node in mesh.points.items()}},
         surfaces=Lazily({name: _maker(chain, material) for name, chain in mesh.chains.items()}),
         locate=_locator(mesh, material),
         axisymmetric=mesh.axisymmetric,
@@ -205,6 +205,13 @@ def _damping(
     return diagonal, None if proportional else cross
 
 
+def _axis(mesh: FiniteElements, center: FloatArray, modes: int) -> dict[str, MaterialPoint]:
+    """Of a solid of revolution: the mass centre in its frame, for a joint to hold it where there may be no material."""
+    if not mesh.axisymmetric:
+        return {}
+    return {"axis": MaterialPoint(center, np.zeros((modes, 2)), np.zeros(modes))}
+
+
 def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int], MaterialPoint]:
     """Node -> material point of shapes (N, 2, n); the rotation of the material is estimated from its neighbours."""
     from scipy.sparse import csc_matrix
@@ -217,11 +224,16 @@ def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int]
     links = (owner.T @ pattern @ owner).tocsc()
     links.sort_indices()
 
+    on_axis = np.ones(count, dtype=np.bool_)  # where a node cannot leave an axis of symmetry, the axis does not turn
+    on_axis[mesh.dofs[mesh.dofs % 2 == 1] // 2] = False
+
     def material(node: int) -> MaterialPoint:
         linked = links.indices[links.indptr[node] : links.indptr[node + 1]]
         linked = linked[linked != node]
         arms = places[linked] - places[node]
         near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
+        if on_axis[node]:
+            return MaterialPoint(places[node], nodal[node].T.copy(), np.zeros(nodal.shape[2]))
         moves = nodal[linked[near]] - nodal[node]
         return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(arms[near], moves))
 

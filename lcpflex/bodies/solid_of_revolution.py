@@ -28,9 +28,10 @@ class SolidOfRevolution:
     solid, dV = 2 pi r dx dr, and a force at a node is that on its whole circle. Nodes on the axis have no radial
     displacement. Elements, sets, groups and "hole1", ... are those of :class:`Continuum`.
 
-    The body moves along its axis only, and a scene refuses it otherwise: hold it by a joint
-    ``Prismatic(P, Q, axis=...)`` along its axis, or a weld. Bodies that it meets lie on the same axis; a contact of
-    nodes off the axis stands for that of their circles.
+    The body moves along its axis only, and a scene refuses it unless a joint holds it so: a ``Prismatic`` joint along the
+    axis, or a weld, at its point "axis" (the mass centre, which rides with the frame of the body) or at material on
+    the axis. A contact at nodes off the axis stands for that of their circles, so that what the body meets must have
+    the same axis, or be a plane across it.
 
     Surfaces: "outline" is the loop around the half section, along the axis as well; "surface" is the outer one
     without the axis, from its far end (largest x) to its near one; further rows of edges off the axis are "hole1", ...
