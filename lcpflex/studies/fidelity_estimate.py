@@ -85,4 +85,4 @@ def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
     slope = max(float(slope), 0.0)
     at_zero = max(float(at_zero), 0.0)
     scale = float(np.sum(t) / np.sum(at_zero + slope * n)) if slope or at_zero else 0.0
-    return scale * (at_zero + slope * coordinates)
+    return float(scale * (at_zero + slope * coordinates))

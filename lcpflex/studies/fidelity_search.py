@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +18,8 @@ __all__ = ["Search"]
 INSTANTS = 2000  # at which outputs are compared
 MIDDLE = 8  # modes of the run that tells early what a richer one costs
 FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
-HARDLY = 0.9  # a rung that leaves more than this part of the error changed nothing
+ALIKE = 0.5  # bodies whose shares in the error are that much alike climb together
+PATIENT = 2  # rich runs that fail before one is taken that is known not to
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
 EQUAL = 1.2  # ratio of wall times that says nothing
 
@@ -121,11 +122,11 @@ class Search:
         return trend_of(samples, size), size, (size + 0.5) / share - 0.5
 
     def good(self, state: State) -> bool:
-        """Whether it is proved to be within the tolerance: each body that matters was also run far richer."""
+        """Whether it is proved to be within the tolerance: each body that matters was also run richer."""
         if self.reference is None or not self.sound(state):
             return False
-        top = self.ladders.top
-        compared = all(state[b] < self.reference[b] or self.reference[b] == top[b] for b in self.needing)
+        richer, top = self.reference, self.ladders.top
+        compared = all(state[b] < richer[b] or richer[b] == top[b] for b in self.needing)
         return compared and self.estimate(state) <= self.tolerance
 
     def find(self) -> State | None:
@@ -141,23 +142,29 @@ class Search:
         if self.reference is None:
             return None
         found = self._climb(middle)
-        if found is None and self.reference != self.ladders.top:
-            cost = self.cost(self.ladders.top)
-            if cost > self.limit:
-                self.notes.append(f"full mesh not run: about {cost:.2g} s, limit {self.limit:g} s")
-                return None
-            if self._sound_reference(self.ladders.top):
-                found = self._climb(middle)
+        if found is None and self.reference == richest != self.ladders.top and self._full_reference():
+            found = self._climb(middle)
         return None if found is None else self._cheapest(self._descend(found))
 
     def _look_ahead(self, state: State) -> None:
         """Run the richest state that can be afforded and trusted: what all others are compared with."""
         while self.cost(state) > self.limit and any(state):
             state = self._lowered(state)
-        while any(state):
-            if self._sound_reference(state):
-                return
-            state = self._lowered(state)
+        failed = 0
+        while any(state) and not self._sound_reference(state):
+            failed += 1
+            known = [one for one in self.trials if self.sound(one) and any(one)]
+            if failed == PATIENT and known:  # a reason that all rich ones share, such as too long a step
+                state = max(known, key=self.ladders.coordinates)
+            else:
+                state = self._lowered(state)
+
+    def _full_reference(self) -> bool:
+        cost = self.cost(self.ladders.top)
+        if cost > self.limit:
+            self.notes.append(f"the full mesh was not run: about {cost:.2g} s, limit {self.limit:g} s")
+            return False
+        return self._sound_reference(self.ladders.top)
 
     def _sound_reference(self, state: State) -> bool:
         one = self.run(state)
@@ -173,61 +180,60 @@ class Search:
         b = max((b for b in range(len(state)) if state[b]), key=lambda b: modes[b])
         return _with(state, b, state[b] - 1)
 
-    def _screened(self, middle: State) -> tuple[int, ...]:
-        """The bodies that change the outputs when they alone are rigid and the others rich."""
+    def _screened(self, middle: State) -> dict[int, float]:
+        """The bodies that change the outputs when they alone are rigid and the others rich, and by how much."""
         assert self.reference is not None
-        if len(self.reference) == 1:
-            return (0,)
-        background = self.reference if len(self.reference) == 2 or not self.sound(middle) else middle
-        share = self.tolerance / (2.0 * len(background))
-        found = []
-        for b in range(len(background)):
+        count = len(self.reference)
+        if count == 1:
+            return {0: 1.0}
+        background = self.reference if count == 2 or not self.sound(middle) else middle
+        share = self.tolerance / (2.0 * count)
+        found = {}
+        for b in range(count):
             alone = _with(background, b, 0)
             self.run(alone)
-            if not self.sound(alone) or max(self.difference(alone, one, background) for one in self.used()) > share:
-                found.append(b)
-        return tuple(found)
+            change = math.inf
+            if self.sound(alone):
+                change = max(self.difference(alone, one, background) for one in self.used())
+            if change > share:
+                found[b] = change
+        return found
 
     def _climb(self, middle: State) -> State | None:
         """The first state on the way up that is good; None if there is none."""
         state = self.ladders.bottom
-        self.needing = ()
-        if self.good(state) and self._compared(state):
+        self.needing = tuple(range(len(state)))  # to be good it has to be below the reference in all of them
+        if self.good(state):
             return state
-        self.needing = self._screened(middle)
+        changes = self._screened(middle)
+        self.needing = tuple(changes)
         while not self.good(state):
-            higher = self._raised(state)
+            higher = self._raised(state, changes)
             if higher is None and len(self.needing) < len(state):
                 self.needing = tuple(range(len(state)))  # they change nothing alone, but they do together
-                higher = self._raised(state)
+                changes = {b: changes.get(b, self.tolerance) for b in self.needing}
+                higher = self._raised(state, changes)
             if higher is None:
                 return None
             state = higher
+            self.run(state)
         return state
 
-    def _compared(self, state: State) -> bool:
-        assert self.reference is not None
-        return all(a < b for a, b in zip(state, self.reference, strict=True))
+    def _raised(self, state: State, changes: dict[int, float]) -> State | None:
+        """The next state: one rung more, or two while the error is large, for what is most to blame for it.
 
-    def _raised(self, state: State) -> State | None:
-        """The next state: the body that leaves the least error one rung higher, or two while that is large."""
+        The error of each body is taken to fall as that of an impact does, from what it changes as a rigid one.
+        """
         assert self.reference is not None
         far = self.sound(state) and self.estimate(state) > FAR * self.tolerance
-        candidates = []
-        for b in self.needing:
-            last = self.reference[b]
-            if state[b] < last:
-                step = 2 if far and state[b] + 2 < last else 1
-                candidates.append(_with(state, b, state[b] + step))
-        if not candidates:
-            return None
-        for one in candidates:
-            self.run(one)
-        best = min(candidates, key=self.estimate)
-        if len(candidates) > 1 and self.estimate(best) > HARDLY * self.estimate(state):
-            best = tuple(max(one[b] for one in candidates) for b in range(len(state)))
-            self.run(best)
-        return best
+        modes = self.ladders.modes(state)
+        blame = {b: changes[b] / (modes[b] + 0.5) for b in self.needing if state[b] < self.reference[b]}
+        higher = state
+        for b, share in blame.items():
+            if share >= ALIKE * max(blame.values()):
+                step = 2 if far and state[b] + 2 < self.reference[b] else 1
+                higher = _with(higher, b, state[b] + step)
+        return higher if blame else None
 
     def _descend(self, state: State) -> State:
         """Rungs that were skipped on the way, while they are good, too."""
@@ -252,17 +258,15 @@ class Search:
         near = [state for state in good if self.cost(state) <= EQUAL * least]
         return min(near, key=self.ladders.coordinates)
 
-    def step_error(self, state: State) -> tuple[float, float]:
-        """Change of the outputs with half the step, and how long that run took; NaN where there is no step."""
+    def step_error(self, state: State) -> float:
+        """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""
         finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
         if finer is None or self.spent + 2.0 * self.cost(state) > BUDGET * self.cost(self.ladders.top):
-            return math.nan, math.nan
-        one = self._run(state, finer)
-        own = self.trials[state].measured
-        if one.measured is None or own is None:
-            return math.nan, math.nan
-        errors = [error_between(o, own[o.name], one.measured[o.name], self.duration) for o in self.used()]
-        return max(errors), one.wall_time
+            return math.nan
+        found, own = self._run(state, finer).measured, self.trials[state].measured
+        if found is None or own is None:
+            return math.nan
+        return max(error_between(one, own[one.name], found[one.name], self.duration) for one in self.used())
 
 
 def _with(state: State, body: int, rung: int) -> State:

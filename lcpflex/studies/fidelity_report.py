@@ -1,0 +1,261 @@
+"""What a study of fidelity found: the scene, every run with its error and cost, and advice in words."""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from lcpflex.errors import writable_path
+from lcpflex.studies.trial import brief
+from lcpflex.summary import with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lcpflex.scene import Scene
+
+__all__ = ["FidelityRun", "NextRung", "RightSize"]
+
+SHOWN = 60  # characters of a reason in a table
+
+
+@dataclass(frozen=True, slots=True)
+class FidelityRun:
+    """One scene that was run.
+
+    Attributes
+    ----------
+    rungs
+        By name of the body, the name of its rung.
+    coordinates, steps, wall_time
+        Of the run; [s], without compilation.
+    errors
+        By output, estimated difference to the full mesh, relative to the scale of the output; empty where unknown.
+    within
+        Whether it is proved to be within the tolerance.
+    chosen, reference, full
+        Whether it is the one that was chosen, the one that all are compared with, the full mesh.
+    failure
+        Why it cannot be trusted; empty if it can.
+    """
+
+    rungs: Mapping[str, str]
+    coordinates: int
+    steps: int
+    wall_time: float
+    errors: Mapping[str, float]
+    within: bool = False
+    chosen: bool = False
+    reference: bool = False
+    full: bool = False
+    failure: str = ""
+
+    @property
+    def estimate(self) -> float:
+        """The largest error; NaN where none is known."""
+        return max(self.errors.values(), default=math.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class NextRung:
+    """One rung more for a body: its cost relative to what was chosen, and the error; predicted, or ``measured``."""
+
+    rung: str
+    cost: float
+    error: float
+    measured: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RightSize:
+    """The smallest bodies that a scene needs.
+
+    Attributes
+    ----------
+    scene
+        The scene with these bodies: the cheapest within the tolerance; where none is, the best one that was run; None
+        where nothing can be said.
+    within
+        Whether it is proved to be within the tolerance.
+    tolerance
+        That was asked for.
+    rungs
+        By name of the body, the name of its rung.
+    errors
+        By output, estimated difference to the full mesh, relative to the scale of the output.
+    runs
+        All that was run, by number of coordinates.
+    next
+        What one rung more would cost and change, for each body.
+    reference
+        The bodies of the run that all others are compared with.
+    stepper, duration
+        How the scenes were run.
+    spent
+        Wall time of all runs [s].
+    full, full_was_run
+        Wall time of a run of the full mesh [s], measured or predicted.
+    step_error
+        Change of the outputs with half the step, which no choice of bodies can take away; NaN where it is not known.
+    notes
+        What a reader must know.
+    complete
+        False after an interruption by Ctrl-C.
+    """
+
+    scene: Scene | None
+    within: bool
+    tolerance: float
+    rungs: Mapping[str, str]
+    errors: Mapping[str, float]
+    runs: tuple[FidelityRun, ...]
+    next: tuple[NextRung, ...]
+    reference: Mapping[str, str]
+    stepper: Any
+    duration: float
+    spent: float
+    full: float
+    full_was_run: bool
+    step_error: float = math.nan
+    notes: tuple[str, ...] = field(default=())
+    complete: bool = True
+
+    @property
+    def chosen(self) -> FidelityRun | None:
+        """The run of the scene that is returned; None where there is none."""
+        return next((run for run in self.runs if dict(run.rungs) == dict(self.rungs)), None)
+
+    @property
+    def speedup(self) -> float:
+        """Wall time of the full mesh over that of the scene that is returned; NaN where there is none."""
+        run = self.chosen
+        return math.nan if run is None else self.full / run.wall_time
+
+    def sentence(self) -> str:
+        """What to do, how wrong it is, and what it saves."""
+        if self.chosen is None:
+            why = self.notes[-1] if self.notes else "interrupted before there was anything to compare"
+            return f"Nothing can be said: {why}."
+        bodies = _advice(self.rungs)
+        errors = ", ".join(f"{name} within {_percent(error)}" for name, error in self.errors.items())
+        if not self.within:
+            return (
+                f"No rung is proved to be within {_percent(self.tolerance)} of the full mesh: the best that was run, "
+                f"{bodies}, has estimated errors of {self._listed()}."
+            )
+        if self.chosen.full:
+            return f"The full mesh is needed: nothing less is within {_percent(self.tolerance)} of it."
+        return f"{bodies}: {errors} of the full mesh, {self._cheaper()}."
+
+    def _listed(self) -> str:
+        return ", ".join(f"{_percent(error)} in {name}" for name, error in self.errors.items())
+
+    def _cheaper(self) -> str:
+        about = "" if self.full_was_run else "about "
+        if self.speedup < 1.2:
+            return "at about the same cost"
+        return f"{about}{self.speedup:.2g} times cheaper"
+
+    def table(self) -> str:
+        """Markdown: every run, then the next rungs, how the errors were found and what the step adds."""
+        bodies = tuple(self.runs[0].rungs)
+        outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
+        head = [*bodies, "coordinates", "wall time", *(f"error: {name}" for name in outputs), "remark"]
+        text = [_markdown(head, [_row(run, bodies, outputs) for run in self.runs])]
+        if self.next:
+            rows = [[one.rung, f"{one.cost:.2g}", _percent(one.error), "measured" if one.measured else "predicted"]
+                    for one in self.next]  # fmt: skip
+            text.append(_markdown(["one rung more", "times the cost", "error", "which is"], rows))
+        text.append(self._told())
+        return "\n\n".join(text)
+
+    def _told(self) -> str:
+        lines = [f"All runs: {brief(self.stepper)}, {with_unit(self.duration, 's')}."]
+        if self.reference:
+            full = all(rung == "full mesh" for rung in self.reference.values())
+            more = "" if full else ", and by what that one still lacks, extrapolated"
+            lines.append(f"Errors: by the difference to {_listed(self.reference)}{more}.")
+        if math.isfinite(self.step_error):
+            lines.append(
+                f"Half the step changes the outputs by {_percent(self.step_error)}: that error is not one of "
+                "the bodies, and adds to theirs."
+                + (" It exceeds the tolerance: shorten the step." if self.step_error > self.tolerance else "")
+            )
+        if math.isfinite(self.full):
+            known = "" if self.full_was_run else ", predicted"
+            lines.append(
+                f"The study took {with_unit(self.spent, 's')}; one run of the full mesh takes "
+                f"{with_unit(self.full, 's')}{known}."
+            )
+        lines += [f"Note: {note}." for note in self.notes]
+        if not self.complete:
+            lines.append("Interrupted: this is what had been measured.")
+        return "  \n".join(lines)
+
+    def csv(self, path: str | os.PathLike[str]) -> None:
+        """Write every run to a CSV file. Raises ModelError where it cannot be written."""
+        target = writable_path("path", path)
+        bodies = tuple(self.runs[0].rungs)
+        outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
+        columns = ("coordinates", "steps", "wall_time")
+        marks = ("within", "chosen", "reference", "full", "failure")
+        with target.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*bodies, *columns, *(f"error of {name}" for name in outputs), *marks])
+            for run in self.runs:
+                writer.writerow(
+                    [run.rungs[name] for name in bodies]
+                    + [getattr(run, name) for name in columns]
+                    + [run.errors.get(name, "") for name in outputs]
+                    + [getattr(run, name) for name in marks]
+                )
+
+    def plot(self) -> Figure:
+        """Error against cost of every run, the tolerance, and the one that was chosen."""
+        from lcpflex.studies.fidelity_chart import chart
+
+        return chart(self)
+
+    def __str__(self) -> str:
+        return f"{self.table()}\n\n{self.sentence()}"
+
+
+def _row(run: FidelityRun, bodies: Sequence[str], outputs: Sequence[str]) -> list[str]:
+    reason = " ".join(run.failure.replace("|", "/").split())
+    marks = ["chosen"] * run.chosen + ["compared with"] * run.reference
+    if reason:
+        marks = [f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"]
+    errors = [_percent(run.errors[name]) if name in run.errors else "-" for name in outputs]
+    wall = with_unit(run.wall_time, "s") if math.isfinite(run.wall_time) else "-"
+    return [*(run.rungs[name] for name in bodies), str(run.coordinates), wall, *errors, ", ".join(marks)]
+
+
+def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    return "\n".join(
+        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |"
+        for row in (head, ["-" * width for width in widths], *rows)
+    )
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.2g} %" if math.isfinite(value) else "unknown"
+
+
+def _listed(rungs: Mapping[str, str]) -> str:
+    return ", ".join(f"{rung} for the {name}" for name, rung in rungs.items())
+
+
+def _advice(rungs: Mapping[str, str]) -> str:
+    """ "4 modes for the pendulum, the rod may be rigid"."""
+    flexible = {name: rung for name, rung in rungs.items() if rung != "rigid"}
+    rigid = [name for name, rung in rungs.items() if rung == "rigid"]
+    parts = [_listed(flexible)] if flexible else []
+    if rigid:
+        parts.append(f"the {' and the '.join(rigid)} may be rigid")
+    text = ", ".join(parts)
+    return text[0].upper() + text[1:]

@@ -1,0 +1,216 @@
+"""The smallest bodies that a scene needs: rigid, a few modes, many, or the full mesh.
+
+import lcpflex as lf
+from lcpflex.studies import right_size
+
+found = right_size(scene, "impulses", 1e-2, duration=0.5, stepper=lf.MoreauJean(step=1e-4))
+print(found)                     # table and a sentence
+result = lf.simulate(found.scene, 0.5, lf.MoreauJean(step=1e-4))
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from lcpflex.errors import ModelError, in_range
+from lcpflex.studies.fidelity_estimate import left_at
+from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
+from lcpflex.studies.fidelity_scenes import Ladders, State, comparable, of_scene
+from lcpflex.studies.fidelity_search import Search
+
+__all__ = ["right_size"]
+
+STEPS = 2000  # of a run, at least, where no stepper is given
+A_PERIOD = 40  # steps in a period of the lowest mode of the stiffest body
+MOST = 500_000  # steps of such a run
+LIMIT = 60.0  # [s]
+
+
+def right_size(
+    scene: Any,
+    outputs: Any = None,
+    tolerance: float = 1e-2,
+    *,
+    duration: float | None = None,
+    stepper: Any = None,
+    limit: float = LIMIT,
+    progress: bool | None = None,
+) -> RightSize:
+    """Find the cheapest fidelity of each body at which the outputs of a scene are within a tolerance of the full mesh.
+
+    Every body that has a ladder (made by ``reduce`` of a beam, bar or mesh) starts rigid. One run far up the ladder is
+    what all others are compared with; its own error is extrapolated with the rate that the rungs below it show. Then
+    the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
+    The full mesh itself is run only where nothing below is proved to be good enough. In all that costs less than five
+    runs of the full mesh.
+
+    All rungs are run with the same step, so that their differences measure the model and not the step. What the step
+    does to the scene that was found is measured by one more run with half of it, and told apart.
+
+    Parameters
+    ----------
+    scene
+        A :class:`Scene`, a function that builds one, or a :class:`Case`.
+    outputs
+        As in :func:`work_precision`: names of standard outputs, functions of a :class:`Result`, :class:`Output`. By
+        default "motion", the positions of two places of each body, and "impulses" of the contacts. Velocities
+        ("trajectory") and the "peak force" show every wave, and need far richer bodies.
+    tolerance
+        Largest error of each output, relative to its scale.
+    duration
+        Time to simulate [s]; that of the case by default.
+    stepper
+        One for all rungs, or a function of the scene that makes one (for explicit schemes, whose step has to fall with
+        the highest mode; then the step differs and its error is part of what is measured). By default the one
+        of the case, or ``MoreauJean`` with the smaller of a 2000th of the duration and a 40th of the longest period of
+        the stiffest body, but at most 500 000 steps.
+    limit
+        Wall time [s] of a run: what is predicted to take longer is not run.
+    progress
+        Show a progress bar; by default on a terminal, after two seconds.
+
+    Returns
+    -------
+    RightSize
+        The scene, the table of runs, what the next rungs would cost and change, a chart, and advice in words. After
+        Ctrl-C with what was measured before, marked incomplete.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        After Ctrl-C before anything was measured.
+    ModelError
+        For arguments out of range, and a scene none of whose bodies has a ladder.
+    """
+    from tqdm import tqdm
+
+    tolerance = in_range("tolerance", tolerance, 0.0, 1.0, open_ends=True)
+    limit = in_range("limit", limit, 0.0, math.inf, open_ends=True)
+    span = getattr(scene, "duration", None) if duration is None else duration
+    if span is None:
+        raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
+    span = in_range("duration", span, 0.0, math.inf, open_ends=True)
+    ladders = of_scene(scene)
+    used = comparable(ladders, outputs)
+    make = _stepper(getattr(scene, "stepper", None) if stepper is None else stepper, ladders, span)
+    bar: Any = tqdm(
+        unit="run", leave=False,
+        delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
+    )  # fmt: skip
+    search = Search(ladders, used, tolerance, span, make, limit, bar.update)
+    with bar:
+        try:
+            found, complete = search.find(), True
+        except KeyboardInterrupt:
+            if not search.trials:
+                raise
+            found, complete = None, False
+        try:
+            step_error = search.step_error(found) if found is not None else math.nan
+        except KeyboardInterrupt:
+            step_error, complete = math.nan, False
+    return _report(search, found, step_error, complete)
+
+
+def _stepper(given: Any, ladders: Ladders, duration: float) -> Callable[[Any], Any]:
+    """What makes the stepper of a scene."""
+    if given is None:
+        from lcpflex.steppers.moreau_jean import MoreauJean
+
+        periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
+        step = max(min(duration / STEPS, min(periods) / A_PERIOD), duration / MOST)
+        default = MoreauJean(step=step)
+        return lambda scene: default
+    if hasattr(given, "start") and not isinstance(given, type):
+        return lambda scene: given
+    if not callable(given) or isinstance(given, type):
+        raise ModelError(f"stepper: {given!r} was given, expected a stepper, or a function that makes one for a scene")
+
+    def made(scene: Any) -> Any:
+        one = given(scene)
+        if isinstance(one, type) or not hasattr(one, "start"):
+            raise ModelError(f"stepper: the function made {one!r}, expected a stepper such as MoreauJean(step=1e-4)")
+        return one
+
+    return made
+
+
+def _report(search: Search, found: State | None, step_error: float, complete: bool) -> RightSize:
+    ladders = search.ladders
+    runs = tuple(
+        _run(search, state, found) for state in sorted(search.trials, key=lambda s: (ladders.coordinates(s), s))
+    )
+    best = found
+    if best is None and search.reference is not None:
+        known = [state for state in search.trials if search.sound(state)]
+        best = min(known, key=lambda s: (search.estimate(s), ladders.coordinates(s)))
+    top = ladders.top
+    return RightSize(
+        scene=None if best is None else ladders.at(best),
+        within=found is not None,
+        tolerance=search.tolerance,
+        rungs={} if best is None else ladders.labels(best),
+        errors={} if best is None else search.errors(best),
+        runs=runs,
+        next=() if best is None else tuple(_next(search, best)),
+        reference={} if search.reference is None else ladders.labels(search.reference),
+        stepper=search.stepper_of(ladders.scene),
+        duration=search.duration,
+        spent=search.spent,
+        full=search.cost(top),
+        full_was_run=search.sound(top),
+        step_error=step_error,
+        notes=tuple(search.notes),
+        complete=complete,
+    )
+
+
+def _run(search: Search, state: State, found: State | None) -> FidelityRun:
+    one = search.trials[state]
+    errors = search.errors(state)
+    return FidelityRun(
+        rungs=search.ladders.labels(state),
+        coordinates=search.ladders.coordinates(state),
+        steps=one.steps,
+        wall_time=one.wall_time,
+        errors=errors,
+        within=search.good(state),
+        chosen=state == found,
+        reference=state == search.reference,
+        full=state == search.ladders.top,
+        failure=one.failure,
+    )
+
+
+def _next(search: Search, state: State) -> list[NextRung]:
+    """What one rung more of each body, and the full mesh, would cost and change; measured where they were run."""
+    ladders = search.ladders
+    found = []
+    for b, name in enumerate(ladders.names):
+        if state[b] < ladders.top[b]:
+            richer = (*state[:b], state[b] + 1, *state[b + 1 :])
+            run = search.sound(richer)
+            found.append(
+                NextRung(
+                    f"{name}: {ladders.rungs[b][state[b] + 1].name}",
+                    search.cost(richer) / search.cost(state),
+                    search.estimate(richer) if run else _expected(search, state, richer, b),
+                    run,
+                )
+            )
+    return found
+
+
+def _expected(search: Search, state: State, richer: State, body: int) -> float:
+    """The error with one rung more, where it was not run: by the trend of the body if that changes anything."""
+    if body not in search.needing:
+        return search.estimate(state)
+    now, then = search.ladders.modes(state)[body], search.ladders.modes(richer)[body]
+    worst = 0.0
+    for output in search.used():
+        trend, _, full = search.trend(output)
+        before, after = left_at(trend, now, full), left_at(trend, then, full)
+        worst = max(worst, search.errors(state)[output.name] * (after / before if before > 0.0 else 1.0))
+    return worst
