@@ -121,8 +121,8 @@ def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: S
     for p in placed:
         if p.body in solids - held:
             raise ModelError(
-                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along its axis that "
-                f"holds it: P = body.point('axis'); scene.join(Prismatic(P, scene.ground.at(X, Y), axis=(x, y))), or a Weld"
+                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along the axis that "
+                f"holds it, as scene.join(Prismatic(body.point('axis'), scene.ground.at(X, Y), axis=(x, y))), or a Weld"
             )
 
 
@@ -132,7 +132,8 @@ def _guides(joint: Joint, body: int, state: State) -> bool:
     on_axis = not own.material.phi[:, 1].any() and own.material.place[1] == 0.0
     if not (on_axis and isinstance(joint, Prismatic)):
         return on_axis
-    axis = state.angle(joint.Q) + math.atan2(joint.axis[1], joint.axis[0])
+    x, y = joint.form().axis
+    axis = state.angle(joint.Q) + math.atan2(y, x)
     return abs(math.sin(axis - float(state.q[state.dof[body] + 2]))) <= AXIS_TOLERANCE
 
 

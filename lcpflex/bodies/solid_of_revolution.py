@@ -28,8 +28,8 @@ class SolidOfRevolution:
     solid, dV = 2 pi r dx dr, and a force at a node is that on its whole circle. Nodes on the axis have no radial
     displacement. Elements, sets, groups and "hole1", ... are those of :class:`Continuum`.
 
-    The body moves along its axis only, and a scene refuses it unless a joint holds it so: a ``Prismatic`` joint along the
-    axis, or a weld, at its point "axis" (the mass centre, which rides with the frame of the body) or at material on
+    The body moves along its axis only, and a scene refuses it unless a joint holds it so: a ``Prismatic`` joint along
+    the axis, or a weld, at its point "axis" (the mass centre, which rides with the frame of the body) or at material on
     the axis. A contact at nodes off the axis stands for that of their circles, so that what the body meets must have
     the same axis, or be a plane across it.
 
