@@ -23,7 +23,7 @@ from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.own_basis import joined, own_basis
 from lcpflex.bodies.reduction import count_of_modes
-from lcpflex.bodies.sparse_factor import Factor, NotPositive, positive_factor
+from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 
@@ -71,7 +71,10 @@ def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) 
         stiffness = mesh.stiffness[inner][:, inner].tocsc()
         mass = mesh.mass[inner][:, inner].tocsc()
         factor = _held(mass, stiffness, rank[inner], len(boundary))
-        basis[inner, : len(held)] = -factor.solve(mesh.stiffness[inner][:, held].toarray())
+        coupling = mesh.stiffness[inner][:, held]
+        for first in range(0, len(held), AT_ONCE):
+            part = slice(first, min(first + AT_ONCE, len(held)))
+            basis[inner, part] = -factor.solve(coupling[:, part].toarray())
         basis[inner, len(held) :] = fixed_modes(mass, stiffness, factor, n)[1]
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
     return own_basis(mesh.mass, mesh.stiffness, frame, basis, holds_rigid=True)
@@ -106,13 +109,12 @@ def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
 
 def _residual(free: FreeMesh, shapes: FloatArray, rows: IntArray) -> FloatArray:
     """(f, k) static displacements by unit forces at the rows, without what the kept modes have of them."""
-    loads = np.zeros((len(shapes), len(rows)))
-    loads[rows, np.arange(len(rows))] = 1.0
-    static = free.flexibility(loads)
+    static = free.responses(rows)
     whole = np.linalg.norm(static, axis=0)
     for _ in range(2):
-        static = static - shapes @ (shapes.T @ (free.mass @ static))
-    return np.asarray(static[:, np.linalg.norm(static, axis=0) > NOISE * whole])
+        static -= shapes @ ((free.mass @ shapes).T @ static)
+    kept = np.linalg.norm(static, axis=0) > NOISE * whole
+    return static if kept.all() else static[:, kept]
 
 
 def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, interface_modes: bool) -> Basis:

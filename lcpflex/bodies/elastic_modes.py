@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.bodies.sparse_factor import Factor, NotPositive, dissection, links, positive_factor
+from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 
@@ -26,7 +26,17 @@ if TYPE_CHECKING:
 
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
-__all__ = ["FULL_LIMIT", "FreeMesh", "check_memory", "fixed_modes", "free_modes", "judge", "orthonormal_frame", "ritz"]
+__all__ = [
+    "FULL_LIMIT",
+    "FreeMesh",
+    "check_memory",
+    "fixed_modes",
+    "free_modes",
+    "grams",
+    "judge",
+    "orthonormal_frame",
+    "ritz",
+]
 
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
 FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
@@ -76,7 +86,18 @@ class FreeMesh:
         balanced = loads - self.mass @ (self.frame @ (self.frame.T @ loads))
         out = np.zeros_like(balanced)
         out[self._free] = self._factor.solve(balanced[self._free])
-        return np.asarray(out - self.frame @ (self.frame.T @ (self.mass @ out)))
+        out -= self.frame @ (self.frame.T @ (self.mass @ out))
+        return np.asarray(out)
+
+    def responses(self, rows: IntArray) -> FloatArray:
+        """(f, k) G f of unit loads at the rows (k,)."""
+        out = np.empty((len(self.frame), len(rows)))
+        for first in range(0, len(rows), AT_ONCE):
+            some = rows[first : first + AT_ONCE]
+            loads = np.zeros((len(out), len(some)))
+            loads[some, np.arange(len(some))] = 1.0
+            out[:, first : first + AT_ONCE] = self.flexibility(loads)
+        return out
 
     def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
         """The ``count`` lowest elastic modes.
@@ -227,10 +248,21 @@ def ritz(stiffness: csc_matrix[Any], mass: csc_matrix[Any], vectors: FloatArray)
 
     if not vectors.shape[1]:
         return np.zeros(0), vectors
-    gram = vectors.T @ (mass @ vectors)
-    stiff = vectors.T @ (stiffness @ vectors)
-    omega2, turn = eigh(0.5 * (stiff + stiff.T), 0.5 * (gram + gram.T))
+    gram, stiff = grams(mass, stiffness, vectors)
+    omega2, turn = eigh(stiff, gram)
     return omega2, vectors @ turn
+
+
+def grams(mass: csc_matrix[Any], stiffness: csc_matrix[Any], vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(k, k) V^T M V and V^T K V, symmetric, of vectors (f, k); the products with a few columns at a time."""
+    k = vectors.shape[1]
+    both = np.empty((2, k, k))
+    for first in range(0, k, AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        both[0, :, part] = vectors.T @ (mass @ vectors[:, part])
+        both[1, :, part] = vectors.T @ (stiffness @ vectors[:, part])
+    gram, stiff = 0.5 * (both + both.transpose(0, 2, 1))
+    return gram, stiff
 
 
 def is_dense(n: int, count: int) -> bool:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.elastic_modes import judge, ritz
+from lcpflex.bodies.elastic_modes import grams, judge, ritz
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
@@ -34,24 +34,22 @@ def own_basis(
     ModelError
         If nothing elastic is left where there are columns for it, or some of it costs no energy.
     """
-    k = basis.shape[1]
-    if not k:
+    if not basis.shape[1]:
         return np.zeros(0), basis
-    weighed = mass @ basis
-    length = np.sqrt(np.einsum("ij,ij->j", basis, weighed))
-    if not length.min() > 0.0:
-        basis, weighed, length = basis[:, length > 0.0], weighed[:, length > 0.0], length[length > 0.0]
-    basis = basis / length
-    gram = (basis.T @ weighed) / length
-    elastic = np.eye(basis.shape[1])
+    gram, stiff = grams(mass, stiffness, basis)
+    length = np.sqrt(np.diag(gram))
+    scale = np.outer(length, length)
+    gram, stiff = gram / scale, stiff / scale
+    elastic = np.eye(len(gram))
     if holds_rigid:
-        elastic = _complement((weighed.T @ frame) / length[:, None])
+        elastic = _complement(basis.T @ (mass @ frame) / length[:, None])
     squares, directions = np.linalg.eigh(_even(elastic.T @ gram @ elastic))
     kept = squares > DEPENDENT * squares.max(initial=0.0)
-    basis = basis @ (elastic @ (directions[:, kept] / np.sqrt(squares[kept])))
-    for _ in range(2):
-        basis = basis - frame @ (frame.T @ (mass @ basis))
-        omega2, basis = ritz(stiffness, mass, basis)
+    turn = elastic @ (directions[:, kept] / np.sqrt(squares[kept]))
+    turn = turn @ np.linalg.eigh(_even(turn.T @ stiff @ turn))[1]
+    basis = basis @ (turn / length[:, None])
+    basis -= frame @ (frame.T @ (mass @ basis))
+    omega2, basis = ritz(stiffness, mass, basis)  # rounding of stiff columns has touched the soft combinations of them
     judge(float(omega2.min(initial=np.inf)), mass, stiffness, frame.shape[1])
     return omega2, basis
 

@@ -16,11 +16,11 @@ from lcpflex.compiled import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["Factor", "NotPositive", "dissection", "links", "positive_factor"]
+__all__ = ["AT_ONCE", "Factor", "NotPositive", "dissection", "links", "positive_factor"]
 
 LEAF = 24  # nodes that are not cut any more
 LEVELS = 38  # 3^38 < 2^63
-AT_ONCE = 32  # right-hand sides solved together: more cost memory and save no time
+AT_ONCE = 32  # columns treated together: more cost memory and save no time
 
 
 class NotPositive(ArithmeticError):
