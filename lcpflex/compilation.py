@@ -121,7 +121,7 @@ def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: S
     for p in placed:
         if p.body in solids - held:
             raise ModelError(
-                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along the axis that "
+                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along it that "
                 f"holds it, as scene.join(Prismatic(body.point('axis'), scene.ground.at(X, Y), axis=(x, y))), or a Weld"
             )
 
