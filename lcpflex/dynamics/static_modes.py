@@ -213,20 +213,25 @@ def _directional(model: Model, q: FloatArray, f: int, F: FloatArray) -> tuple[bo
     return bool(n @ F @ n > RIGID * values[1]), bool(t @ F @ t > RIGID * values[1])
 
 
-def _mobility(model: Model, mass: FloatArray, p: int) -> tuple[FloatArray, float]:
-    """Acceleration of point p by a unit force (2, 2), body axes, and angular one by a unit torque, undeformed body."""
+def _mobility(model: Model, mass: FloatArray, flexibility: FloatArray, p: int) -> tuple[FloatArray, float]:
+    """Acceleration of point p by a unit force (2, 2), body axes, and angular one by a unit torque, undeformed body.
+
+    That of the frame and the modes with a mass: the others give way instead.
+    """
     b = int(model.points.body[p])
     if b < 0:
         return np.zeros((2, 2)), 0.0
-    phi, _ = _shapes(model, p)
+    phi, modes = _shapes(model, p)
+    moving = flexibility[modes] == 0.0
     x, y = model.points.place[p]
-    rows = np.vstack([np.array([[1.0, 0.0], [0.0, 1.0], [-y, x]]), phi])
-    turn = np.concatenate([[0.0, 0.0, 1.0], model.points.psi[model.points.start[p] : model.points.start[p + 1]]])
+    rows = np.vstack([np.array([[1.0, 0.0], [0.0, 1.0], [-y, x]]), moving[:, None] * phi])
+    psi = model.points.psi[model.points.start[p] : model.points.start[p + 1]]
+    turn = np.concatenate([[0.0, 0.0, 1.0], moving * psi])
     block = mass[model.bodies.dof[b] : model.bodies.dof[b + 1], model.bodies.dof[b] : model.bodies.dof[b + 1]]
     return np.asarray(rows.T @ np.linalg.solve(block, rows)), float(turn @ np.linalg.solve(block, turn))
 
 
-def spring_rates(model: Model) -> tuple[float, float]:
+def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
     """Upper bounds of the squared frequency [1/s^2] and of the rate of decay [1/s] that springs and dampers add."""
     mass = mass_matrix(model, np.zeros(int(model.bodies.dof[-1])))
     loads = model.loads
@@ -236,7 +241,7 @@ def spring_rates(model: Model) -> tuple[float, float]:
     ):
         total = 0.0
         for p in ends:
-            push, twist = _mobility(model, mass, int(p))
+            push, twist = _mobility(model, mass, flexibility, int(p))
             total += twist if kind == 1 else float(np.linalg.eigvalsh(push)[1])
         square += stiffness * total
         rate += damping * total
@@ -259,5 +264,5 @@ def contact_stiffness(model: Model, flexibility: FloatArray) -> float:
             values, vectors = np.linalg.eigh(F)
             n = contacts.slave_normal[s] if contacts.slave_normal[s].any() else vectors[:, 1]
             if n @ F @ n > 1e-6 * values[1]:
-                largest = max(largest, float(n @ _mobility(model, mass, p)[0] @ n / (n @ F @ n)))
+                largest = max(largest, float(n @ _mobility(model, mass, flexibility, p)[0] @ n / (n @ F @ n)))
     return largest

@@ -60,6 +60,7 @@ from lcpflex.steppers.system import System
 __all__ = ["MasslessBoundary"]
 
 SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
+SEVERAL = 0.7  # of the step that one closed contact admits: several that close have higher frequencies
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 
@@ -183,7 +184,7 @@ class MasslessBoundary:
     Attributes
     ----------
     step
-        Step length h [s], > 0. None: ``safety`` times the limit of the system with one contact closed, as estimated
+        Step length h [s], > 0. None: 0.7 ``safety`` times the limit of the system with one contact closed, as estimated
         at the start, and at most a thousandth of the duration.
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
@@ -284,14 +285,14 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
 
 def _settings(model: Model, flexibility: FloatArray, stepper: MasslessBoundary, longest: float) -> Settings:
     """The numbers of the loop; ``longest``: the step where nothing else limits it."""
-    spring, damper = spring_rates(model)
+    spring, damper = spring_rates(model, flexibility)
     static = flexibility[np.concatenate([np.arange(a + 3, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
     highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
     step = stepper.step
     if step is None:
         step = longest
         if (square := spring + highest + contact_stiffness(model, flexibility)) > 0.0:
-            step = min(step, 2.0 * stepper.safety / math.sqrt(square))
+            step = min(step, SEVERAL * 2.0 * stepper.safety / math.sqrt(square))
         if damper > 0.0:
             step = min(step, stepper.safety / damper)
     parts = step * max(0.5 * math.sqrt(spring + highest), damper) / stepper.safety
