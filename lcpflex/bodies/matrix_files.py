@@ -212,7 +212,7 @@ def _labelled(name: str, rows: FloatArray) -> Labelled:
     if not np.isfinite(rows[:, 4]).all() or np.abs(rows[:, 4]).max() >= SUPPORT:
         bad = int(np.abs(np.nan_to_num(rows[:, 4], nan=np.inf)).argmax())
         raise ModelError(
-            f"{name}: an entry {rows[bad, 4]:g} at node {heads[bad, 0]} was found, which stands for a support, expected "
+            f"{name}: an entry {rows[bad, 4]:g} at node {heads[bad, 0]} was found, a support, expected "
             f"a free-free body: leave boundary conditions out and hold the body by joints in the scene"
         )
     labels = np.unique(heads[:, [0, 2]])
