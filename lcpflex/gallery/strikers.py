@@ -1,0 +1,121 @@
+"""A pendulum that strikes a rod: two meshes with a fine contact region each, to be reduced as one likes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.meshes import grid
+from lcpflex.bodies.reduction import Rayleigh
+from lcpflex.bodies.reductions import craig_bampton
+from lcpflex.compiled import FloatArray
+from lcpflex.joints import Revolute
+from lcpflex.scene import Scene
+
+__all__ = ["pendulum_and_rod", "pendulum_with_hammer", "rod_with_crown"]
+
+Reduce: TypeAlias = Callable[[Continuum, list[str]], Body]
+
+GROWTH = 1.35  # of elements from one to the next, away from the contact region
+FINE = 3e-4  # elements of the contact region [m]
+REACH = 2.4e-3  # half of the contact region [m]
+GAP = 1e-6  # at the start [m]
+
+
+def rod_with_crown(
+    fine: float = FINE,
+    coarse: float = 8.4e-3,
+    length: float = 0.6,
+    crown: float = 0.3,
+    remake: Callable[[Any], Any] | None = None,
+) -> Continuum:
+    """An aluminium rod of 20 x 20 mm whose left end face is a cylinder of radius ``crown``, touched at (0, 0).
+
+    Elements are ``fine`` [m] in the contact region, the set and surface "tip", grow away from it and are at most
+    ``coarse`` long. ``remake`` changes the mesh: ``meshes.quadratic``, or quadrilaterals to triangles.
+    """
+    half = 0.01
+    along = graded(length, fine, 2.0 * fine, coarse)
+    across = graded(half, fine, REACH, 2.5e-3)
+    mesh: Any = grid(along, np.concatenate([-across[:0:-1], across]))
+    x, y = mesh.p
+    bulge = y**2 / (2.0 * crown) * np.maximum(0.0, 1.0 - x / (2.0 * half))
+    mesh = type(mesh)(np.array([x + bulge, y]), mesh.t)
+    return Continuum(
+        mesh if remake is None else remake(mesh),
+        density=2700.0,
+        youngs_modulus=69e9,
+        poissons_ratio=0.33,
+        thickness=0.02,
+        sets={"tip": lambda x, y: (abs(y) < REACH + 0.1 * fine) & (x < y**2 / (2.0 * crown) + 1e-6)},
+    )
+
+
+def pendulum_with_hammer(
+    fine: float = FINE, coarse: float = 8.4e-3, length: float = 0.4, strike: float = 0.36
+) -> Continuum:
+    """A steel pendulum of 12 x 20 mm, hung at (0, 0), "hinge", whose right face, "face", strikes ``strike`` below.
+
+    Its nodes there lie half an element aside from those of the rod: no node meets a corner between two elements.
+    """
+    width = 0.012
+    up = graded(strike, fine, REACH + fine, coarse)
+    down = graded(length - strike, fine, REACH + fine, coarse)
+    offset = 0.5 * fine
+    heights = np.concatenate([-down[:0:-1], up])
+    fading = np.where(heights >= 0.0, 1.0 - heights / strike, 1.0 + heights / (length - strike))
+    heights = heights + offset * fading - strike
+    depth = graded(width, fine, 2.0 * fine, 2.5e-3)
+    mesh: Any = grid(-depth[::-1], heights)
+    hinge = int(np.argmin(np.hypot(mesh.p[0] + 0.5 * width, mesh.p[1])))
+    face = -float(mesh.p[0, hinge])
+    return Continuum(
+        mesh.translated((face, 0.0)),
+        density=7800.0,
+        youngs_modulus=210e9,
+        poissons_ratio=0.3,
+        thickness=0.02,
+        sets={"hinge": [hinge], "face": lambda x, y: (abs(y + strike) < REACH + 1.6 * fine) & (x > face - 1e-9)},
+    )
+
+
+def reduced(mesh: Continuum, boundary: list[str]) -> Body:
+    """Craig-Bampton: the nodes of the contact region and of joints, and 60 modes."""
+    return craig_bampton(mesh, boundary, modes=60, damping=Rayleigh(0.0, 1e-9))
+
+
+def pendulum_and_rod(
+    rod: Continuum | None = None, pendulum: Continuum | None = None, reduce: Reduce = reduced, speed: float = 1.4
+) -> Scene:
+    """A pendulum meets the end of a free rod at ``speed`` [m/s]; no gravity, which would move 20 µm in 2 ms.
+
+    ``reduce`` makes a body of a mesh and the names of its sets that have contacts and joints.
+    """
+    scene = Scene(gravity=(0.0, 0.0))
+    hammer = pendulum_with_hammer() if pendulum is None else pendulum
+    mesh = hammer.finite_elements()
+    x, y = mesh.places[mesh.sets["face"]].mean(axis=0)
+    hinge = (-float(x) - GAP, -float(y))
+    body = reduce(hammer, ["face", "hinge"])
+    swinging = scene.add(body, name="pendulum", position=hinge, angular_velocity=speed / hinge[1])
+    struck = scene.add(reduce(rod_with_crown() if rod is None else rod, ["tip"]), name="rod")
+    scene.join(Revolute(swinging.point("hinge"), scene.ground.at(*hinge), name="hinge"))
+    tip = struck.surface("tip")
+    scene.contact(tip, swinging.surface("face"), name="strike", slave=tip)
+    return scene
+
+
+def graded(extent: float, fine: float, reach: float, coarse: float) -> FloatArray:
+    """Places from 0 to ``extent``: steps ``fine`` up to ``reach``, then growing up to ``coarse``."""
+    steps = [fine] * round(reach / fine)
+    while sum(steps) < extent:
+        steps.append(min(GROWTH * steps[-1], coarse))
+    places = np.concatenate([[0.0], np.cumsum(steps)])
+    kept = round(reach / fine)
+    stretch = (extent - places[kept]) / (places[-1] - places[kept])
+    places[kept:] = places[kept] + stretch * (places[kept:] - places[kept])
+    return np.asarray(places)
