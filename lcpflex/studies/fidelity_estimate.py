@@ -5,10 +5,11 @@ differ from the full mesh F; what the reference lacks itself is extrapolated. Wi
 
     |x_N - x_F| ~ C (z_N^-p - z_F^-p)   so that   d_N ~ C (z_N^-p - z_V^-p),   e_V = C (z_V^-p - z_F^-p)
 
-p is the slope that fits the rungs below V best, within bounds: impacts converge irregularly, symmetric modes change
-nothing, and an impact without restitution loses 1/(2 N + 1) of the energy of a free bar (p = 1). The estimate of a
-scene is d + e_V: differences to one far richer scene, not to the next rung, so that a mode which changes nothing
-proves nothing.
+p is the slope that fits the rungs below V best, within bounds: an impact without restitution loses 1/(2 N + 1) of the
+energy of a free bar (p = 1). That holds where the differences fall regularly. Where the two richest rungs below V are
+about as far from it as each other, contacts that come and go make every rung a little different, and so V from F: then
+e_V is a multiple of that scatter, and does not fall. The estimate of a scene is d + e_V: a difference to one far richer
+scene, not to the next rung, so that a symmetric mode which changes nothing proves nothing.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Sample", "Trend", "cost_of", "left_at", "trend_of"]
+__all__ = ["Sample", "Trend", "cost_of", "lacking", "left_at", "trend_of"]
 
 SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that of an impact
 SLOPES = np.linspace(SLOWEST, FASTEST, 26)
 NOTHING = 1e-13  # differences below this are rounding
+REGULAR = 0.55  # largest ratio of the differences of the two richest rungs that still is convergence: p = 1/2 has 0.41
+DOUBT = 0.5  # part of the last difference that e_V is never below, where it is
+SCATTER = 2.0  # multiple of the larger one that e_V is where it is not
 LATEST = 3  # rungs that tell how large the error still is: the first ones are not on the way yet
 
 
@@ -70,6 +74,19 @@ def left_at(trend: Trend, modes: float, full: float) -> float:
     return trend.factor * float((modes + 0.5) ** -trend.rate - (full + 0.5) ** -trend.rate)
 
 
+def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
+    """e_V: error of the reference itself, with so many modes, relative to the full mesh."""
+    if reference >= full:
+        return 0.0
+    below = sorted(one for one in samples if 0 <= one.modes < reference)
+    if not below:
+        return math.inf
+    last, before = below[-1].difference, below[-2].difference if len(below) > 1 else 0.0
+    if last > REGULAR * before and last > NOTHING:
+        return float(SCATTER * max(last, before))
+    return float(max(left_at(trend_of(samples, reference), reference, full), DOUBT * last))
+
+
 def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
     """Wall time [s] of a run with so many coordinates: a + b coordinates, fitted to measured (coordinates, time).
 
@@ -81,8 +98,7 @@ def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
     t = np.array([one[1] for one in known])
     if len(set(n.tolist())) == 1:
         return float(np.median(t)) * max(1.0, coordinates / n[0])
-    slope, at_zero = np.polyfit(n, t, 1, w=np.sqrt(n))
-    slope = max(float(slope), 0.0)
-    at_zero = max(float(at_zero), 0.0)
+    fitted = np.polyfit(n, t, 1, w=np.sqrt(n))
+    slope, at_zero = max(float(fitted[0]), 0.0), max(float(fitted[1]), 0.0)
     scale = float(np.sum(t) / np.sum(at_zero + slope * n)) if slope or at_zero else 0.0
     return float(scale * (at_zero + slope * coordinates))

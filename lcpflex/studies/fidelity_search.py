@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.energy import EnergyGrowth
-from lcpflex.studies.fidelity_estimate import Sample, Trend, cost_of, left_at, trend_of
+from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking
 from lcpflex.studies.fidelity_scenes import Ladders, State
 from lcpflex.studies.outputs import Output, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
@@ -20,6 +20,7 @@ MIDDLE = 8  # modes of the run that tells early what a richer one costs
 FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
 ALIKE = 0.5  # bodies whose shares in the error are that much alike climb together
 PATIENT = 2  # rich runs that fail before one is taken that is known not to
+WITNESSES = 2
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
 EQUAL = 1.2  # ratio of wall times that says nothing
 
@@ -67,8 +68,7 @@ class Search:
         one = self.trials.get(state)
         if one is not None and one.times and self.sound(state):
             return one.wall_time
-        known = [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if self.sound(s)]
-        return cost_of(known, self.ladders.coordinates(state))
+        return cost_of(self._measured_costs(), self.ladders.coordinates(state))
 
     def used(self) -> tuple[Output, ...]:
         """The outputs that are anything at all in the reference: impulses are not, where nothing touches."""
@@ -99,27 +99,27 @@ class Search:
 
     def left(self, output: Output) -> float:
         """What the reference itself lacks."""
-        trend, size, full = self.trend(output)
-        return left_at(trend, size, full)
+        return lacking(*self.samples(output))
 
-    def trend(self, output: Output) -> tuple[Trend, float, float]:
-        """The law of the error of an output, and the modes of the reference and of the full mesh that go with it."""
+    def samples(self, output: Output) -> tuple[list[Sample], float, float]:
+        """Differences of what was run below the reference, and the modes of reference and full mesh that go with it.
+
+        Of several bodies, the one that is farthest below the reference counts.
+        """
         assert self.reference is not None
         bodies = self.needing or tuple(range(len(self.reference)))
         rich, full = self.ladders.modes(self.reference), self.ladders.modes(self.ladders.top)
-        lead = max(bodies, key=lambda b: rich[b])
+        size = max(rich[b] for b in bodies)
         known: dict[float, float] = {}
         for state in self.trials:
             below = all(state[b] < self.reference[b] or self.reference[b] == self.ladders.top[b] for b in bodies)
             if state != self.reference and below and self.sound(state):
                 own = self.ladders.modes(state)
-                ratio = min((own[b] + 0.5) / (rich[b] + 0.5) for b in bodies)
-                modes = ratio * (rich[lead] + 0.5) - 0.5
+                modes = min((own[b] + 0.5) / (rich[b] + 0.5) for b in bodies) * (size + 0.5) - 0.5
                 known[modes] = min(known.get(modes, math.inf), self.difference(state, output))
         share = min((rich[b] + 0.5) / (full[b] + 0.5) for b in bodies)
-        size = rich[lead] + 0.0
         samples = [Sample(modes, difference) for modes, difference in known.items()]
-        return trend_of(samples, size), size, (size + 0.5) / share - 0.5
+        return samples, float(size), (size + 0.5) / share - 0.5
 
     def good(self, state: State) -> bool:
         """Whether it is proved to be within the tolerance: each body that matters was also run richer."""
@@ -141,6 +141,7 @@ class Search:
         self._look_ahead(richest)
         if self.reference is None:
             return None
+        self._witnesses()
         found = self._climb(middle)
         if found is None and self.reference == richest != self.ladders.top and self._full_reference():
             found = self._climb(middle)
@@ -159,6 +160,14 @@ class Search:
             else:
                 state = self._lowered(state)
 
+    def _witnesses(self) -> None:
+        """The two states right below the reference: whether the differences still fall tells how far it is itself."""
+        assert self.reference is not None
+        state = self.reference
+        for _ in range(WITNESSES):
+            state = tuple(max(rung - 1, 0) for rung in state)
+            self.run(state)
+
     def _full_reference(self) -> bool:
         cost = self.cost(self.ladders.top)
         if cost > self.limit:
@@ -171,6 +180,7 @@ class Search:
         if self.sound(state):
             self.reference = state
             return True
+        self.notes = [note for note in self.notes if not note.endswith(one.failure)]  # the same reason again
         self.notes.append(f"{_text(self.ladders.labels(state))} cannot be trusted: {one.failure}")
         return False
 
@@ -254,9 +264,16 @@ class Search:
     def _cheapest(self, found: State) -> State:
         """Of all good states; of those that cost about the same the one with the fewest coordinates."""
         good = [state for state in self.trials if self.good(state)] or [found]
-        least = min(self.cost(state) for state in good)
-        near = [state for state in good if self.cost(state) <= EQUAL * least]
+        costs = {state: self._usual_cost(state) for state in good}
+        near = [state for state in good if costs[state] <= EQUAL * min(costs.values())]
         return min(near, key=self.ladders.coordinates)
+
+    def _usual_cost(self, state: State) -> float:
+        """Between what was measured once and what runs of that size take: the clock is noisy."""
+        return math.sqrt(self.cost(state) * cost_of(self._measured_costs(), self.ladders.coordinates(state)))
+
+    def _measured_costs(self) -> list[tuple[int, float]]:
+        return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if self.sound(s)]
 
     def step_error(self, state: State) -> float:
         """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.fidelity_estimate import left_at
+from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import Ladders, State, comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
@@ -210,7 +210,8 @@ def _expected(search: Search, state: State, richer: State, body: int) -> float:
     now, then = search.ladders.modes(state)[body], search.ladders.modes(richer)[body]
     worst = 0.0
     for output in search.used():
-        trend, _, full = search.trend(output)
+        samples, size, full = search.samples(output)
+        trend = trend_of(samples, size)
         before, after = left_at(trend, now, full), left_at(trend, then, full)
         worst = max(worst, search.errors(state)[output.name] * (after / before if before > 0.0 else 1.0))
     return worst
