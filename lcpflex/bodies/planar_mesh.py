@@ -120,9 +120,9 @@ def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:
     name = type(mesh).__name__
     kind = next((kind for kind in KINDS.values() if kind.mesh == name), None)
     if kind is None:
-        shown = mesh if isinstance(mesh, (int, float, str, type(None))) else name
+        shown = repr(mesh) if isinstance(mesh, (int, float, type(None))) else name
         raise ModelError(
-            f"mesh: {shown!r} was given, expected a scikit-fem mesh ({', '.join(k.mesh for k in KINDS.values())}) "
+            f"mesh: {shown} was given, expected a scikit-fem mesh ({', '.join(k.mesh for k in KINDS.values())}) "
             f"or the name of a mesh file"
         )
     cells = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
