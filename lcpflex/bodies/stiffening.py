@@ -90,7 +90,8 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     Raises
     ------
     ModelError
-        For compression beyond the buckling load, unknown places, places at one point, or a mesh that cannot.
+        For compression beyond the buckling load, places that it does not have or that are not apart, a solid of
+        revolution, and a mesh whose elements are not known.
     """
     check_stiffening(stiffening)
     if stiffening is None or stiffening.axial_force == 0.0:
@@ -102,6 +103,8 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     _refuse_unknown_stress(mesh)
     force = stiffening.axial_force
     a, b = (_place(mesh, "between", end) for end in stiffening.between)
+    if np.intersect1d(a[0], b[0]).size:
+        raise ModelError(f"between: {stiffening.between!r} share nodes, expected places apart from each other")
     line = _middle(mesh, b) - _middle(mesh, a)
     length = float(np.hypot(*line))
     if not length > 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
@@ -154,8 +157,8 @@ def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float
         x, y = np.asarray(held, dtype=float)
         return float(x), float(y)
     if held not in places:
-        known = ", ".join(map(repr, sorted(places))) or "no named places"
-        raise ModelError(f"{name}: {held!r} was given, expected one of {known}, or a place (x, y)")
+        known = ", ".join(map(repr, sorted(places)))
+        raise ModelError(f"{name}: {held!r} was given, expected the name of a point of the body ({known})")
     return places[held]
 
 

@@ -152,22 +152,29 @@ class _Turning:
 
 
 def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """State and reactions (m,) without any motion as seen from the turning axes, by Newton's method."""
-    still = np.zeros_like(q)
-    J = turning.joints(q)[1]
-    unheld = turning.residual(q, still, np.zeros(len(J)))
-    reaction: FloatArray = np.asarray(np.linalg.lstsq(J.T, unheld, rcond=None)[0], dtype=np.float64)
+    """State and reactions (m,) without any motion as seen from the turning axes, by Newton's method.
+
+    Along the joints and across them apart from each other: stiff modes and constraints differ by many powers of ten.
+    """
     for _ in range(ITERATIONS):
         phi, J = turning.joints(q)
-        rest = np.concatenate([turning.residual(q, still, reaction), phi])
+        free = _null(J)
+        reaction = _reaction(turning, q, J)
+        rest = turning.residual(q, np.zeros_like(q), reaction)
         K = _stiffness(turning, q, reaction)
-        matrix = np.block([[K, -J.T], [J, np.zeros((len(J), len(J)))]])
-        change = np.linalg.lstsq(matrix, -rest, rcond=1e-14)[0]
-        q = q + change[: len(q)]
-        reaction = reaction + change[len(q) :]
-        if np.abs(change[: len(q)]).max() <= SETTLED * (1.0 + np.abs(q).max()):
-            return q, reaction
+        onto = -np.linalg.pinv(J) @ phi
+        along = np.linalg.lstsq(free.T @ K @ free, -free.T @ (rest + K @ onto), rcond=1e-14)[0]
+        change = onto + free @ along
+        q = q + change
+        if np.abs(change).max() <= SETTLED * (1.0 + np.abs(q).max()):
+            return q, _reaction(turning, q, turning.joints(q)[1])
     raise SolverError(f"no steady state was found near the start of the scene in {ITERATIONS} steps of Newton's method")
+
+
+def _reaction(turning: _Turning, q: FloatArray, J: FloatArray) -> FloatArray:
+    """lambda (m,) that leaves the least residual."""
+    unheld = turning.residual(q, np.zeros_like(q), np.zeros(len(J)))
+    return np.asarray(np.linalg.pinv(J.T) @ unheld)
 
 
 def _stiffness(turning: _Turning, q: FloatArray, reaction: FloatArray) -> FloatArray:
