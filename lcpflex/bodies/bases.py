@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from lcpflex.bodies.body import whole_number
 from lcpflex.bodies.elastic_modes import (
     EPS,
     FULL_LIMIT,
@@ -61,7 +62,7 @@ def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) 
     f = len(mesh.dofs)
     held = rows_of(mesh, boundary)
     inner = np.setdiff1d(np.arange(f), held)
-    n = count_of_modes(modes, len(inner))
+    n = _counted(modes, len(inner), "with its boundary held")
     columns = len(held) + n
     check_memory("boundary, modes", f, SHARE * columns)
     basis = np.zeros((f, columns))
@@ -95,6 +96,12 @@ def _held(mass: Any, stiffness: Any, rank: IntArray, count: int) -> Factor:
         f"boundary: with its {count} node(s) held, the rest of the mesh can still move without deformation "
         f"(omega^2 = {lowest:.3g}), expected nodes that hold every piece of the rest: two, one of an axisymmetric mesh"
     )
+
+
+def _counted(modes: int | None, available: int, where: str) -> int:
+    if modes is None:
+        return available
+    return whole_number("modes", modes, 0, available, f" (the mesh has {available} modes {where}; None takes all)")
 
 
 def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
@@ -135,7 +142,7 @@ def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, in
     massless = np.zeros(f, dtype=bool)
     massless[inside] = True
     r = mesh.rigid.shape[1]
-    n = count_of_modes(modes, f - len(inside) - r)
+    n = _counted(modes, f - len(inside) - r, "outside the region")
     check_memory("region, modes", f, SHARE * (len(own) + n + r))
     free = FreeMesh.of(mesh, massless)
     _, shapes = free.modes(n)

@@ -96,9 +96,9 @@ def _powers(known: int) -> list[int]:
 
 
 def _boundary(mesh: FiniteElements) -> IntArray:
-    """Nodes of points and named sets, the smallest first, as long as there are not too many."""
+    """Nodes of points, named sets and surfaces, the smallest first, as long as there are not too many."""
     taken = np.array(sorted(set(mesh.points.values())), dtype=np.int64)
-    for nodes in sorted(mesh.sets.values(), key=len):
+    for nodes in sorted([*mesh.sets.values(), *(chain[0] for chain in mesh.chains.values())], key=len):
         together = np.union1d(taken, nodes)
         if len(together) > MOST_NODES:
             break
