@@ -37,6 +37,7 @@ class Layout:
     outlines: tuple[tuple[int, IntArray, bool], ...]  # (body, material points, closed)
     circles: tuple[tuple[int, float], ...]  # (material point, radius [m])
     points: dict[tuple[str, str], int]  # (body, point) -> material point
+    resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,6 +12,7 @@ import numpy as np
 from lcpflex.energy import Energies, EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.recorder import Recorder, RecordProblems
+from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
 
 if TYPE_CHECKING:
@@ -131,6 +132,7 @@ def simulate(
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
     result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, complete, energy_growth)
+    result = replace(result, warnings=(*result.warnings, *unresolved(result)))
     if recorder is not None:
         result = _save_problems(recorder, result)
     if message:

@@ -1,0 +1,118 @@
+"""Whether meshes and modes were fine enough for the contacts of a run: the advice of :mod:`lcpflex.advice`, looked up.
+
+Looked at is the push of each contact that transfers most impulse: a time in which its impulse grows from one stored
+instant to the next. Its duration tells which frequencies it excited. What is too short to be measured (impacts in no
+time, pushes of a few stored instants) or had not ended with the run gives no warning, for nothing is known of it.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from lcpflex.advice import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
+from lcpflex.compiled import FloatArray
+from lcpflex.result import Result
+from lcpflex.scene import Compiled
+
+__all__ = ["unresolved"]
+
+INSTANTS = 8  # stored in a push: fewer tell nothing of its duration
+NEAR_PEAK = 0.9  # of the greatest force: the pairs are those of the instants with more
+NO_GROWTH = 1e-9  # of the impulse, from one instant to the next
+
+
+def unresolved(result: Result) -> tuple[str, ...]:
+    """Warnings of too few pairs in contact, of too long elements and of too few modes, each with what to do."""
+    if result.compiled is None:
+        return ()
+    found = []
+    for law, name in enumerate(result.contact_names):
+        found.append(_few_pairs(result, law, name))
+        duration = _push(result.times, result.impulse[:, law, 0])
+        if duration > 0.0:
+            for b in _bodies(result.compiled, law):
+                found.append(_long_elements(result.compiled, name, b, duration))
+                found.append(_few_modes(result.compiled, name, b, duration))
+    return tuple(text for text in found if text)
+
+
+def _few_pairs(result: Result, law: int, name: str) -> str:
+    """Where nodes of a mesh touch, and fewer than 9 of them at the greatest force."""
+    assert result.compiled is not None
+    slaves = _meshed_slaves(result.compiled, law)
+    history = result.contact(name)
+    if not slaves or not history.peak_force > 0.0:
+        return ""
+    pairs = int(history.pairs[history.force[:, 0] >= NEAR_PEAK * history.peak_force].max())
+    if pairs == 0 or pairs >= PAIRS:
+        return ""
+    return (
+        f"contact {name!r}: {pairs} pair{'' if pairs == 1 else 's'} of touching points carried its peak force of "
+        f"{history.peak_force:.4g} N, expected at least {PAIRS}: make the elements of {' and '.join(slaves)} "
+        f"{PAIRS / pairs:.2g} times as fine where they touch"
+    )
+
+
+def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> str:
+    """Where the mesh of body b has elements longer than a twentieth of the shortest wave."""
+    mesh = compiled.layout.resolutions[b] if compiled.layout.resolutions else None
+    if mesh is None:
+        return ""
+    speed, longest = mesh
+    frequency = excited_frequency(duration)
+    allowed = element_size(frequency, speed)
+    if longest <= allowed:
+        return ""
+    return (
+        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz: waves of "
+        f"{speed / frequency:.3g} m at {speed:.4g} m/s; elements of {compiled.layout.bodies[b]!r} are up to "
+        f"{longest:.3g} m long, expected at most {allowed:.3g} m, {PER_WAVELENGTH} to a wave"
+    )
+
+
+def _few_modes(compiled: Compiled, name: str, b: int, duration: float) -> str:
+    """Where body b deforms, but its modes end below what was excited."""
+    bodies = compiled.model.bodies
+    own = bodies.stiffness[int(bodies.dof[b]) - 3 * b : int(bodies.dof[b + 1]) - 3 * (b + 1)]
+    highest = math.sqrt(float(own.max(initial=0.0))) / (2.0 * math.pi)
+    frequency = excited_frequency(duration)
+    if not own.size or highest >= frequency:
+        return ""
+    return (
+        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the modes of "
+        f"{compiled.layout.bodies[b]!r} ({own.size}) end at {highest:.3g} Hz: keep more"
+    )
+
+
+def _push(times: FloatArray, impulse: FloatArray) -> float:
+    """Duration of the push that transfers most impulse [s]; 0 where it is not known."""
+    if len(times) < 2:
+        return 0.0
+    grows = np.diff(impulse) > NO_GROWTH * float(np.abs(impulse).max(initial=0.0))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(np.int8)))
+    pushes = [(float(impulse[end] - impulse[start]), int(start), int(end)) for start, end in pairwise(edges)][::2]
+    if not pushes:
+        return 0.0
+    _, start, end = max(pushes)
+    ended = end < len(times) - 1
+    return float(times[end] - times[start]) if ended and end - start >= INSTANTS else 0.0
+
+
+def _bodies(compiled: Compiled, law: int) -> list[int]:
+    """The bodies of a contact, without the ground."""
+    contacts = compiled.model.contacts
+    of_law = contacts.pass_law == law
+    surfaces = np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]])
+    return [int(b) for b in np.unique(contacts.surface_body[surfaces]) if b >= 0]
+
+
+def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
+    """Names of meshed bodies of which several nodes may touch in a contact."""
+    contacts, layout = compiled.model.contacts, compiled.layout
+    slaves = contacts.pass_slave[contacts.pass_law == law]
+    several = slaves[contacts.slave_start[slaves + 1] - contacts.slave_start[slaves] > 1]
+    owners = [int(b) for b in np.unique(contacts.surface_body[several]) if b >= 0]
+    return [repr(layout.bodies[b]) for b in owners if layout.resolutions and layout.resolutions[b]]
