@@ -35,6 +35,7 @@ __all__ = ["Vibrations", "small_vibrations"]
 DIFFERENCE = 1e-5  # of a unit of each coordinate: forces are at most quadratic in them, but for the sine of angles
 ITERATIONS = 30
 SETTLED = 1e-9
+BALANCED = 1e-11  # of the largest stiffness: a force left over moves the scene away
 INDEPENDENT = 1e-10  # of joint rows
 
 
@@ -165,10 +166,15 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         onto = -np.linalg.pinv(J) @ phi
         along = np.linalg.lstsq(free.T @ K @ free, -free.T @ (rest + K @ onto), rcond=1e-14)[0]
         change = onto + free @ along
+        size = float(np.abs(K).max())
         q = q + change
         if np.abs(change).max() <= SETTLED * (1.0 + np.abs(q).max()):
-            return q, _reaction(turning, q, turning.joints(q)[1])
-    raise SolverError(f"no steady state was found near the start of the scene in {ITERATIONS} steps of Newton's method")
+            J = turning.joints(q)[1]
+            reaction = _reaction(turning, q, J)
+            if np.abs(_null(J).T @ turning.residual(q, np.zeros_like(q), reaction)).max(initial=0.0) <= BALANCED * size:
+                return q, reaction
+            break
+    raise SolverError("no steady state was found near the start of the scene, by Newton's method")
 
 
 def _reaction(turning: _Turning, q: FloatArray, J: FloatArray) -> FloatArray:
