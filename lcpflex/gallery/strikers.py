@@ -56,7 +56,11 @@ def rod_with_crown(
 
 
 def pendulum_with_hammer(
-    fine: float = FINE, coarse: float = 8.4e-3, length: float = 0.4, strike: float = 0.36
+    fine: float = FINE,
+    coarse: float = 8.4e-3,
+    length: float = 0.4,
+    strike: float = 0.36,
+    remake: Callable[[Any], Any] | None = None,
 ) -> Continuum:
     """A steel pendulum of 12 x 20 mm, hung at (0, 0), "hinge", whose right face, "face", strikes ``strike`` below.
 
@@ -73,13 +77,14 @@ def pendulum_with_hammer(
     mesh: Any = grid(-depth[::-1], heights)
     hinge = int(np.argmin(np.hypot(mesh.p[0] + 0.5 * width, mesh.p[1])))
     face = -float(mesh.p[0, hinge])
+    mesh = mesh.translated((face, 0.0))
     return Continuum(
-        mesh.translated((face, 0.0)),
+        mesh if remake is None else remake(mesh),
         density=7800.0,
         youngs_modulus=210e9,
         poissons_ratio=0.3,
         thickness=0.02,
-        sets={"hinge": [hinge], "face": lambda x, y: (abs(y + strike) < REACH + 1.6 * fine) & (x > face - 1e-9)},
+        sets={"hinge": [hinge], "face": lambda x, y: (abs(y + strike) < REACH + 0.6 * fine) & (x > face - 1e-9)},
     )
 
 
