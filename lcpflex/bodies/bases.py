@@ -30,7 +30,16 @@ from lcpflex.errors import ModelError
 
 Basis: TypeAlias = tuple[FloatArray, FloatArray]
 
-__all__ = ["Basis", "boundary_basis", "check_full", "elastic_count", "free_basis", "regional_basis", "residual_basis"]
+__all__ = [
+    "SHARE",
+    "Basis",
+    "boundary_basis",
+    "check_full",
+    "elastic_count",
+    "free_basis",
+    "regional_basis",
+    "residual_basis",
+]
 
 
 NOISE = 1e-10  # part of a static response beyond the kept modes that is rounding
@@ -107,7 +116,6 @@ def _counted(modes: int | None, available: int, where: str) -> int:
 def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
     """Lowest free-free modes, and the static response of all others to forces at the rows."""
     n = count_of_modes(modes, len(free.frame) - free.frame.shape[1])
-    check_memory("contact, modes", len(free.frame), SHARE * (len(rows) + n))
     omega2, shapes = free.modes(n)
     static = _residual(free, shapes, rows)
     rest = own_basis(free.mass, free.stiffness, free.frame, static, holds_rigid=False)

@@ -41,6 +41,7 @@ __all__ = [
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
 FULL_LIMIT = 6000  # degrees of freedom beyond which the full eigenproblem is refused
 MEMORY = 4 * 2**30  # bytes that full matrices of a reduction may take
+RESTARTS = 500  # of Lanczos iterations, which take about ten
 EPS = float(np.finfo(np.float64).eps)
 
 
@@ -235,7 +236,7 @@ def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count
     inverse = LinearOperator((n, n), matvec=solve, dtype=np.float64)
     start = solve(mass @ np.cos(np.arange(n, dtype=np.float64) * 1.7))  # any fixed vector with a part of every mode
     try:
-        values, vectors = eigsh(stiffness, k=count, M=mass, sigma=0.0, OPinv=inverse, v0=start, tol=0.0)
+        values, vectors = eigsh(stiffness, k=count, M=mass, sigma=0.0, OPinv=inverse, v0=start, maxiter=RESTARTS)
     except ArpackError as error:
         raise ModelError(f"stiffness, mass: their {count} lowest modes were not found ({error})") from None
     order = np.argsort(values, kind="stable")
@@ -280,10 +281,11 @@ def is_dense(n: int, count: int) -> bool:
 
 def check_memory(name: str, n: int, columns: int) -> None:
     """Refuse what would take more than 4 GiB: so many full columns of n numbers."""
-    if 8 * n * columns > MEMORY:
+    needed = 8 * n * columns
+    if needed > MEMORY:
         raise ModelError(
-            f"{name}: {columns} full columns of {n} degrees of freedom would take {8 * n * columns / 2**30:.1f} GiB, "
-            f"expected at most {MEMORY // 2**30}: choose fewer nodes or modes"
+            f"{name}: {columns} full columns of {n} degrees of freedom would take {needed / 2**30:.2g} GiB, expected at "
+            f"most {MEMORY / 2**30:.2g}: choose fewer nodes or modes"
         )
 
 

@@ -21,9 +21,17 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from lcpflex.bodies.bases import boundary_basis, check_full, elastic_count, free_basis, regional_basis, residual_basis
+from lcpflex.bodies.bases import (
+    SHARE,
+    boundary_basis,
+    check_full,
+    elastic_count,
+    free_basis,
+    regional_basis,
+    residual_basis,
+)
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.elastic_modes import FreeMesh
+from lcpflex.bodies.elastic_modes import FreeMesh, check_memory
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.mesh_ladder import reduced
 from lcpflex.bodies.node_choice import Nodes, chosen_nodes, rows_of
@@ -172,6 +180,7 @@ def residual_compliance(
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "contact", contact)
     rows = rows_of(mesh, nodes)
+    check_memory("contact, modes", len(mesh.dofs), SHARE * (len(rows) + count_of_modes(modes, elastic_count(mesh))))
     return reduced(mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, modes), damping, stiffening, nodes)
 
 
@@ -196,9 +205,7 @@ def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffe
 
 
 def _mesh_of(model: Mesh) -> FiniteElements:
-    try:
-        return model.finite_elements()
-    except AttributeError:
-        raise ModelError(
-            f"model: {type(model).__name__} was given, expected a mesh: Matrices, Continuum or SolidOfRevolution"
-        ) from None
+    if isinstance(model, type) or not hasattr(model, "finite_elements"):
+        given = repr(model) if isinstance(model, type) else type(model).__name__
+        raise ModelError(f"model: {given} was given, expected a mesh: Matrices(...), Continuum(...), ...")
+    return model.finite_elements()
