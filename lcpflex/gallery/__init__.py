@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.gallery import bars, flexible, rigid, stops, user_systems
+from lcpflex.gallery import bars, coaxial, flexible, rigid, stops, user_systems
 from lcpflex.gallery.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.coaxial import meshed_ball, meshed_rod, meshed_sphere_on_rod
 from lcpflex.gallery.flexible import hemisphere_pendulum, pendulum, sliding_beam
 from lcpflex.gallery.rigid import (
     block_on_incline,
@@ -44,6 +45,9 @@ __all__ = [
     "hemisphere_pendulum",
     "hinged_beam",
     "impacting_bar",
+    "meshed_ball",
+    "meshed_rod",
+    "meshed_sphere_on_rod",
     "oblique_bounce",
     "painleve_friction",
     "painleve_rod",
@@ -67,7 +71,9 @@ __all__ = [
 
 def scenes() -> dict[str, Case]:
     """All cases by name."""
-    return {case.name: case for module in (flexible, rigid, bars, user_systems, stops) for case in module.cases()}
+    return {
+        case.name: case for module in (flexible, rigid, bars, user_systems, stops, coaxial) for case in module.cases()
+    }
 
 
 def warmup_cases() -> tuple[Case, ...]:

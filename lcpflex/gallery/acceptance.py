@@ -131,9 +131,10 @@ class Row:
 
 def checks() -> tuple[Check, ...]:
     """All of them."""
-    from lcpflex.gallery import checks_bars, checks_rigid, checks_stops
+    from lcpflex.gallery import checks_bars, checks_coaxial, checks_rigid, checks_stops
 
-    return tuple(check for module in (checks_bars, checks_rigid, checks_stops) for check in module.checks())
+    modules = (checks_bars, checks_rigid, checks_stops, checks_coaxial)
+    return tuple(check for module in modules for check in module.checks())
 
 
 def rows(check: Check, measure: bool = True) -> list[Row]:
