@@ -49,6 +49,10 @@ __all__ = ["Stiffening", "check_stiffening", "place_of", "prestressed", "stiffen
 class Stiffening:
     """Ask a reduction for geometric stiffening by spin, and by an axial force.
 
+    It is linear in the stress: deflections are small against the length, so that q^T G q stays far below the moment of
+    inertia. A force at one node of a mesh stresses the elements about it without bound as they get smaller: hold a
+    fine mesh at a set of nodes, as it is held in the scene.
+
     Parameters
     ----------
     held : where the body is held while it spins: the name of a point or set of nodes, or a place (x, y) of the body
