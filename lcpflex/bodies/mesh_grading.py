@@ -13,7 +13,7 @@ from lcpflex.errors import ModelError
 
 __all__ = ["Zone", "named_again", "refined_to"]
 
-ELEMENTS = 2_000_000  # beyond it neither memory nor patience would do
+ELEMENTS = 1_000_000  # beyond it neither memory nor patience would do
 ROUNDS = 100
 
 
@@ -49,7 +49,7 @@ def refined_to(mesh: Any, zone: Zone, shaped: Callable[[Any], Any] | None) -> An
     Raises
     ------
     ModelError
-        If more than two million elements were needed.
+        If more than a million elements were needed.
     """
     import skfem
 

@@ -134,7 +134,7 @@ def half_disc(
     Raises
     ------
     ModelError
-        For sizes that are not positive, finest > size, or a mesh of more than two million elements.
+        For sizes that are not positive, finest > size, or a mesh of more than a million elements.
     """
     R = _positive("radius", radius)
     mesh = _half_round(R, size, finest, within, np.array([0.0, -R]), -1.0)
@@ -183,7 +183,7 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
     Raises
     ------
     ModelError
-        For another kind of mesh, numbers out of range, or more than two million elements.
+        For another kind of mesh, numbers out of range, or more than a million elements.
     """
     if type(mesh).__name__ != "MeshTri1":
         raise ModelError(f"mesh: {type(mesh).__name__} was given, expected a MeshTri1 of scikit-fem")
@@ -215,9 +215,8 @@ def _half_round(R: float, size: float, finest: float | None, within: float, pole
     largest = _positive("size", size)
     least = largest if finest is None else in_range("finest", finest, 0.0, largest * (1.0 + 1e-12))
     zone = Zone(pole[None], _positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
-    angle = math.pi * np.arange(4) / 3.0
-    places = R * np.array([[*np.cos(angle), 0.0], [*(up * np.sin(angle)), 0.0]])
-    places[1, [0, 3]] = 0.0
+    high = up * math.sqrt(0.75)
+    places = R * np.array([[1.0, 0.5, -0.5, -1.0, 0.0], [0.0, high, high, 0.0, 0.0]])
     start = skfem.MeshTri1(places, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4]]).T)
     if up < 0.0:  # the pole must be a node
         start = start.refined(np.array([1]))
