@@ -6,16 +6,17 @@ differ from the full mesh F; what the reference lacks itself is extrapolated. Wi
     |x_N - x_F| ~ C (z_N^-p - z_F^-p)   so that   d_N ~ C (z_N^-p - z_V^-p),   e_V = C (z_V^-p - z_F^-p)
 
 p is the slope that fits the rungs below V best, within bounds: an impact without restitution loses 1/(2 N + 1) of the
-energy of a free bar (p = 1). That holds where the differences fall regularly. Where the two richest rungs below V are
-about as far from it as each other, contacts that come and go make every rung a little different, and so V from F: then
-e_V is a multiple of that scatter, and does not fall. The estimate of a scene is d + e_V: a difference to one far richer
-scene, not to the next rung, so that a symmetric mode which changes nothing proves nothing.
+energy of a free bar (p = 1). That holds where the differences fall regularly. Where they do not, contacts that come and
+go make every rung a little different from the next, and so V from F: then e_V is as large as the differences of the two
+richest rungs below V, and does not fall. The estimate of a scene is d + e_V: a difference to one far richer scene, not
+to the next rung, so that a symmetric mode which changes nothing proves nothing.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -25,9 +26,9 @@ __all__ = ["Sample", "Trend", "cost_of", "lacking", "left_at", "trend_of"]
 SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that of an impact
 SLOPES = np.linspace(SLOWEST, FASTEST, 26)
 NOTHING = 1e-13  # differences below this are rounding
-REGULAR = 0.55  # largest ratio of the differences of the two richest rungs that still is convergence: p = 1/2 has 0.41
+REGULAR = 0.55  # largest ratio of the differences of rungs in succession that still is convergence: p = 1/2 has 0.41
+SLOWER = 0.85  # the same, of all but the last one, that leaves it in doubt
 DOUBT = 0.5  # part of the last difference that e_V is never below, where it is
-SCATTER = 2.0  # multiple of the larger one that e_V is where it is not
 LATEST = 3  # rungs that tell how large the error still is: the first ones are not on the way yet
 
 
@@ -71,7 +72,8 @@ def left_at(trend: Trend, modes: float, full: float) -> float:
     """Error that the trend leaves with so many modes, relative to the full mesh."""
     if modes >= full:
         return 0.0
-    return trend.factor * float((modes + 0.5) ** -trend.rate - (full + 0.5) ** -trend.rate)
+    left: float = (modes + 0.5) ** -trend.rate - (full + 0.5) ** -trend.rate
+    return trend.factor * left
 
 
 def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
@@ -81,10 +83,13 @@ def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
     below = sorted(one for one in samples if 0 <= one.modes < reference)
     if not below:
         return math.inf
-    last, before = below[-1].difference, below[-2].difference if len(below) > 1 else 0.0
-    if last > REGULAR * before and last > NOTHING:
-        return float(SCATTER * max(last, before))
-    return float(max(left_at(trend_of(samples, reference), reference, full), DOUBT * last))
+    near = [one.difference for one in below[-LATEST:]]
+    ratios = [richer / poorer if poorer > NOTHING else 0.0 for poorer, richer in pairwise(near)]
+    if max(ratios, default=0.0) <= REGULAR:
+        return max(left_at(trend_of(samples, reference), reference, full), DOUBT * near[-1])
+    if ratios[-1] <= REGULAR and max(ratios) <= SLOWER:
+        return near[-1]
+    return max(near[-2:])
 
 
 def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:

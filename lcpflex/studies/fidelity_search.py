@@ -21,6 +21,7 @@ FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
 ALIKE = 0.5  # bodies whose shares in the error are that much alike climb together
 PATIENT = 2  # rich runs that fail before one is taken that is known not to
 WITNESSES = 2
+DOUBT = 3.0  # what the reference lacks itself is extrapolated: within the tolerance even if it is so many times that
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
 EQUAL = 1.2  # ratio of wall times that says nothing
 
@@ -35,10 +36,14 @@ class Search:
     duration: float
     stepper_of: Callable[[Any], Any]
     limit: float
+    verify: bool = True
+    demanding: bool = False  # end at the first rich run that cannot be trusted: another stepper is to be tried
     done: Callable[[], object] = lambda: None
     trials: dict[State, Trial] = field(default_factory=dict)
     reference: State | None = None
     needing: tuple[int, ...] = ()  # bodies whose refinement changes the outputs
+    changes: dict[int, float] = field(default_factory=dict)  # by how much
+    untrusted: bool = False  # a rich run failed
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
 
@@ -127,7 +132,9 @@ class Search:
             return False
         richer, top = self.reference, self.ladders.top
         compared = all(state[b] < richer[b] or richer[b] == top[b] for b in self.needing)
-        return compared and self.estimate(state) <= self.tolerance
+        return compared and all(
+            self.difference(state, one) + DOUBT * self.left(one) <= self.tolerance for one in self.used()
+        )
 
     def find(self) -> State | None:
         """The cheapest state within the tolerance, None if no run is proved to be."""
@@ -154,6 +161,8 @@ class Search:
         failed = 0
         while any(state) and not self._sound_reference(state):
             failed += 1
+            if self.demanding:
+                return
             known = [one for one in self.trials if self.sound(one) and any(one)]
             if failed == PATIENT and known:  # a reason that all rich ones share, such as too long a step
                 state = max(known, key=self.ladders.coordinates)
@@ -170,6 +179,8 @@ class Search:
 
     def _full_reference(self) -> bool:
         cost = self.cost(self.ladders.top)
+        if not self.verify:
+            return False
         if cost > self.limit:
             self.notes.append(f"the full mesh was not run: about {cost:.2g} s, limit {self.limit:g} s")
             return False
@@ -180,6 +191,7 @@ class Search:
         if self.sound(state):
             self.reference = state
             return True
+        self.untrusted = True
         self.notes = [note for note in self.notes if not note.endswith(one.failure)]  # the same reason again
         self.notes.append(f"{_text(self.ladders.labels(state))} cannot be trusted: {one.failure}")
         return False
@@ -215,7 +227,8 @@ class Search:
         self.needing = tuple(range(len(state)))  # to be good it has to be below the reference in all of them
         if self.good(state):
             return state
-        changes = self._screened(middle)
+        self.changes = self.changes or self._screened(middle)
+        changes = self.changes
         self.needing = tuple(changes)
         while not self.good(state):
             higher = self._raised(state, changes)
@@ -274,6 +287,14 @@ class Search:
 
     def _measured_costs(self) -> list[tuple[int, float]]:
         return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if self.sound(s)]
+
+    def best(self) -> State | None:
+        """Where nothing is proved: the smallest state with an estimate within the tolerance, or the least wrong."""
+        known = [state for state in self.trials if self.errors(state)]
+        near = [state for state in known if self.estimate(state) <= self.tolerance]
+        if near:
+            return min(near, key=self.ladders.coordinates)
+        return min(known, key=lambda s: (self.estimate(s), self.ladders.coordinates(s)), default=None)
 
     def step_error(self, state: State) -> float:
         """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""

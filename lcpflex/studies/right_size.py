@@ -23,8 +23,10 @@ from lcpflex.studies.fidelity_search import Search
 __all__ = ["right_size"]
 
 STEPS = 2000  # of a run, at least, where no stepper is given
-A_PERIOD = 40  # steps in a period of the lowest mode of the stiffest body
+A_PERIOD = 2000  # steps in a period of the lowest mode of the stiffest body: rich ones have far higher modes
 MOST = 500_000  # steps of such a run
+SHORTER = 4.0  # factor by which the step is shortened where rich bodies cannot be trusted with it
+ATTEMPTS = 3
 LIMIT = 60.0  # [s]
 
 
@@ -36,6 +38,7 @@ def right_size(
     duration: float | None = None,
     stepper: Any = None,
     limit: float = LIMIT,
+    verify: bool = True,
     progress: bool | None = None,
 ) -> RightSize:
     """Find the cheapest fidelity of each body at which the outputs of a scene are within a tolerance of the full mesh.
@@ -64,10 +67,14 @@ def right_size(
     stepper
         One for all rungs, or a function of the scene that makes one (for explicit schemes, whose step has to fall with
         the highest mode; then the step differs and its error is part of what is measured). By default the one
-        of the case, or ``MoreauJean`` with the smaller of a 2000th of the duration and a 40th of the longest period of
-        the stiffest body, but at most 500 000 steps.
+        of the case, or ``GeneralizedAlpha``, which damps modes too fast for its step, with the smaller of a 2000th of
+        the duration and a 2000th of the longest period of the stiffest body, and a step a quarter of that and again of
+        it if the result with rich bodies warns; but at most 500 000 steps.
     limit
         Wall time [s] of a run: what is predicted to take longer is not run.
+    verify
+        Run the full mesh where no reduced run proves that another one is good enough. Else that is not proved, and
+        the scene is the cheapest whose estimate is within the tolerance.
     progress
         Show a progress bar; by default on a terminal, after two seconds.
 
@@ -94,35 +101,50 @@ def right_size(
     span = in_range("duration", span, 0.0, math.inf, open_ends=True)
     ladders = of_scene(scene)
     used = comparable(ladders, outputs)
-    make = _stepper(getattr(scene, "stepper", None) if stepper is None else stepper, ladders, span)
+    given = getattr(scene, "stepper", None) if stepper is None else stepper
+    attempts = _defaults(ladders, span) if given is None else [_stepper(given)]
     bar: Any = tqdm(
         unit="run", leave=False,
         delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
     )  # fmt: skip
-    search = Search(ladders, used, tolerance, span, make, limit, bar.update)
+    spent = 0.0
     with bar:
-        try:
-            found, complete = search.find(), True
-        except KeyboardInterrupt:
-            if not search.trials:
-                raise
-            found, complete = None, False
-        try:
-            step_error = search.step_error(found) if found is not None else math.nan
-        except KeyboardInterrupt:
-            step_error, complete = math.nan, False
-    return _report(search, found, step_error, complete)
+        for k, make in enumerate(attempts):
+            last = k + 1 == len(attempts)
+            search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, bar.update)
+            found, step_error, complete = _measured(search)
+            spent += search.spent
+            if not search.untrusted or not complete:
+                break
+    return _report(search, found, step_error, spent, complete)
 
 
-def _stepper(given: Any, ladders: Ladders, duration: float) -> Callable[[Any], Any]:
+def _measured(search: Search) -> tuple[State | None, float, bool]:
+    """What was found, what half the step changes of it, and whether it was not interrupted by Ctrl-C."""
+    found, step_error = None, math.nan
+    try:
+        found = search.find()
+        if found is not None:
+            step_error = search.step_error(found)
+    except KeyboardInterrupt:
+        if not search.trials:
+            raise
+        return found, step_error, False
+    return found, step_error, True
+
+
+def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
+    """Steppers to be tried, from long to short steps."""
+    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+
+    periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
+    longest = min(duration / STEPS, min(periods) / A_PERIOD)
+    steps = dict.fromkeys(max(longest / SHORTER**k, duration / MOST) for k in range(ATTEMPTS))
+    return [_stepper(GeneralizedAlpha(step=step)) for step in steps]
+
+
+def _stepper(given: Any) -> Callable[[Any], Any]:
     """What makes the stepper of a scene."""
-    if given is None:
-        from lcpflex.steppers.moreau_jean import MoreauJean
-
-        periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
-        step = max(min(duration / STEPS, min(periods) / A_PERIOD), duration / MOST)
-        default = MoreauJean(step=step)
-        return lambda scene: default
     if hasattr(given, "start") and not isinstance(given, type):
         return lambda scene: given
     if not callable(given) or isinstance(given, type):
@@ -137,15 +159,12 @@ def _stepper(given: Any, ladders: Ladders, duration: float) -> Callable[[Any], A
     return made
 
 
-def _report(search: Search, found: State | None, step_error: float, complete: bool) -> RightSize:
+def _report(search: Search, found: State | None, step_error: float, spent: float, complete: bool) -> RightSize:
     ladders = search.ladders
     runs = tuple(
         _run(search, state, found) for state in sorted(search.trials, key=lambda s: (ladders.coordinates(s), s))
     )
-    best = found
-    if best is None and search.reference is not None:
-        known = [state for state in search.trials if search.sound(state)]
-        best = min(known, key=lambda s: (search.estimate(s), ladders.coordinates(s)))
+    best = search.best() if found is None and search.reference is not None else found
     top = ladders.top
     return RightSize(
         scene=None if best is None else ladders.at(best),
@@ -158,7 +177,7 @@ def _report(search: Search, found: State | None, step_error: float, complete: bo
         reference={} if search.reference is None else ladders.labels(search.reference),
         stepper=search.stepper_of(ladders.scene),
         duration=search.duration,
-        spent=search.spent,
+        spent=spent,
         full=search.cost(top),
         full_was_run=search.sound(top),
         step_error=step_error,

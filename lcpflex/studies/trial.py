@@ -73,7 +73,15 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
     times = [first.wall_time]
     if repeats and first.wall_time <= conditions.limit:
         times = [_run(conditions, limited, None).wall_time for _ in range(repeats)]
-    return Trial(stepper, first.steps, tuple(times), measured, "; ".join(first.warnings))
+    return Trial(stepper, first.steps, tuple(times), measured, "; ".join(_distrust(first)))
+
+
+def _distrust(result: Result) -> list[str]:
+    """What the result warns of, but for bodies too coarse for their contacts: that is no fault of a run."""
+    from lcpflex.resolved import unresolved
+
+    coarse = unresolved(result)
+    return [warning for warning in result.warnings if warning not in coarse]
 
 
 def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measured] | None, str]:
