@@ -102,6 +102,7 @@ def compiled_parts(
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
+    _refuse_overbent(model, q, layout.bodies)
     size = _size(model, circles, q)
     if joints:
         q, u = _consistent(model, joints, q, u, external, size, project)
@@ -312,6 +313,15 @@ def _size(model: Model, circles: Sequence[tuple[int, float]], q: FloatArray) -> 
         return largest
     frames = np.vstack([q[model.bodies.dof[:-1, None] + np.arange(2)], points.place[points.body < 0]])
     return float(np.ptp(frames, axis=0).max()) or 1.0
+
+
+def _refuse_overbent(model: Model, q: FloatArray, names: Sequence[str]) -> None:
+    from lcpflex.dynamics.mass_matrix import overbent
+
+    for b in overbent(model, q):
+        raise ModelError(
+            f"body {names[b]!r}: modal: it is bent too far for its stiffening by spin, expected small deflections"
+        )
 
 
 def _consistent(

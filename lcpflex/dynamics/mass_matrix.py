@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.model import Bodies, Model
 
-__all__ = ["mass_matrix"]
+__all__ = ["mass_matrix", "overbent"]
 
 
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
@@ -22,6 +22,13 @@ def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
         block = slice(dof[b], dof[b + 1])
         M[block, block] = _block(model.bodies, b, q[block])
     return M
+
+
+def overbent(model: Model, q: FloatArray) -> list[int]:
+    """Bodies that are stiffened by spin and so bent that foreshortening takes all their inertia: M is not positive."""
+    stiffened = [int(b) for b in np.flatnonzero(np.diff(model.bodies.geometric_start))]
+    blocks = (_block(model.bodies, b, q[model.bodies.dof[b] : model.bodies.dof[b + 1]]) for b in stiffened)
+    return [b for b, M in zip(stiffened, blocks, strict=True) if not np.linalg.eigvalsh(M)[0] > 0.0]
 
 
 def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:

@@ -212,6 +212,17 @@ def test_static_modes_are_not_stiffened():
     assert not left[:, 2:].any()
 
 
+def test_start_bent_beyond_all_sense_is_refused():
+    body = SLENDER.reduce(4, stiffening=Stiffening(held="left"))
+    scene = Scene(gravity=(0, 0))
+    scene.add(body, "rod", modal=[0.1, 0, 0, 0])
+    scene.compile()
+    bent = Scene(gravity=(0, 0))
+    bent.add(body, "rod", modal=[2.0, 0, 0, 0])
+    with pytest.raises(ModelError, match="body 'rod': modal: it is bent too far"):
+        bent.compile()
+
+
 def test_results_keep_it(tmp_path):
     scene = Scene(gravity=(0, 0))
     scene.add(SLENDER.reduce(4, stiffening=Stiffening()), angular_velocity=10.0, modal=[0.01, 0, 0, 0])
