@@ -22,6 +22,7 @@ LEAST = 1e-8  # smallest error drawn
 def chart(study: RightSize) -> Figure:
     """Estimated error of each output against wall time; the band holds what is within the tolerance."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatter
 
     figure = Figure(figsize=(9.0, 5.2), layout="constrained")
     ax = figure.subplots()
@@ -53,7 +54,10 @@ def chart(study: RightSize) -> Figure:
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
     ax.text(0.01, study.tolerance, f" tolerance {100.0 * study.tolerance:.2g} %", transform=ax.get_yaxis_transform(),
             va="bottom", fontsize="small", color="#3B7A3B")  # fmt: skip
-    ax.legend(loc="upper right", fontsize="small")
+    bodies = " / ".join(study.runs[0].rungs)
+    ax.legend(loc="upper right", fontsize="small", title=f"labels: modes of {bodies}", title_fontsize="small")
+    for axis in (ax.xaxis.set_major_formatter, ax.xaxis.set_minor_formatter):
+        axis(LogFormatter(minor_thresholds=(2.0, 0.5)))
     ax.set_title("\n".join(_wrapped(study.sentence())), fontsize="medium", loc="left")
     return figure
 
@@ -65,16 +69,20 @@ def _range(study: RightSize, sound: list[FidelityRun]) -> tuple[float, float]:
 
 
 def _name(ax: Axes, study: RightSize, sound: list[FidelityRun], low: float) -> None:
-    """Rungs beside the worst error of each run, from low cost to high; the chosen one is marked."""
-    for k, run in enumerate(sorted(sound, key=lambda one: one.wall_time)):
+    """Rungs over the worst error of each run; the chosen one is marked."""
+    for run in sound:
         at = (1e3 * run.wall_time, max(run.estimate, low))
         if run.chosen:
             ax.plot(*at, "o", markersize=17.0, markerfacecolor="none", markeredgecolor="#000000", zorder=4.0)
-        names = "\n".join(f"{rung}" if len(run.rungs) == 1 else f"{name}: {rung}" for name, rung in run.rungs.items())
         ax.annotate(
-            names, at, xytext=(9.0, 7.0 if k % 2 == 0 else -7.0), textcoords="offset points", fontsize="x-small",
-            va="bottom" if k % 2 == 0 else "top", fontweight="bold" if run.chosen else "normal",
+            " / ".join(_short(rung) for rung in run.rungs.values()), at, xytext=(3.0, 10.0 if run.chosen else 6.0),
+            textcoords="offset points", fontsize="x-small", rotation=35.0, rotation_mode="anchor",
+            fontweight="bold" if run.chosen else "normal",
         )  # fmt: skip
+
+
+def _short(rung: str) -> str:
+    return rung.removesuffix(" modes").removesuffix(" mode").removesuffix(" mesh")
 
 
 def _wrapped(text: str) -> list[str]:

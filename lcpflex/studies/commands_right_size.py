@@ -1,0 +1,79 @@
+"""``lcpflex right-size SCENE``: how few modes will do for each body?"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from lcpflex.errors import ModelError, writable_path
+
+__all__ = ["add_right_size"]
+
+TOLERANCE = 1e-2
+LIMIT = 60.0  # wall time of a run [s]
+PICTURES = (".png", ".pdf", ".svg")
+
+
+def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]]) -> None:
+    """Add the command to the subparsers; ``load`` makes scene, duration and stepper of the text that names a scene."""
+    command = commands.add_parser(
+        "right-size",
+        help="the smallest bodies that will do: rigid, a few modes, or the full mesh",
+        description="Climb from rigid bodies to full meshes until the outputs are within a tolerance of those of the "
+        "full mesh; say which modes that takes, how far off it is, and what it saves. Exit code 1 if nothing is "
+        "within the tolerance.",
+    )
+    command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
+    command.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="RATIO",
+                         help=f"largest error of each quantity, relative to its range (default: {TOLERANCE:g})")  # fmt: skip
+    command.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated: motion, impulses, "
+                         "trajectory, peak force or energy (default: motion and impulses)")  # fmt: skip
+    command.add_argument("--output", type=Path, metavar="FILE", help="write the chart to this png, pdf or svg file")
+    command.add_argument("--csv", type=Path, metavar="FILE", help="write every run to this csv file")
+    command.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
+    command.add_argument("--step", type=float, metavar="SECONDS",
+                         help="of Moreau-Jean steps; default: the stepper of the scene")  # fmt: skip
+    command.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
+                         help=f"leave out what takes longer for one run (default: {LIMIT:g})")  # fmt: skip
+    command.set_defaults(command=lambda request: _right_size(request, load))
+
+
+def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
+    """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
+    from lcpflex.studies.fidelity_scenes import known_outputs
+    from lcpflex.studies.right_size import right_size
+
+    for name in ("output", "csv"):
+        path = getattr(request, name)
+        if path is not None:
+            writable_path(f"--{name}", path)
+    if request.output is not None and request.output.suffix.lower() not in PICTURES:
+        raise ModelError(f"--output: {str(request.output)!r}; expected a name that ends in {', '.join(PICTURES)}")
+    for quantity in request.quantity or ():
+        if quantity not in known_outputs():
+            raise ModelError(f"--quantity: {quantity!r}; expected one of {', '.join(known_outputs())}")
+    scene, duration, stepper = load(request.scene)
+    duration = duration if request.duration is None else request.duration
+    if duration is None:
+        raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
+    if request.step is not None:
+        from lcpflex.steppers.moreau_jean import MoreauJean
+
+        stepper = MoreauJean(step=request.step)
+    found = right_size(
+        scene, request.quantity, request.tolerance, duration=duration, stepper=stepper, limit=request.limit
+    )
+    print(found)
+    if request.csv is not None:
+        found.csv(request.csv)
+        print(f"\ntable: {request.csv.resolve()}")
+    if request.output is not None:
+        found.plot().savefig(request.output, dpi=150)
+        print(f"\nchart: {request.output.resolve()}")
+    if not found.complete:
+        print("lcpflex: interrupted", file=sys.stderr)
+        return 130
+    return 0 if found.within else 1
