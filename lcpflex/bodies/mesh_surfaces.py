@@ -6,6 +6,7 @@ holes clockwise, and outward normals point to the right.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -13,9 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lcpflex.bodies.body import named
-from lcpflex.bodies.planar_mesh import PlanarMesh
+from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, ModelWarning
 
 __all__ = ["Boundary", "Names", "boundary_of", "names_of"]
 
@@ -72,10 +73,32 @@ def boundary_of(mesh: PlanarMesh) -> Boundary:
         _refuse(mesh, int(pairs[apart, 0, 2]), "an edge has two nodes amid it", "one that both elements share")
     loops = _linked(mesh, edges)
     areas = [_area(mesh.places[loop]) for loop in loops]
+    _check_loops(mesh, loops, areas)
     outer = int(np.argmax(areas))
     holes = [loop for k, loop in enumerate(loops) if k != outer]
     holes.sort(key=lambda loop: tuple(mesh.places[loop].mean(axis=0)))
     return Boundary((loops[outer], *holes), 2 if mesh.kind.quadratic else 1)
+
+
+def _check_loops(mesh: PlanarMesh, loops: list[IntArray], areas: list[float]) -> None:
+    """One loop around the mesh; slits are told, nodes that hang on edges refused."""
+    around = [k for k, area in enumerate(areas) if area > FLAT * mesh.size**2]
+    if len(around) > 1:
+        _refuse(mesh, int(loops[around[1]][0]), "a second loop runs around the mesh", "no overlap")
+    for loop, area in zip(loops, areas, strict=True):
+        places = mesh.places[loop]
+        extent = float(np.ptp(places, axis=0).max())
+        if abs(area) > FLAT * extent**2:
+            continue
+        ordered = places[np.lexsort(np.round(places / (FLAT * mesh.size)).T)]
+        if not (np.abs(np.diff(ordered, axis=0)).max(axis=1) <= FLAT * mesh.size).any():
+            _refuse(mesh, int(loop[0]), "a node hangs on an edge", "elements that share whole edges")
+        x, y = places[0]
+        warnings.warn(
+            f"{mesh.source}: it has a slit at ({x:.6g}, {y:.6g}): merge the nodes that coincide, unless it is a crack",
+            ModelWarning,
+            stacklevel=2,
+        )
 
 
 def _refuse(mesh: PlanarMesh, node: int, fault: str, expected: str) -> None:
@@ -88,7 +111,8 @@ def _linked(mesh: PlanarMesh, edges: IntArray) -> list[IntArray]:
     starts, uses = np.unique(edges[:, 0], return_counts=True)
     if uses.max() > 1:
         node = int(starts[uses.argmax()])
-        _refuse(mesh, node, "parts of the mesh touch at one node only", "a boundary that does not meet itself")
+        fault = "parts of the mesh touch at one node only, or a node hangs on an edge,"
+        _refuse(mesh, node, fault, "a boundary that does not meet itself")
     row = dict(zip(edges[:, 0].tolist(), range(len(edges)), strict=True))
     x, y = mesh.places.T
     left = sorted(row, key=lambda node: (x[node], y[node]))
@@ -233,8 +257,10 @@ def _asked(label: str, predicate: Any, mesh: PlanarMesh) -> np.ndarray[Any, np.d
         answer = predicate(x.copy(), y.copy())
     except Exception:
         answer = None  # perhaps it is written for numbers: what is wrong with it comes up below
-    if isinstance(answer, np.ndarray) and answer.shape == x.shape and answer.dtype == np.bool_:
-        return answer
+    if isinstance(answer, np.ndarray) and answer.shape == x.shape:
+        if answer.dtype == np.bool_:
+            return answer
+        raise ModelError(f"{label}: the predicate gave an array of {answer.dtype}, expected bool")
     answers = np.empty(len(x), dtype=np.bool_)
     for k, place in enumerate(mesh.places.tolist()):
         try:

@@ -125,12 +125,15 @@ def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:
             f"mesh: {shown} was given, expected a scikit-fem mesh ({', '.join(k.mesh for k in KINDS.values())}) "
             f"or the name of a mesh file"
         )
-    cells = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
-    places = np.asarray(mesh.doflocs, dtype=np.float64).T
-    if not cells.size or places.shape[1] != 2 or cells.max() >= len(places):
+    places, corners = np.asarray(mesh.doflocs, dtype=np.float64).T, np.asarray(mesh.t)
+    sound = (
+        corners.size and places.ndim == 2 and places.shape[1] == 2 and 0 <= corners.min() <= corners.max() < len(places)
+    )
+    if not sound:
         raise ModelError(
-            f"{source}: {len(cells)} elements on {len(places)} nodes, expected a planar mesh with elements"
+            f"{source}: {corners.shape[-1]} elements on {len(places)} nodes, expected elements on nodes that are there"
         )
+    cells = np.asarray(mesh.dofs.element_dofs.T, dtype=np.int64)
     groups = {str(key): np.unique(cells[np.asarray(of)]) for key, of in (mesh.subdomains or {}).items()}
     for key, facets in (mesh.boundaries or {}).items():
         chosen = np.asarray(facets, dtype=np.int64)
@@ -210,5 +213,6 @@ def _check_connected(mesh: PlanarMesh) -> None:
     x, y = mesh.places[cells[second, : kind.corners]].mean(axis=0)
     raise ModelError(
         f"{mesh.source}: its elements make {parts} parts that share no edge (element {second} at ({x:.6g}, {y:.6g}) is "
-        f"not in the part of element 0), expected one piece: merge nodes that coincide, or make a body of each part"
+        f"not in the part of element 0), expected one piece: merge nodes that "
+        f"coincide, let no node hang on an edge, or make a body of each part"
     )

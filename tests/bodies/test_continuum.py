@@ -10,6 +10,7 @@ import pytest
 import skfem
 from scipy.linalg import expm
 from scipy.optimize import brentq
+from scipy.special import j0, j1
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
@@ -158,6 +159,21 @@ def test_a_bar_stretches_at_its_wave_speed(plane_strain):
     bar = Bar(length, height, RHO, E, elements=400).reduce(2)
     if not plane_strain:
         assert axial == pytest.approx(bar.frequencies(), rel=2e-4)
+
+
+@pytest.mark.parametrize("plane_strain", [False, True])
+def test_a_disc_breathes_at_the_closed_form(plane_strain):
+    """u = J1(xi r / R), xi J0(xi) = (1 - nu) J1(xi), omega = xi c / R with c the speed of waves that cannot contract.
+
+    Plane strain is plane stress with E / (1 - nu^2) and nu / (1 - nu).
+    """
+    modulus, ratio = (E / (1.0 - NU**2), NU / (1.0 - NU)) if plane_strain else (E, NU)
+    xi = brentq(lambda z: z * j0(z) - (1.0 - ratio) * j1(z), 1.0, 3.0)
+    mesh = skfem.MeshTri2.init_circle(2).scaled(0.3)
+    body = Continuum(mesh, RHO, E, NU, plane_strain=plane_strain).reduce(12)
+    breathing = int(np.abs(body.a).argmax())  # <Phi.x>
+    speed = math.sqrt(modulus / (1.0 - ratio**2) / RHO)
+    assert body.frequencies()[breathing] == pytest.approx(xi * speed / 0.3, rel=5e-4)
 
 
 def test_a_thin_ring_bends_in_its_plane():

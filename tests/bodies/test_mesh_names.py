@@ -106,6 +106,8 @@ def raising(x, y):
         ("rihgt", "expected a group of the mesh .*'right'"),
         (lambda x, y: x > 7.0, "no node fulfils the predicate.*0 <= x <= 3"),
         (lambda x, y: 1.0, "gave 1.0 at"),
+        (lambda x, y: np.where(x > 1.0, 1, 0), "gave an array of int64, expected bool"),
+        (np.array([True, False]), "expected a predicate"),
         (lambda x: x > 0.0, "the predicate raised TypeError"),
         (raising, "the predicate raised ZeroDivisionError"),
     ],
@@ -164,6 +166,9 @@ SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
         (quads(SQUARE, [0, 1, 2, 3], [0, 1, 2, 3]), "on the same side of an edge"),
         (quads([*SQUARE, [0.5, 2], [1, 2]], [0, 1, 2, 3], [3, 2, 5, 4], [3, 2, 5, 4]), "share an edge"),
         (quads([[0, 0], [np.nan, 0], [1, 1], [0, 1]], [0, 1, 2, 3]), "nan"),
+        (quads(SQUARE, [0, 1, 2, 9]), "1 elements on 4 nodes, expected elements on nodes that are there"),
+        (quads(SQUARE, [0, 1, 2, -1]), "expected elements on nodes that are there"),
+        (skfem.MeshTri1(np.zeros((2, 3)), np.zeros((3, 0), dtype=int)), "0 elements on 3 nodes"),
     ],
 )
 def test_meshes_that_are_no_body(mesh, said):
@@ -229,3 +234,27 @@ def test_a_place_off_the_body_is_refused_with_the_nearest_one():
         body.locate(2.4, 2.5)
     with pytest.raises(ModelError, match=r"\(6, 1.2\) was given.*\(5, 1.2\) is nearest"):
         body.locate(6.0, 1.2)
+
+
+def around_a_triangle():
+    """Three triangles within a triangle, around a fourth one 3-4-5 in its middle, and the cells but that one."""
+    places = np.array([[0.0, 0], [4, 0], [0, 4], [1, 1], [2, 1], [1, 2]])
+    return places, [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]]
+
+
+def test_a_node_that_hangs_on_an_edge_is_refused():
+    places, cells = around_a_triangle()
+    places = np.vstack([places, [1.5, 1.0]])  # amid the edge 3-4, of which the element below knows nothing
+    mesh = skfem.MeshTri1(places.T, np.array([*cells, [3, 6, 5], [6, 4, 5]]).T)
+    with pytest.raises(ModelError, match=r"a node hangs on an edge at \(1, 1\), expected elements that share whole"):
+        Continuum(mesh, *STEEL)
+
+
+def test_a_slit_is_told():
+    places, cells = around_a_triangle()
+    mid = [[1.5, 1.0], [1.5, 1.0]]
+    cells = [[0, 1, 4], [0, 4, 6], [0, 6, 3], *cells[2:], [3, 7, 5], [7, 4, 5]]
+    mesh = skfem.MeshTri1(np.vstack([places, mid]).T, np.array(cells).T)
+    with pytest.warns(ModelWarning, match=r"it has a slit at \(1, 1\)"):
+        body = Continuum(mesh, *STEEL).reduce(1)
+    assert area(body.surfaces["hole1"]) == pytest.approx(0.0, abs=1e-12)
