@@ -3,6 +3,7 @@
 Looked at is the push of each contact that transfers most impulse: a time in which its impulse grows from one stored
 instant to the next. Its duration tells which frequencies it excited. What is too short to be measured (impacts in no
 time, pushes of a few stored instants) or had not ended with the run gives no warning, for nothing is known of it.
+Looked at are meshed bodies: how finely beams, bars and bodies of matrices are made is a choice of model.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.advice import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 
@@ -33,7 +34,7 @@ def unresolved(result: Result) -> tuple[str, ...]:
         found.append(_few_pairs(result, law, name))
         duration = _push(result.times, result.impulse[:, law, 0])
         if duration > 0.0:
-            for b in _bodies(result.compiled, law):
+            for b in _meshed(result.compiled, law):
                 found.append(_long_elements(result.compiled, name, b, duration))
                 found.append(_few_modes(result.compiled, name, b, duration))
     return tuple(text for text in found if text)
@@ -58,9 +59,8 @@ def _few_pairs(result: Result, law: int, name: str) -> str:
 
 def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> str:
     """Where the mesh of body b has elements longer than a twentieth of the shortest wave."""
-    mesh = compiled.layout.resolutions[b] if compiled.layout.resolutions else None
-    if mesh is None:
-        return ""
+    mesh = compiled.layout.resolutions[b]
+    assert mesh is not None
     speed, longest = mesh
     frequency = excited_frequency(duration)
     allowed = element_size(frequency, speed)
@@ -101,12 +101,11 @@ def _push(times: FloatArray, impulse: FloatArray) -> float:
     return float(times[end] - times[start]) if ended and end - start >= INSTANTS else 0.0
 
 
-def _bodies(compiled: Compiled, law: int) -> list[int]:
-    """The bodies of a contact, without the ground."""
+def _meshed(compiled: Compiled, law: int) -> list[int]:
+    """The meshed bodies of a contact."""
     contacts = compiled.model.contacts
     of_law = contacts.pass_law == law
-    surfaces = np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]])
-    return [int(b) for b in np.unique(contacts.surface_body[surfaces]) if b >= 0]
+    return _owners(compiled, np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]]))
 
 
 def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
@@ -114,5 +113,11 @@ def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
     contacts, layout = compiled.model.contacts, compiled.layout
     slaves = contacts.pass_slave[contacts.pass_law == law]
     several = slaves[contacts.slave_start[slaves + 1] - contacts.slave_start[slaves] > 1]
-    owners = [int(b) for b in np.unique(contacts.surface_body[several]) if b >= 0]
-    return [repr(layout.bodies[b]) for b in owners if layout.resolutions and layout.resolutions[b]]
+    return [repr(layout.bodies[b]) for b in _owners(compiled, several)]
+
+
+def _owners(compiled: Compiled, surfaces: IntArray) -> list[int]:
+    """The meshed bodies that surfaces belong to."""
+    known = compiled.layout.resolutions
+    owners = np.unique(compiled.model.contacts.surface_body[surfaces])
+    return [int(b) for b in owners if b >= 0 and known and known[b]]
