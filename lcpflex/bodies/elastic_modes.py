@@ -284,8 +284,8 @@ def check_memory(name: str, n: int, columns: int) -> None:
     needed = 8 * n * columns
     if needed > MEMORY:
         raise ModelError(
-            f"{name}: {columns} full columns of {n} degrees of freedom would take {needed / 2**30:.2g} GiB, expected at "
-            f"most {MEMORY / 2**30:.2g}: choose fewer nodes or modes"
+            f"{name}: {columns} full columns of {n} degrees of freedom would take {needed / 2**30:.2g} GiB, expected "
+            f"at most {MEMORY / 2**30:.2g}: choose fewer nodes or modes"
         )
 
 

@@ -27,8 +27,9 @@ def chosen_nodes(mesh: FiniteElements, argument: str, choice: Nodes) -> IntArray
     """
     if isinstance(choice, str):
         return _named(mesh, argument, choice)
-    several = isinstance(choice, (Sequence, np.ndarray)) and not isinstance(choice, bytes)
-    listed = list(choice) if several else [choice]
+    listed: list[object] = [choice]
+    if isinstance(choice, (Sequence, np.ndarray)) and not isinstance(choice, bytes):
+        listed = list(choice)
     if listed and all(isinstance(name, str) for name in listed):
         return np.unique(np.concatenate([_named(mesh, argument, str(name)) for name in listed]))
     whole = all(isinstance(node, (int, np.integer)) and not isinstance(node, bool) for node in listed)
