@@ -176,7 +176,7 @@ class Placed:
         """With what tells how deep the solid is below an open chain or behind the wall of a hole: the outline."""
         one_sided = shape.kind is shapes.Kind.HOLE or (shape.kind is shapes.Kind.CHAIN and not shape.closed)
         if one_sided and self.source is not None and "outline" in self.source.surfaces:
-            return shapes.on_body(shape, self.source.surfaces["outline"])
+            return shapes.on_body(shape, self.source.surfaces["outline"], self.source.axisymmetric)
         return shape
 
     def _located(self, place: Place) -> MaterialPoint:

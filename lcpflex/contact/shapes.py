@@ -11,15 +11,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Chain, MaterialPoint, Outline
-from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.contact.reach import below_chain, below_hole, is_solid
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
+from lcpflex.contact.reach import below_chain, below_hole, is_solid, whole_section
 from lcpflex.errors import ModelError
 from lcpflex.model import Contacts, PointTable, frozen
 
@@ -38,12 +38,10 @@ __all__ = [
     "on_body",
 ]
 
-SEGMENT, ARC = 0, 1
 STRAIGHT = 1e-12  # [rad] a corner of smaller turn is straight
 SMOOTH = 0.2  # [rad] on a flexible body, a hollow corner of smaller turn may be bent to a bulge
 HOLLOW = 0.01  # [rad] a foot does not leave a segment over a hollow corner of larger turn: the next one is in the way
 ROUND = 128  # corners of the polygon that stands for a round outline where the thickness of the solid is measured
-BLOCK = 8  # features that share a bounding circle
 
 
 class Kind(Enum):
@@ -64,7 +62,8 @@ class Surface:
     points: material points (nodes of a chain; centre of a circle, hole or arc; two points a metre apart of a
     half-plane). radius [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends
     where it begins. outline (k, 2): closed outline of the body, which tells how deep the solid is below an open chain
-    or behind the wall of a hole; without it, as deep as the chain or hole is large.
+    or behind the wall of a hole; without it, as deep as the chain or hole is large. mirrored: whether the body is the
+    half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0.
     """
 
     kind: Kind
@@ -74,6 +73,12 @@ class Surface:
     extent: float = 2.0 * math.pi
     closed: bool = False
     outline: FloatArray | None = None
+    mirrored: bool = False
+
+    def goes_on(self) -> tuple[bool, bool]:
+        """Whether the solid goes on beyond the beginning and the end of an open chain, though the chain does not."""
+        first, last = (float(self.points[k].place[1]) == 0.0 for k in (0, -1))
+        return self.mirrored and first, self.mirrored and last
 
 
 def node(point: MaterialPoint, radius: float = 0.0) -> Surface:
@@ -123,12 +128,17 @@ def chain(points: Sequence[MaterialPoint], closed: bool = False) -> Surface:
     return Surface(Kind.CHAIN, tuple(points), closed=closed)
 
 
-def on_body(surface: Surface, outline: Outline) -> Surface:
-    """``surface`` with the closed outline of its body, from which it takes how deep the solid is."""
+def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surface:
+    """``surface`` with the closed outline of its body, from which it takes how deep the solid is.
+
+    ``mirrored``: the body is the half section of a solid of revolution.
+    """
     if isinstance(outline, Chain):
         if not outline.closed:
             return surface
         places = np.array([point.place for point in outline.points])
+        if mirrored:
+            return replace(surface, outline=whole_section(places), mirrored=True)
     else:
         if outline.hole:
             return surface
@@ -152,19 +162,6 @@ def is_slave_of(slave: Surface, master: Surface) -> bool:
     return slave.kind in RANK and master.kind is not Kind.NODE
 
 
-@dataclass(slots=True)
-class _Feature:
-    kind: int
-    points: tuple[int, int]
-    circle: tuple[float, float, float]  # about it; of a hole, about what is behind its wall, too
-    normal: tuple[float, float] = (0.0, 0.0)  # of a segment of a chain
-    radius: float = 0.0
-    sense: float = 1.0
-    reach: tuple[float, float, float] = (math.inf, math.inf, math.inf)
-    span: tuple[float, float] = (0.0, 1.0)
-    neighbour: tuple[int, int] = (-1, -1)
-
-
 def compile_contacts(
     surfaces: Sequence[tuple[int, Surface]],
     declared: Sequence[tuple[int, int, float, float, float]],
@@ -181,7 +178,7 @@ def compile_contacts(
         For two surfaces that cannot touch each other, or that belong to one body.
     """
     slaves: list[tuple[int, float, FloatArray]] = []
-    features: list[_Feature] = []
+    features: list[Feature] = []
     slave_start, feature_start = [0], [0]
     for body, surface in surfaces:
         indices = [points.add(body, p.place, p.phi, p.psi) for p in surface.points]
@@ -191,7 +188,7 @@ def compile_contacts(
         feature_start.append(len(features))
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
     spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
-    surface_block, block_start, circles, heights = _blocks(features, feature_start)
+    surface_block, block_start, circles, heights = blocks_of(features, feature_start)
     passes = [(*w, law) for law, d in enumerate(declared) for w in _passes(surfaces, d[0], d[1], slave_of.get(law))]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
@@ -265,14 +262,15 @@ def _slaves(surface: Surface, indices: list[int]) -> list[tuple[int, float, Floa
     means[: len(normals)] += normals
     means[(np.arange(len(normals)) + 1) % len(indices)] += normals
     if not surface.closed:
-        means[0] -= along[0]
-        means[-1] += along[-1]
+        begins, ends = surface.goes_on()
+        means[0] -= 0.0 if begins else along[0]
+        means[-1] += 0.0 if ends else along[-1]
     lengths = np.hypot(*means.T)
     means = np.where(lengths[:, None] > STRAIGHT, means / np.maximum(lengths, STRAIGHT)[:, None], 0.0)
     return [(index, 0.0, mean) for index, mean in zip(indices, means, strict=True)]
 
 
-def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
+def _features(surface: Surface, indices: list[int], first: int) -> list[Feature]:
     """What others may touch; ``first``: index that the first feature gets."""
     if surface.kind is Kind.NODE:
         return []
@@ -280,15 +278,15 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[_Feature
         return _chain_features(surface, indices, first)
     circle = _bounds(surface)
     if surface.kind is Kind.HALF_PLANE:
-        return [_Feature(SEGMENT, (indices[0], indices[1]), circle, span=(-math.inf, math.inf))]
+        return [Feature(SEGMENT, (indices[0], indices[1]), circle, span=(-math.inf, math.inf))]
     sense = -1.0 if surface.kind is Kind.HOLE else 1.0
     reach = _hole_reach(surface) if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
     pair = (indices[0], indices[0])
-    return [_Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)]
+    return [Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)]
 
 
-def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_Feature]:
+def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Feature]:
     """The segments of a chain, then a vertex (an arc of radius 0) at each corner that may bulge, and each open end.
 
     Neighbours of a segment are the segments before and after it; those of a vertex the segments that meet in it.
@@ -303,7 +301,12 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
         circle = (float(middle[0]), float(middle[1]), 0.5 * float(lengths[i]))
         depths = (float(reach[i, 0]), float(reach[i, 1]), float(reach[i, 2]))
         normal = (float(steps[i, 1] / lengths[i]), float(-steps[i, 0] / lengths[i]))
-        features.append(_Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), circle, normal, reach=depths))
+        features.append(Feature(SEGMENT, (indices[i], indices[(i + 1) % n]), circle, normal, reach=depths))
+    begins, ends = surface.goes_on()
+    if begins and not surface.closed:
+        features[0].span = (-math.inf, features[0].span[1])
+    if ends and not surface.closed:
+        features[-1].span = (features[-1].span[0], math.inf)
     sharp = SMOOTH if any(point.phi.any() for point in surface.points) else STRAIGHT
     for v in range(n):
         before = v - 1 if v > 0 else (count - 1 if surface.closed else -1)
@@ -320,49 +323,10 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[_F
                 continue  # hollow: the two segments hold the slave between them
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
         x, y = surface.points[v].place
-        corner = _Feature(ARC, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
+        corner = Feature(ARC, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
         corner.neighbour = (meeting[0], meeting[1])
         features.append(corner)
     return features
-
-
-def _blocks(
-    features: Sequence[_Feature], feature_start: Sequence[int]
-) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
-    """Successive features of a surface, few and of one kind; circles about each such block, and how high it is."""
-    surface_block, block_start, circles, heights = [0], [0], [], []
-    for first, last in pairwise(feature_start):
-        vertices = [k for k in range(first, last) if features[k].kind == ARC and features[k].radius == 0.0]
-        middle = vertices[0] if vertices else last
-        for start, end in ((first, middle), (middle, last)):
-            for k in range(start, end, BLOCK):
-                block = features[k : min(k + BLOCK, end)]
-                circle = np.array([f.circle for f in block])
-                center = 0.5 * (circle[:, :2].min(axis=0) + circle[:, :2].max(axis=0))
-                extent = np.hypot(*(circle[:, :2] - center).T) + circle[:, 2]
-                deep = extent + [max(f.reach) if f.kind == SEGMENT else 0.0 for f in block]
-                circles.append((*center, float(extent.max()), float(deep.max())))
-                heights.append(_height(block))
-                block_start.append(k + len(block))
-        surface_block.append(len(block_start) - 1)
-    return (
-        frozen(surface_block, np.int64),
-        frozen(block_start, np.int64),
-        frozen(circles, columns=4),
-        frozen(heights, columns=3),
-    )
-
-
-def _height(block: Sequence[_Feature]) -> tuple[float, float, float]:
-    """Mean normal n of segments that look about the same way, and the greatest n.x of their points; else 0, 0, 0."""
-    normals = np.array([f.normal for f in block])
-    mean = normals.sum(axis=0)
-    length = math.hypot(*mean)
-    if length == 0.0 or (normals @ mean).min() < 0.5 * length:
-        return 0.0, 0.0, 0.0
-    n = mean / length
-    top = max(float(n @ f.circle[:2]) + f.circle[2] * abs(n[0] * f.normal[1] - n[1] * f.normal[0]) for f in block)
-    return float(n[0]), float(n[1]), top
 
 
 def _chain_reach(surface: Surface) -> FloatArray:
