@@ -1,7 +1,7 @@
 """Geometric stiffening: what the stress of a spinning or axially loaded body adds to its stiffness.
 
 A straight beam that is bent gets shorter. In the linear floating frame it does not, and so it feels nothing of a
-tension that resists the bending: a beam spun above its first frequency diverges where a real one gets stiffer.
+tension that resists the bending: a beam that is spun fast gets softer where a real one gets stiffer.
 
 **Spin.** Held at a material point p and spun at omega, a body carries the load omega^2 rho (x - x_p), balanced by a
 reaction at p. With sigma its static stress at omega = 1 rad/s,
