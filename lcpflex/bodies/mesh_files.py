@@ -40,18 +40,29 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
     if not Path(name).is_file():
         raise ModelError(f"mesh: {name!r} was given, expected the name of a file that is there")
     found = _read(name, source)
-    if any(key.startswith("skfem:") for key in found.cell_data):
-        from skfem.io.meshio import from_meshio
-
-        _only_kind(found, source)
-        found.points = _planar(np.asarray(found.points, dtype=np.float64), source)
-        return from_meshio(found)
     kind = _only_kind(found, source)
-    places = _planar(np.asarray(found.points, dtype=np.float64), source)
+    found.points = places = _planar(np.asarray(found.points, dtype=np.float64), source)
+    for block in found.cells:
+        nodes = np.asarray(block.data)
+        if nodes.size and not 0 <= nodes.min() <= nodes.max() < len(places):
+            raise ModelError(f"{source}: elements with nodes that it does not have, expected 0 to {len(places) - 1}")
+        if block.type == kind and nodes.ndim == 2 and nodes.shape[1] != KINDS[kind].nodes:
+            raise ModelError(f"{source}: {kind} of {nodes.shape[1]} nodes, expected {KINDS[kind].nodes}")
+    if any(key.startswith("skfem:") for key in found.cell_data):
+        return _stored_by_scikit_fem(found, source)
     cells = np.concatenate([np.asarray(block.data) for block in found.cells if block.type == kind]).astype(np.int64)
-    if not cells.size or cells.min() < 0 or cells.max() >= len(places):
-        raise ModelError(f"{source}: elements with nodes that it does not have, expected 0 to {len(places) - 1}")
-    return PlanarMesh(KINDS[kind], places, cells, _groups(found), source)
+    return PlanarMesh(KINDS[kind], places, cells, _groups(found, source), source)
+
+
+def _stored_by_scikit_fem(found: Any, source: str) -> Any:
+    from skfem.io.meshio import from_meshio
+
+    try:
+        return from_meshio(found)
+    except Exception as error:  # its tags have no checks of their own
+        raise ModelError(
+            f"{source}: scikit-fem cannot read its tags ({error}), expected a file that it saved"
+        ) from None
 
 
 def _read(name: str, source: str) -> Any:
@@ -66,8 +77,6 @@ def _read(name: str, source: str) -> Any:
             return meshio.read(name)
     except SystemExit:  # meshio leaves the program where no reader takes the file
         said = " ".join(talk.getvalue().split())
-    except MemoryError:
-        raise
     except Exception as error:  # the readers raise whatever a broken file makes them stumble over
         said = f"{type(error).__name__}: {error}"
     raise ModelError(f"{source}: meshio cannot read it ({said}), expected a mesh in a format that it knows")
@@ -112,8 +121,21 @@ def _planar(points: FloatArray, source: str) -> FloatArray:
     return np.ascontiguousarray(points[:, :2])
 
 
-def _groups(found: Any) -> dict[str, IntArray]:
+def _groups(found: Any, source: str) -> dict[str, IntArray]:
     """Named nodes: of edges and points first, then of areas; a name that comes twice keeps its first meaning."""
+    try:
+        groups = _named_nodes(found)
+    except (IndexError, ValueError, TypeError) as error:
+        raise ModelError(f"{source}: its groups do not fit its elements ({error}), expected sets of them") from None
+    for name, nodes in groups.items():
+        if nodes[0] < 0 or nodes[-1] >= len(found.points):
+            raise ModelError(
+                f"{source}: group {name!r} has nodes that are not there, expected 0 to {len(found.points) - 1}"
+            )
+    return groups
+
+
+def _named_nodes(found: Any) -> dict[str, IntArray]:
     groups: dict[str, IntArray] = {str(k): np.asarray(v, dtype=np.int64) for k, v in (found.point_sets or {}).items()}
     for wanted in (lambda kind: kind in LINES, lambda kind: kind in KINDS):
         for name, nodes in (*_cell_sets(found, wanted), *_physical(found, wanted)):

@@ -15,11 +15,12 @@ import numpy as np
 
 from lcpflex.bodies.body import array_of
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, in_range
 
 __all__ = ["KINDS", "Kind", "PlanarMesh", "planar_mesh"]
 
 FLAT = 1e-9  # of the size of the mesh: distances below it are rounding
+EXTENTS = (1e-12, 1e9)  # [m] of meshes: whatever the unit was, beyond it numbers are broken
 DEGENERATE = 1e-10  # area of an element relative to the square of its longest edge
 
 
@@ -147,7 +148,10 @@ def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:
 def _checked(mesh: PlanarMesh) -> PlanarMesh:
     """The mesh in its form: counter-clockwise elements, no unused nodes."""
     array_of(f"{mesh.source}: places of the nodes", mesh.places, (-1, 2))
+    if not len(mesh.cells):
+        raise ModelError(f"{mesh.source}: no elements were given, expected one at least")
     mesh = _without_unused(mesh)
+    in_range(f"{mesh.source}: extent [m]", mesh.size, *EXTENTS)
     cells = _turned(mesh)
     mesh = PlanarMesh(mesh.kind, mesh.places, cells, mesh.groups, mesh.source)
     _check_connected(mesh)
