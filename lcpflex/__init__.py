@@ -76,6 +76,7 @@ _HOME = {
     "Lemke": "lcpflex.solvers.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
     "LcpflexError": "lcpflex.errors",
+    "matrices_from_files": "lcpflex.bodies.matrix_files",
     "ModelError": "lcpflex.errors",
     "ModelWarning": "lcpflex.errors",
     "SolverError": "lcpflex.errors",
@@ -144,6 +145,7 @@ __all__ = [
     "admissible_accelerations",
     "craig_bampton",
     "free_interface",
+    "matrices_from_files",
     "residual_compliance",
     "simulate",
     "sub_regional",
@@ -182,6 +184,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.beam import Bar, Beam
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.matrices import Matrices
+    from lcpflex.bodies.matrix_files import matrices_from_files
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.reductions import (
         craig_bampton,

@@ -14,6 +14,7 @@ import numpy as np
 from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.studies.commands_chart import add_chart
+from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.commands_stability import add_stability
 
 if TYPE_CHECKING:
@@ -87,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     check.set_defaults(command=_cross_check)
 
     add_chart(commands, _scene)
+    add_right_size(commands, _scene)
     add_stability(commands, _found)
     warmup = commands.add_parser("warmup", help="compile every kernel into the cache, once for this machine")
     warmup.set_defaults(command=_warmup)

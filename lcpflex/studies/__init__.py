@@ -12,15 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 _HOME = {
     "Criteria": "outcome",
+    "FidelityRun": "fidelity_report",
+    "NextRung": "fidelity_report",
     "Outcome": "outcome",
     "Output": "outputs",
+    "RightSize": "fidelity_report",
     "StabilityMap": "stability_map",
     "Verdict": "outcome",
+    "Vibrations": "vibrations",
     "WorkPoint": "work_points",
     "WorkPrecision": "work_points",
     "acceleration_level": "acceleration_level",
     "graph_distance": "graph_distance",
     "outcome_legend": "stability_chart",
+    "right_size": "right_size",
+    "small_vibrations": "vibrations",
     "stability": "stability",
     "standard_methods": "standard_methods",
     "work_precision": "work_precision",
@@ -28,15 +34,21 @@ _HOME = {
 
 __all__ = [
     "Criteria",
+    "FidelityRun",
+    "NextRung",
     "Outcome",
     "Output",
+    "RightSize",
     "StabilityMap",
     "Verdict",
+    "Vibrations",
     "WorkPoint",
     "WorkPrecision",
     "acceleration_level",
     "graph_distance",
     "outcome_legend",
+    "right_size",
+    "small_vibrations",
     "stability",
     "standard_methods",
     "work_precision",
@@ -69,12 +81,15 @@ sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
     from lcpflex.studies.acceleration_level import acceleration_level
+    from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
     from lcpflex.studies.graph_distance import graph_distance
     from lcpflex.studies.outcome import Criteria, Outcome, Verdict
     from lcpflex.studies.outputs import Output
+    from lcpflex.studies.right_size import right_size
     from lcpflex.studies.stability import stability
     from lcpflex.studies.stability_chart import outcome_legend
     from lcpflex.studies.stability_map import StabilityMap
     from lcpflex.studies.standard_methods import standard_methods
+    from lcpflex.studies.vibrations import Vibrations, small_vibrations
     from lcpflex.studies.work_points import WorkPoint, WorkPrecision
     from lcpflex.studies.work_precision import work_precision
