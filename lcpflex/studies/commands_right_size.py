@@ -28,7 +28,7 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="RATIO",
-                         help=f"largest error of each quantity, relative to its range (default: {TOLERANCE:g})")  # fmt: skip
+                         help=f"largest error of each quantity, relative to its range ({TOLERANCE:g})")  # fmt: skip
     command.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated: motion, impulses, "
                          "trajectory, peak force or energy (default: motion and impulses)")  # fmt: skip
     command.add_argument("--output", type=Path, metavar="FILE", help="write the chart to this png, pdf or svg file")

@@ -102,7 +102,7 @@ def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
     n = np.array([one[0] for one in known], dtype=float)
     t = np.array([one[1] for one in known])
     if len(set(n.tolist())) == 1:
-        return float(np.median(t)) * max(1.0, coordinates / n[0])
+        return float(np.median(t)) * max(1.0, coordinates / float(n[0]))
     fitted = np.polyfit(n, t, 1, w=np.sqrt(n))
     slope, at_zero = max(float(fitted[0]), 0.0), max(float(fitted[1]), 0.0)
     scale = float(np.sum(t) / np.sum(at_zero + slope * n)) if slope or at_zero else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,6 +19,7 @@ __all__ = ["Ladders", "State", "comparable", "known_outputs", "of_scene"]
 
 State: TypeAlias = tuple[int, ...]  # rung of each body that has a ladder
 MOTION = "motion"
+FULL = "full mesh"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,8 +39,16 @@ class Ladders:
 
     @property
     def top(self) -> State:
-        """Every body as its full mesh."""
+        """Every body on its last rung: as its full mesh, where the ladder reaches that."""
         return tuple(len(rungs) - 1 for rungs in self.rungs)
+
+    def whole(self, body: int) -> bool:
+        """Whether the ladder of a body ends with its full mesh; that of a very large one does not."""
+        return self.rungs[body][-1].name == FULL
+
+    def full_modes(self) -> tuple[float, ...]:
+        """Number of modes of the full mesh of each body, infinite where the ladder does not reach it."""
+        return tuple(r[-1].modes if self.whole(b) else math.inf for b, r in enumerate(self.rungs))
 
     def modes(self, state: State) -> tuple[int, ...]:
         """Number of modes of each body."""

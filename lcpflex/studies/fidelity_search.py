@@ -113,33 +113,39 @@ class Search:
         """
         assert self.reference is not None
         bodies = self.needing or tuple(range(len(self.reference)))
-        rich, full = self.ladders.modes(self.reference), self.ladders.modes(self.ladders.top)
+        rich, full = self.ladders.modes(self.reference), self.ladders.full_modes()
         size = max(rich[b] for b in bodies)
         known: dict[float, float] = {}
         for state in self.trials:
-            below = all(state[b] < self.reference[b] or self.reference[b] == self.ladders.top[b] for b in bodies)
+            below = self._below(state, bodies)
             if state != self.reference and below and self.sound(state):
                 own = self.ladders.modes(state)
                 modes = min((own[b] + 0.5) / (rich[b] + 0.5) for b in bodies) * (size + 0.5) - 0.5
                 known[modes] = min(known.get(modes, math.inf), self.difference(state, output))
-        share = min((rich[b] + 0.5) / (full[b] + 0.5) for b in bodies)
         samples = [Sample(modes, difference) for modes, difference in known.items()]
-        return samples, float(size), (size + 0.5) / share - 0.5
+        share = max((full[b] + 0.5) / (rich[b] + 0.5) for b in bodies)
+        return samples, float(size), (size + 0.5) * share - 0.5
+
+    def _below(self, state: State, bodies: tuple[int, ...]) -> bool:
+        """Whether a state has fewer modes than the reference in all these bodies, but for full meshes."""
+        assert self.reference is not None
+        full = self.ladders.full_modes()
+        rich = self.ladders.modes(self.reference)
+        return all(state[b] < self.reference[b] or rich[b] == full[b] for b in bodies)
 
     def good(self, state: State) -> bool:
         """Whether it is proved to be within the tolerance: each body that matters was also run richer."""
         if self.reference is None or not self.sound(state):
             return False
-        richer, top = self.reference, self.ladders.top
-        compared = all(state[b] < richer[b] or richer[b] == top[b] for b in self.needing)
-        return compared and all(
+        return self._below(state, self.needing) and all(
             self.difference(state, one) + DOUBT * self.left(one) <= self.tolerance for one in self.used()
         )
 
     def find(self) -> State | None:
         """The cheapest state within the tolerance, None if no run is proved to be."""
         self.run(self.ladders.bottom)
-        richest = tuple(max(k - 1, min(k, 1)) for k in self.ladders.top)
+        top = self.ladders.top
+        richest = tuple(max(k - 1, min(k, 1)) if self.ladders.whole(b) else k for b, k in enumerate(top))
         middle = tuple(
             min(limit, max(k for k, rung in enumerate(rungs) if rung.modes <= MIDDLE))
             for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
@@ -150,7 +156,7 @@ class Search:
             return None
         self._witnesses()
         found = self._climb(middle)
-        if found is None and self.reference == richest != self.ladders.top and self._full_reference():
+        if found is None and self.reference == richest != top and self._full_reference():
             found = self._climb(middle)
         return None if found is None else self._cheapest(self._descend(found))
 
