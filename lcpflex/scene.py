@@ -219,9 +219,11 @@ class Scene:
 
         ``slave``, one of a and b, makes its points touch the segments and arcs of the other, and no more: one pass.
         By default what is a disc, node or solid arc is the slave; of two chains each is the slave of the other: two
-        passes. One pass lets nodes of the master into the slave between its nodes, so the finer mesh should be the
-        slave; two passes keep both out, with about twice the unknowns: where both meshes meet node to node, the same
-        pair is counted twice, and its force is shared in a way that nothing determines.
+        passes. They carry a uniform pressure exactly through any two meshes and let no node of either into the other,
+        with about twice the unknowns; where nodes meet nodes, each force is shared by two pairs in a way that nothing
+        determines. One pass lets nodes of the master into the slave between its nodes, and the pressure is uneven where
+        the meshes do not match: let the finer one be the slave (measured with 8 and 5 elements pressed together: the
+        blocks are 0.04 % too short, with the coarser one as slave 1.3 %).
         """
         for argument, surface in (("a", a), ("b", b)):
             if not isinstance(surface, PlacedSurface):

@@ -17,6 +17,10 @@ __all__ = ["checks"]
 
 SPEED = 0.3  # of the ball at first [m/s]
 MODEL = "the reference has a half space and one-dimensional waves in place of a solid rod; the methods differ by 0.1 %"
+IMPLICIT = (
+    f"{MODEL}; theta = 1/2 fails: modes far faster than the step ring undamped, each contact adds to them, and the run "
+    "warns of energy created"
+)
 STIFF = (
     "compliances of contact nodes as modes of up to some GHz: explicit steps follow them, 190 000 in all; in five "
     "minutes it comes to the rebound of generalised-alpha within 1e-5"
@@ -41,7 +45,7 @@ def checks() -> tuple[Check, ...]:
                 ),
             ),
             {
-                "Moreau-Jean": Entry(MoreauJean(step=1e-7, theta=0.6), MODEL),
+                "Moreau-Jean": Entry(MoreauJean(step=1e-7, theta=0.6), IMPLICIT),
                 "event-driven": Absent(STIFF),
                 "generalised-alpha": Entry(GeneralizedAlpha(step=5e-7), MODEL),
                 "massless boundary": Entry(case.stepper, MODEL),

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex import meshes
+from lcpflex.bodies.continuum import Continuum
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.contact.kinematics import contact_bias, contact_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
@@ -201,3 +203,60 @@ def deepest(compiled, result):
         for k in range(n):
             depth[table.body[k, 0]] = max(depth[table.body[k, 0]], -table.gap[k])
     return depth
+
+
+# ---- a uniform pressure through two blocks
+
+
+PRESSURE, MODULUS, SIDE, HEIGHT = 1e6, 2.1e11, 0.06, 0.03
+
+
+def pressed_blocks(across, choice):
+    """Two elastic blocks, one on the other, with so many elements across, pressed together until they rest."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    blocks = []
+    for name, n, base, far, way in (("upper", across[0], HEIGHT, HEIGHT, -1.0), ("lower", across[1], 0.0, 0.0, 1.0)):
+        solid = Continuum(meshes.rectangle(SIDE, HEIGHT, n, 2), 7800.0, MODULUS, 0.3)
+        block = scene.add(solid.reduce(modes=None, damping=0.7), name, position=(0.0, base))
+        for k in range(n + 1):
+            share = PRESSURE * SIDE / n * (0.5 if k in (0, n) else 1.0)
+            scene.load(lf.Force(block.at(SIDE * k / n, far), (0.0, way * share)))
+        blocks.append(block)
+    upper, lower = blocks[0].surface("bottom"), blocks[1].surface("top")
+    scene.contact(upper, lower, name="contact", slave=chosen(choice, upper, lower))
+    return scene
+
+
+def settled(across, choice):
+    """(error of the shortening, unevenness of the pressed faces), relative to the exact shortening; and the result."""
+    result = lf.simulate(pressed_blocks(across, choice), 4e-4, lf.GeneralizedAlpha(step=1e-6), record=1e-5)
+    assert np.abs(result.u[-1]).max() < 1e-9
+    exact = PRESSURE * 2.0 * HEIGHT / MODULUS
+    faces = [
+        np.array([result.point(name, (SIDE * k / n, y))[-1, 1] for k in range(n + 1)])
+        for name, n, y in (("upper", across[0], HEIGHT), ("lower", across[1], 0.0))
+    ]
+    short = 2.0 * HEIGHT - (faces[0].mean() - faces[1].mean())
+    return abs(short / exact - 1.0), max(np.ptp(face) for face in faces) / exact, result
+
+
+@pytest.mark.parametrize(
+    ("across", "choice", "least", "most"),
+    [
+        ((4, 6), "both", 0.0, 1e-8),  # two passes carry a uniform pressure exactly through any meshes
+        ((5, 8), "both", 0.0, 1e-8),
+        ((6, 6), "both", 0.0, 1e-8),
+        ((6, 6), "upper", 0.0, 1e-8),  # so does one where the nodes meet
+        ((5, 8), "lower", 1e-4, 1e-3),  # one pass does not where they do not; least so with the finer mesh as slave
+        ((5, 8), "upper", 1e-3, 2e-2),
+    ],
+)
+def test_pressing_one_block_on_another(across, choice, least, most):
+    error, uneven, result = settled(across, choice)
+    assert least <= error < most
+    assert uneven < max(20.0 * most, 1e-7)
+    assert result.contact("contact").force[-1, 0] == pytest.approx(PRESSURE * SIDE, rel=1e-9)
+    last = result.spots.record == len(result.times) - 1
+    assert result.contact("contact").pairs[-1] == np.count_nonzero(last)
+    moment = result.spots.place[last, 0] @ result.spots.force[last, 0]
+    assert moment == pytest.approx(0.5 * SIDE * PRESSURE * SIDE, rel=1e-7)  # from either side: the middle of the face
