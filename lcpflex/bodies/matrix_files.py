@@ -29,6 +29,8 @@ __all__ = ["matrices_from_files"]
 
 SUPPORT = 1e30  # Abaqus writes 1e36 on the diagonal for a prescribed displacement
 
+ROWS = 10_000_000  # of a matrix; a broken header may ask for any memory
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Labelled:
@@ -150,7 +152,10 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
         with np.load(path, allow_pickle=False) as arrays:
             keys = list(arrays.keys())
             if sparse and "format" in keys and "data" in keys:
-                return load_npz(path)
+                matrix = load_npz(path)
+                if hasattr(matrix, "check_format"):
+                    matrix.check_format(full_check=True)  # indices that point elsewhere would crash Python
+                return matrix
             if len(keys) == 1:
                 return arrays[keys[0]]
     except Exception as error:  # numpy, zipfile and pickle each have their own
@@ -161,12 +166,44 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
 
 
 def _matrix_market(name: str, path: Path) -> Any:
-    from scipy.io import mmread
+    """A real matrix, sparse or dense, general or symmetric. (That of scipy crashes Python on files that were cut.)"""
+    from scipy.sparse import coo_matrix
 
+    where = f"{name}: {str(path)!r}: "
+    head, *lines = path.read_text(errors="replace").splitlines()
+    words = head.lower().split()[1:]
+    known = len(words) == 4 and words[0] == "matrix" and words[1] in ("coordinate", "array")
+    if not known or words[2] not in ("real", "double", "integer") or words[3] not in ("general", "symmetric"):
+        raise ModelError(f"{where}{head[:60]!r}, expected a matrix, coordinate or array, real, general or symmetric")
+    text = [line for line in lines if line.strip() and not line.startswith("%")]
     try:
-        return mmread(path)
-    except Exception as error:  # scipy's reader has several
-        raise ModelError(f"{name}: {str(path)!r} is no Matrix Market file that can be read ({error})") from None
+        shape = [int(word) for word in text[0].split()] if text else []
+        numbers = np.array(" ".join(text[1:]).split(), dtype=np.float64)
+    except (ValueError, OverflowError) as error:
+        raise ModelError(f"{where}{error}, expected numbers") from None
+    symmetric, dense = words[3] == "symmetric", words[1] == "array"
+    if len(shape) != (2 if dense else 3) or shape[0] != shape[1] or min(shape) < 1 or shape[0] > ROWS:
+        raise ModelError(f"{where}the size {shape} was found, expected that of a square matrix of at most {ROWS} rows")
+    n = shape[0]
+    count = (n * (n + 1) // 2 if symmetric else n * n) if dense else 3 * shape[2]
+    if len(numbers) != count:
+        raise ModelError(f"{where}{len(numbers)} numbers were found, expected {count}")
+    if dense:
+        columns, rows = np.triu_indices(n) if symmetric else np.indices((n, n)).reshape(2, -1)
+        values = numbers
+    else:
+        triples = numbers.reshape(-1, 3)
+        rows, columns = (triples[:, :2] - 1.0).T.astype(np.int64)
+        values = triples[:, 2]
+        if (triples[:, :2] != np.stack([rows, columns], axis=1) + 1).any() or not 0 <= rows.min() <= rows.max() < n:
+            raise ModelError(f"{where}an entry beyond row 1 to {n} was found, expected rows of the matrix")
+        if not 0 <= columns.min() <= columns.max() < n:
+            raise ModelError(f"{where}an entry beyond column 1 to {n} was found, expected columns of the matrix")
+    matrix = coo_matrix((values, (rows, columns)), shape=(n, n)).tocsc()
+    if not symmetric:
+        return matrix
+    diagonal = coo_matrix((matrix.diagonal(), (np.arange(n), np.arange(n))), shape=(n, n))
+    return (matrix + matrix.T - diagonal).tocsc()
 
 
 def _abaqus(name: str, path: Path) -> Labelled:

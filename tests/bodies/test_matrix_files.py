@@ -41,6 +41,16 @@ def test_matrices_of_each_form_are_the_same_body(tmp_path, form):
     assert len(body.surfaces["right"].points) == 3
 
 
+@pytest.mark.parametrize("symmetry", ["symmetric", "general"])
+@pytest.mark.parametrize("dense", [True, False])
+def test_all_kinds_of_matrix_market(tmp_path, symmetry, dense):
+    paths = []
+    for name, matrix in (("m.mtx", MESH.mass), ("k.mtx", MESH.stiffness)):
+        paths.append(tmp_path / name)
+        mmwrite(paths[-1], matrix.toarray() if dense else matrix, symmetry=symmetry)
+    assert matrices_from_files(*paths, MESH.places).reduce(6).frequencies() == pytest.approx(KNOWN, rel=1e-10)
+
+
 def test_one_array_of_savez_and_places_of_each_form(tmp_path):
     np.savez(tmp_path / "m.npz", mass=MESH.mass.toarray())
     np.savez(tmp_path / "k.npz", MESH.stiffness.toarray())
@@ -136,7 +146,25 @@ def test_matrices_and_nodes_that_do_not_belong_together(tmp_path):
     [
         ("k.npz", b"no archive", "cannot be read"),
         ("k.npy", b"", "cannot be read"),
-        ("k.mtx", b"%%MatrixMarket matrix coordinate real general\n2 2", "no Matrix Market file that can be read"),
+        (
+            "k.mtx",
+            b"%%MatrixMarket matrix coordinate real general\n2 2",
+            "0 numbers were found|the size .2, 2. was found",
+        ),
+        (
+            "k.mtx",
+            b"%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 1.0\n2 2",
+            "5 numbers were found, expected 9",
+        ),
+        ("k.mtx", b"%%MatrixMarket matrix coordinate real general\n2 2 1\n1 3 1.0", "beyond column 1 to 2"),
+        ("k.mtx", b"%%MatrixMarket matrix coordinate real general\n2 2 1\n1.5 1 1.0", "beyond row 1 to 2"),
+        ("k.mtx", b"%%MatrixMarket matrix coordinate complex general\n2 2 1\n1 1 1.0 0", "expected a matrix, .* real"),
+        ("k.mtx", b"%%MatrixMarket matrix coordinate real general\n2 2 1\n1 one 1.0", "'one', expected numbers"),
+        (
+            "k.mtx",
+            b"%%MatrixMarket matrix coordinate real general\n99999999 99999999 1\n1 1 1.0",
+            "at most 10000000 rows",
+        ),
         ("k.mat", b"", "expected a file .mtx, .npz or .npy"),
         ("k.mtx", b"", "has no entries"),
     ],
