@@ -16,6 +16,7 @@ __all__ = ["locator"]
 
 INSIDE = 1e-6  # of an element, beyond its edge: still on it
 ITERATIONS = 20
+ROUNDING = 1e-12  # of weights
 
 
 def locator(mesh: PlanarMesh, boundary: Boundary) -> Callable[[float, float], tuple[IntArray, FloatArray]]:
@@ -55,7 +56,7 @@ def _weights(mesh: PlanarMesh, nodes: FloatArray, place: FloatArray) -> FloatArr
     beyond = max(-X.min(), (X.sum() if triangle else X.max()) - 1.0)
     if beyond > INSIDE or np.abs(miss).max() > 1e-9 * size:
         return None
-    return np.asarray(N[0])
+    return np.where(np.abs(N[0]) > ROUNDING, N[0], 0.0)  # on an edge, nodes off it have no part: an axis stays straight
 
 
 def _nearest(mesh: PlanarMesh, boundary: Boundary, place: FloatArray) -> FloatArray:

@@ -57,10 +57,9 @@ def boundary_of(mesh: PlanarMesh) -> Boundary:
         Where elements overlap (an edge of more than two) or touch at a corner only.
     """
     walked = mesh.cells[:, mesh.kind.edges()].reshape(-1, 3 if mesh.kind.quadratic else 2)
-    ends = np.sort(walked[:, :2], axis=1)
-    _, first, number, uses = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    _, first, number, uses = np.unique(mesh.edge_keys(), return_index=True, return_inverse=True, return_counts=True)
     if uses.max() > 2:
-        _refuse(mesh, int(ends[first[uses.argmax()], 0]), f"{uses.max()} elements share an edge", "at most two")
+        _refuse(mesh, int(walked[first[uses.argmax()], 0]), f"{uses.max()} elements share an edge", "at most two")
     edges = walked[first[uses == 1]]
     inner = np.flatnonzero(uses == 2)
     order = np.argsort(number.ravel(), kind="stable")

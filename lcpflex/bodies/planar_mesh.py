@@ -85,6 +85,11 @@ class PlanarMesh:
         """Extent of the mesh [m]."""
         return float(np.ptp(self.places, axis=0).max())
 
+    def edge_keys(self) -> IntArray:
+        """One number for the pair of ends of each edge of each element, whichever way it is walked."""
+        ends = np.sort(self.cells[:, self.kind.edges()[:, :2]].reshape(-1, 2), axis=1)
+        return np.asarray(ends[:, 0] * len(self.places) + ends[:, 1])
+
     def longest_edge(self) -> float:
         """Longest edge of an element, from corner to corner [m]."""
         corners = self.places[self.cells[:, : self.kind.corners]]
@@ -204,9 +209,8 @@ def _check_connected(mesh: PlanarMesh) -> None:
     from scipy.sparse.csgraph import connected_components
 
     kind, cells = mesh.kind, mesh.cells
-    edges = np.sort(cells[:, kind.edges()[:, :2]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(cells)), kind.corners)
-    _, number = np.unique(edges, axis=0, return_inverse=True)
+    _, number = np.unique(mesh.edge_keys(), return_inverse=True)
     links = coo_matrix(
         (np.ones(len(owner)), (owner, number.ravel())), shape=(len(cells), int(number.max()) + 1)
     ).tocsr()
