@@ -27,7 +27,7 @@ from lcpflex.errors import ModelError
 
 __all__ = ["matrices_from_files"]
 
-SUPPORT = 1e30  # Abaqus writes 1e36 on the diagonal for a prescribed displacement
+SUPPORT = 1e30  # no stiffness is that large: such entries are penalties that hold a support
 
 ROWS = 10_000_000  # of a matrix; a broken header may ask for any memory
 
