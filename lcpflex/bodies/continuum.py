@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.elastic_mesh import check_material, finite_elements_of
-from lcpflex.bodies.element_integrals import Solid, elastic_law
+from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.planar_mesh import planar_mesh
 from lcpflex.bodies.reduction import Damping
@@ -73,11 +73,11 @@ class Continuum:
         object.__setattr__(self, "thickness", in_range("thickness", self.thickness, 0.0, math.inf, open_ends=True))
         if not isinstance(self.plane_strain, (bool, np.bool_)):
             raise ModelError(f"plane_strain: {self.plane_strain!r} was given, expected True or False")
-        law = elastic_law(self.youngs_modulus, self.poissons_ratio, bool(self.plane_strain))
+        lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=not self.plane_strain)
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:
             speed /= math.sqrt(1.0 - self.poissons_ratio**2)
-        solid = Solid(planar_mesh(self.mesh), self.density, law, self.thickness)
+        solid = Solid(planar_mesh(self.mesh), self.density, lame, self.thickness)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 
     def finite_elements(self) -> FiniteElements:

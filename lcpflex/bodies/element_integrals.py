@@ -1,38 +1,38 @@
-"""Integrals over the elements of a planar mesh: mass, stiffness, geometric stiffness; and where a place lies.
+"""Integrals over the elements of a planar mesh, by scikit-fem: mass, stiffness, geometric stiffness.
 
-With shape functions N_a (of scikit-fem), their gradients d N_a and the measure dA = thickness (or 2 pi r) dx dy,
+With the measure dA = thickness (or 2 pi r) dx dy, Lame's constants L and G, test functions v and a static state u0,
 
-    M_ab = rho int N_a N_b dA        K = int B^T D B dA        K_g,ab = int sigma_ij d_i N_a d_j N_b dA
+    M = rho int u . v dA      K = int L tr e(u) tr e(v) + 2 G e(u) : e(v) dA      K_g = int s_ij(u0) d_i u . d_j v dA
 
-B maps displacements to the strains e_xx, e_yy, gamma_xy, and, about an axis of revolution (x along it, y the radius r),
-e_hoop = u_r / r. The rules of Gauss integrate straight-sided elements exactly (quadrilaterals: parallelograms).
+Plane stress has L = E nu / (1 - nu^2). About an axis of revolution (x along it, y the radius r) the strain u_r / r
+along the hoop joins e and tr e. The rules of quadrature integrate straight-sided elements exactly (quadrilaterals:
+parallelograms).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.bodies.planar_mesh import PlanarMesh
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["Solid", "elastic_law", "geometric_stiffness", "mass_matrix", "shape_functions", "stiffness_matrix"]
+__all__ = ["Solid", "geometric_stiffness", "lame_constants", "mass_matrix", "shape_functions", "stiffness_matrix"]
 
-CHUNK = 4096  # elements at a time: what is integrated stays within a few tens of megabytes
 ORDERS = {  # of the quadrature: (mass, stiffness), a curved or skew element included; 2 more about an axis
     "ElementTriP1": (2, 1),
     "ElementTriP2": (6, 4),
     "ElementQuad1": (3, 3),
     "ElementQuad2": (7, 5),
 }
+MASS, STIFFNESS = 0, 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,50 +43,22 @@ class Solid:
     ----------
     mesh : of the section
     density : [kg/m^3]
-    law : (3, 3) stresses s_xx, s_yy, s_xy of the strains e_xx, e_yy, gamma_xy [Pa]; (4, 4) with the hoop last
+    lame : L and G [Pa]
     thickness : [m]; None for a solid of revolution about y = 0
     """
 
     mesh: PlanarMesh
     density: float
-    law: FloatArray
+    lame: tuple[float, float]
     thickness: float | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Points:
-    """Some elements at their points of integration.
+def lame_constants(youngs_modulus: float, poissons_ratio: float, plane_stress: bool) -> tuple[float, float]:
+    """L and G [Pa], L that of plane stress where asked for."""
+    from skfem.models import elasticity
 
-    Attributes
-    ----------
-    cells : (m, k)
-    shape : (q, k) N
-    gradient : (m, q, k, 2) d N / d (x, y)
-    measure : (m, q) weight times dA [m^3]
-    radius : (m, q) y [m]
-    """
-
-    cells: IntArray
-    shape: FloatArray
-    gradient: FloatArray
-    measure: FloatArray
-    radius: FloatArray
-
-
-def elastic_law(youngs_modulus: float, poissons_ratio: float, plane_strain: bool | None) -> FloatArray:
-    """(3, 3) law of plane strain or plane stress; (4, 4) of a solid of revolution for None [Pa]."""
-    E, nu = youngs_modulus, poissons_ratio
-    shear = E / (2.0 * (1.0 + nu))
-    if plane_strain is False:
-        factor = E / (1.0 - nu * nu)
-        return np.array([[factor, nu * factor, 0.0], [nu * factor, factor, 0.0], [0.0, 0.0, shear]])
-    lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    direct = [0, 1] if plane_strain else [0, 1, 3]
-    law = np.zeros((3, 3) if plane_strain else (4, 4))
-    law[np.ix_(direct, direct)] = lame
-    law[direct, direct] += 2.0 * shear
-    law[2, 2] = shear
-    return law
+    lame = elasticity.plane_stress if plane_stress else elasticity.lame_parameters
+    return lame(youngs_modulus, poissons_ratio)
 
 
 def shape_functions(mesh: PlanarMesh, X: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -103,118 +75,100 @@ def shape_functions(mesh: PlanarMesh, X: FloatArray) -> tuple[FloatArray, FloatA
 def mass_matrix(solid: Solid) -> csc_matrix[Any]:
     """(2 N, 2 N) consistent mass, degrees of freedom 2 i + direction [kg]."""
     from scipy.sparse import identity, kron
+    from skfem import BilinearForm
 
-    nodes = solid.mesh.kind.nodes
-    parts = [
-        (solid.density * at.measure) @ np.einsum("qa,qb->qab", at.shape, at.shape).reshape(len(at.shape), -1)
-        for at in _points(solid, 0)
-    ]
-    blocks = np.concatenate(parts).reshape(-1, nodes, nodes)
-    return kron(_assembled(solid.mesh.cells, blocks, len(solid.mesh.places)), identity(2), format="csc")
+    basis = _basis(solid, MASS, vector=False)
+    scalar = BilinearForm(lambda u, v, w: solid.density * _depth(solid, w) * u * v).assemble(basis)
+    return kron(_by_nodes(solid, basis, scalar, 1), identity(2), format="csc")
 
 
 def stiffness_matrix(solid: Solid) -> csc_matrix[Any]:
     """(2 N, 2 N) stiffness [N/m]."""
-    blocks = np.concatenate([_stiffness(solid.law, at) for at in _points(solid, 1)])
-    return _assembled(_dofs(solid.mesh.cells), blocks, solid.mesh.places.size)
+    from skfem import BilinearForm
+    from skfem.helpers import ddot, div, sym_grad
+
+    L, G = solid.lame
+
+    def form(u: Any, v: Any, w: Any) -> Any:
+        if solid.thickness is not None:
+            return solid.thickness * (L * div(u) * div(v) + 2.0 * G * ddot(sym_grad(u), sym_grad(v)))
+        hoop, other = u[1] / w.x[1], v[1] / w.x[1]
+        direct = L * (div(u) + hoop) * (div(v) + other)
+        return _depth(solid, w) * (direct + 2.0 * G * (ddot(sym_grad(u), sym_grad(v)) + hoop * other))
+
+    basis = _basis(solid, STIFFNESS, vector=True)
+    return _by_nodes(solid, basis, BilinearForm(form).assemble(basis), 2)
 
 
 def geometric_stiffness(solid: Solid, displacements: FloatArray) -> csc_matrix[Any]:
     """(2 N, 2 N) geometric stiffness of the stress of the nodal displacements (2 N,) [N/m], linear in them."""
-    from scipy.sparse import identity, kron
+    from scipy.sparse import csc_matrix, identity, kron
+    from skfem import BilinearForm, ElementVector
+    from skfem.helpers import dot, eye, grad, mul, sym_grad, trace
 
-    nodal = displacements.reshape(-1, 2)
-    parts = []
-    for at in _points(solid, 1):
-        strain = np.einsum("mqsj,mj->mqs", _strains(at, len(solid.law)), nodal[at.cells].reshape(len(at.cells), -1))
-        stress = (strain @ solid.law) * at.measure[..., None]
-        tensor = stress[..., [0, 2, 2, 1]].reshape(*stress.shape[:2], 2, 2)
-        parts.append(np.einsum("mqai,mqij,mqbj->mab", at.gradient, tensor, at.gradient, optimize=True))
-    count = len(nodal)
-    whole = kron(_assembled(solid.mesh.cells, np.concatenate(parts), count), identity(2), format="csc")
-    return whole if solid.thickness is not None else (whole + _hoop(solid, nodal)).tocsc()
+    L, G = solid.lame
+    basis = _basis(solid, STIFFNESS, vector=False)
+    vector = basis.with_element(ElementVector(basis.elem))
+    state = vector.interpolate(displacements[np.argsort(_numbers(solid, vector, 2))])
+    strain = sym_grad(state)
+    hoop = state[1] / basis.global_coordinates()[1] if solid.thickness is None else np.zeros_like(strain[0, 0])
+    volume = L * (trace(strain) + hoop)
+    stress = eye(volume, 2) + 2.0 * G * strain
+
+    def along(u: Any, v: Any, w: Any) -> Any:
+        return _depth(solid, w) * dot(mul(w.stress, grad(u)), grad(v))
+
+    def around(u: Any, v: Any, w: Any) -> Any:
+        return _depth(solid, w) * w.stress * u * v / w.x[1] ** 2
+
+    both = _by_nodes(solid, basis, BilinearForm(along).assemble(basis, stress=stress), 1)
+    whole = kron(both, identity(2), format="csc")
+    if solid.thickness is not None:
+        return whole
+    radial = _by_nodes(solid, basis, BilinearForm(around).assemble(basis, stress=volume + 2.0 * G * hoop), 1)
+    return (whole + kron(radial, csc_matrix(np.diag([0.0, 1.0])), format="csc")).tocsc()
 
 
-def _hoop(solid: Solid, nodal: FloatArray) -> csc_matrix[Any]:
-    """What the hoop stress adds in the radial direction: int s_hoop N_a N_b / r^2 dA."""
-    from scipy.sparse import csc_matrix, kron
-
-    parts = []
-    for at in _points(solid, 1):
-        strain = np.einsum("mqsj,mj->mqs", _strains(at, 4), nodal[at.cells].reshape(len(at.cells), -1))
-        weight = (strain @ solid.law)[..., 3] * at.measure / at.radius**2
-        parts.append(np.einsum("mq,qa,qb->mab", weight, at.shape, at.shape, optimize=True))
-    radial = csc_matrix(np.diag([0.0, 1.0]))
-    return kron(_assembled(solid.mesh.cells, np.concatenate(parts), len(nodal)), radial, format="csc")
-
-
-def _points(solid: Solid, purpose: int) -> Iterator[Points]:
-    """The elements in chunks; refuses an element with a fold."""
+def _basis(solid: Solid, purpose: int, vector: bool) -> Any:
+    """The shape functions at the points of integration; refuses an element with a fold."""
     import skfem
-    from skfem.quadrature import get_quadrature
 
-    mesh = solid.mesh
-    order = ORDERS[mesh.kind.element][purpose] + (2 if solid.thickness is None else 0)
-    X, weights = get_quadrature(getattr(skfem, mesh.kind.element), order)
-    N, dN = shape_functions(mesh, X)
-    for start in range(0, len(mesh.cells), CHUNK):
-        cells = mesh.cells[start : start + CHUNK]
-        corners = mesh.places[cells]
-        jacobian = np.einsum("qka,mkb->mqab", dN, corners, optimize=True)
-        det = jacobian[..., 0, 0] * jacobian[..., 1, 1] - jacobian[..., 0, 1] * jacobian[..., 1, 0]
-        _refuse_folds(mesh, det, start)
-        adjugate = np.stack([jacobian[..., 1, 1], -jacobian[..., 0, 1], -jacobian[..., 1, 0], jacobian[..., 0, 0]], -1)
-        inverse = adjugate.reshape(*det.shape, 2, 2) / det[..., None, None]  # d xi_a / d x_b, as rows b
-        radius = corners[..., 1] @ N.T
-        depth = 2.0 * math.pi * radius if solid.thickness is None else solid.thickness
-        yield Points(cells, N, np.einsum("qka,mqba->mqkb", dN, inverse, optimize=True), weights * det * depth, radius)
+    kind = solid.mesh.kind
+    mesh = getattr(skfem, kind.mesh)(solid.mesh.places.T.copy(), solid.mesh.cells.T.copy(), sort_t=False)
+    element = getattr(skfem, kind.element)()
+    order = ORDERS[kind.element][purpose] + (2 if solid.thickness is None else 0)
+    basis = skfem.Basis(mesh, skfem.ElementVector(element) if vector else element, intorder=order)
+    _refuse_folds(solid.mesh, basis.mapping.detDF(basis.X))
+    return basis
 
 
-def _refuse_folds(mesh: PlanarMesh, det: FloatArray, start: int) -> None:
-    worst = det.min(axis=1)
+def _depth(solid: Solid, w: Any) -> Any:
+    """Thickness, or circumference [m]."""
+    return 2.0 * math.pi * w.x[1] if solid.thickness is None else solid.thickness
+
+
+def _numbers(solid: Solid, basis: Any, directions: int) -> Any:
+    """(f,) our number, directions * node + direction, of each degree of freedom of scikit-fem."""
+    ours = directions * solid.mesh.cells.T[:, None, :] + np.arange(directions)[None, :, None]
+    number = np.empty(basis.N, dtype=np.int64)
+    number[basis.element_dofs] = ours.reshape(basis.element_dofs.shape)
+    return number
+
+
+def _by_nodes(solid: Solid, basis: Any, matrix: Any, directions: int) -> csc_matrix[Any]:
+    """A matrix of scikit-fem in the order of our nodes, exactly symmetric."""
+    order = np.argsort(_numbers(solid, basis, directions))
+    ours = matrix.tocsc()[order][:, order]
+    return (0.5 * (ours + ours.T)).tocsc()
+
+
+def _refuse_folds(mesh: PlanarMesh, det: FloatArray) -> None:
+    worst = np.broadcast_to(det, (len(mesh.cells), det.shape[-1])).min(axis=1)
     if worst.min() > 0.0:
         return
     bad = int(worst.argmin())
-    x, y = mesh.places[mesh.cells[start + bad, : mesh.kind.corners]].mean(axis=0)
+    x, y = mesh.places[mesh.cells[bad, : mesh.kind.corners]].mean(axis=0)
     raise ModelError(
-        f"{mesh.source}: element {start + bad} at ({x:.6g}, {y:.6g}) is folded (its area changes sign inside), "
+        f"{mesh.source}: element {bad} at ({x:.6g}, {y:.6g}) is folded (its area changes sign inside), "
         f"expected a convex element with the nodes amid its edges near their middles"
     )
-
-
-def _strains(at: Points, rows: int) -> FloatArray:
-    """(m, q, rows, 2 k) B."""
-    m, q, k, _ = at.gradient.shape
-    B = np.zeros((m, q, rows, 2 * k))
-    B[:, :, 0, 0::2] = at.gradient[..., 0]
-    B[:, :, 1, 1::2] = at.gradient[..., 1]
-    B[:, :, 2, 0::2] = at.gradient[..., 1]
-    B[:, :, 2, 1::2] = at.gradient[..., 0]
-    if rows == 4:
-        B[:, :, 3, 1::2] = at.shape / at.radius[..., None]
-    return B
-
-
-def _stiffness(law: FloatArray, at: Points) -> FloatArray:
-    """(m, 2 k, 2 k) of each element."""
-    B = _strains(at, len(law))
-    m, q, rows, k = B.shape
-    stress = (law @ B) * at.measure[..., None, None]
-    return np.asarray(B.reshape(m, q * rows, k).transpose(0, 2, 1) @ stress.reshape(m, q * rows, k))
-
-
-def _dofs(cells: IntArray) -> IntArray:
-    return np.asarray((2 * cells[:, :, None] + [0, 1]).reshape(len(cells), -1))
-
-
-def _assembled(cells: IntArray, blocks: FloatArray, count: int) -> csc_matrix[Any]:
-    """The sum of the blocks (m, k, k) at the rows and columns ``cells`` (m, k), exactly symmetric."""
-    from scipy.sparse import coo_matrix
-
-    number = cells.astype(np.int32)
-    k = cells.shape[1]
-    rows, columns = np.repeat(number, k, axis=1).ravel(), np.tile(number, k).ravel()
-    even = 0.5 * (blocks + blocks.transpose(0, 2, 1))
-    whole = coo_matrix((even.ravel(), (rows, columns)), shape=(count, count)).tocsc()
-    whole.sum_duplicates()
-    return (0.5 * (whole + whole.T)).tocsc()

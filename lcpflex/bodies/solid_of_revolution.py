@@ -9,7 +9,7 @@ from typing import Any
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.elastic_mesh import check_material, finite_elements_of
-from lcpflex.bodies.element_integrals import Solid, elastic_law
+from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh, planar_mesh
 from lcpflex.bodies.reduction import Damping
@@ -64,8 +64,8 @@ class SolidOfRevolution:
 
     def __post_init__(self) -> None:
         check_material(self)
-        law = elastic_law(self.youngs_modulus, self.poissons_ratio, None)
-        solid = Solid(_above_axis(planar_mesh(self.mesh)), self.density, law, None)
+        lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=False)
+        solid = Solid(_above_axis(planar_mesh(self.mesh)), self.density, lame, None)
         speed = math.sqrt(self.youngs_modulus / self.density)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 

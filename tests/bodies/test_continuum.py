@@ -16,7 +16,6 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from lcpflex.bodies import Bar, Beam, meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.element_integrals import elastic_law
 
 E, RHO, NU = 2e11, 7800.0, 0.3
 
@@ -35,7 +34,7 @@ KINDS = [(triangles, quadratic) for triangles in (True, False) for quadratic in 
 
 
 @pytest.mark.parametrize(("triangles", "quadratic"), KINDS)
-def test_uniform_strain_needs_forces_on_the_boundary_only(triangles, quadratic):
+def test_uniform_strain_needs_forces_on_the_boundary_only(triangles, quadratic, elastic_law):
     model = Continuum(skewed(triangles, quadratic), RHO, E, NU, thickness=0.02)
     mesh = model.finite_elements()
     gradient = np.array([[2e-4, -3e-4], [5e-4, 1e-4]])

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 import lcpflex as lf
 from lcpflex.bodies import meshes
-from lcpflex.bodies.element_integrals import elastic_law
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 
 E, RHO, NU = 2e11, 7800.0, 0.3
@@ -28,7 +27,7 @@ def section(triangles: bool, quadratic: bool, through: float = 0.5):
 
 
 @pytest.mark.parametrize(("triangles", "quadratic"), KINDS)
-def test_uniform_stress_needs_forces_on_the_surface_only(triangles, quadratic):
+def test_uniform_stress_needs_forces_on_the_surface_only(triangles, quadratic, elastic_law):
     mesh = SolidOfRevolution(section(triangles, quadratic), RHO, E, NU).finite_elements()
     along, across = 3e-4, -2e-4
     field = (mesh.places * np.array([along, across])).ravel()[mesh.dofs]
