@@ -27,7 +27,7 @@ from lcpflex.errors import ModelError, in_range
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["FiniteElements", "body_of", "material_at_nodes", "rigid_motions", "smooth_fields"]
+__all__ = ["FiniteElements", "body_of", "material_at_nodes", "rigid_motions"]
 
 NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is estimated
 
@@ -137,16 +137,6 @@ def rigid_motions(places: FloatArray) -> FloatArray:
     rigid[0::2, 2] = -places[:, 1]
     rigid[1::2, 2] = places[:, 0]
     return rigid
-
-
-def smooth_fields(places: FloatArray) -> FloatArray:
-    """(2 N, 6) displacements x^2, x y, y^2 along x and along y, about the middle."""
-    x, y = (places - places.mean(axis=0)).T / float(np.ptp(places, axis=0).max())
-    fields = np.zeros((places.size, 6))
-    for k, values in enumerate((x * x, x * y, y * y)):
-        fields[0::2, k] = values
-        fields[1::2, k + 3] = values
-    return fields
 
 
 def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:

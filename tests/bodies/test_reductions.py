@@ -11,8 +11,10 @@ from scipy.linalg import eigh
 import lcpflex as lf
 from lcpflex.bodies import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.matrices import Matrices
 from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+from lcpflex.bodies.stiffening import Stiffening
 
 E, RHO = 2e11, 7800.0
 SPEED = (E / RHO) ** 0.5
@@ -255,6 +257,34 @@ def test_the_same_input_gives_the_same_bits(monkeypatch) -> None:
         one, two = make(plate()), make(plate())
         assert np.array_equal(one.stiffness, two.stiffness)
         assert np.array_equal(one.locate(1.0, 0.2).phi, two.locate(1.0, 0.2).phi)
+
+
+def test_modes_of_equal_frequency_are_all_found(monkeypatch) -> None:
+    """A ring has its modes in pairs."""
+    model = Continuum(meshes.ring(0.5, 1.0, 48, 3), RHO, E, 0.3)
+    full = unreduced(model).stiffness
+    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    assert np.count_nonzero(np.diff(full[:15]) < 1e-8 * full[:14]) >= 4
+    for n in (1, 2, 3, 8, 15):
+        assert free_interface(model, n).stiffness == pytest.approx(full[:n], rel=1e-9)
+
+
+@pytest.mark.parametrize("name", REDUCTIONS)
+def test_damping_and_stiffening_reach_every_reduction(name: str) -> None:
+    mesh = plate().finite_elements()
+    sets = {key: mesh.sets[key].tolist() for key in ("left", "right", "tip")}
+    damped = Matrices(mesh.mass, mesh.stiffness, mesh.places, sets, damping=3.0 * mesh.mass + 1e-6 * mesh.stiffness)
+    body = REDUCTIONS[name](damped)
+    assert body.damping == pytest.approx(3.0 + 1e-6 * body.stiffness, rel=1e-7)
+    assert body.cross_damping is None
+    pull = Stiffening(held="left", axial_force=1e9)
+    stiff, loose = (REDUCTIONS[name](plate(), stiffening=given).stiffness[0] for given in (pull, None))
+    full, full_loose = (unreduced(plate(), stiffening=given).stiffness[0] for given in (pull, None))
+    assert full > 1.05 * full_loose
+    assert stiff / loose == pytest.approx(full / full_loose, rel=3e-2 if "plain" in name else 5e-3)
+    body = REDUCTIONS[name](plate(), stiffening=pull)
+    assert body.geometric is not None
+    assert [rung.make().geometric is not None for rung in body.ladder()[1:3]] == [True, True]
 
 
 @pytest.mark.parametrize("name", ["craig_bampton", "sub_regional", "residual_compliance"])
