@@ -30,6 +30,7 @@ __all__ = [
     "PER_WAVELENGTH",
     "ContactAdvice",
     "HasMesh",
+    "HasModes",
     "contact_advice",
     "contact_pairs",
     "contact_radius",
@@ -48,9 +49,15 @@ FRACTION = 0.1  # of the static share of a pulse, below which a frequency counts
 
 
 class HasMesh(Protocol):
-    """A mesh, beam or set of matrices."""
+    """A mesh or set of matrices."""
 
     def finite_elements(self) -> FiniteElements: ...
+
+
+class HasModes(Protocol):
+    """A beam or bar."""
+
+    def reduce(self, modes: int | None) -> Body: ...
 
 
 def _positive(name: str, value: float) -> float:
@@ -143,7 +150,7 @@ def contact_pairs(contact_radius: float, element_size: float, half_section: bool
     return beside + 1 if half_section else 2 * beside + 1
 
 
-def modes_needed(body: Body | HasMesh, frequency: float) -> int:
+def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
     """Number of elastic modes of a free body with natural frequencies up to ``frequency`` [Hz].
 
     Of a mesh they are counted without being computed: by Sylvester's law, K - omega^2 M has as many negative pivots as
@@ -165,7 +172,9 @@ def modes_needed(body: Body | HasMesh, frequency: float) -> int:
             )
         return int(np.count_nonzero(known <= omega))
     if not hasattr(body, "finite_elements"):
-        raise ModelError(f"body: {body!r} was given, expected a Body or a mesh that can be reduced to one")
+        if not hasattr(body, "reduce"):
+            raise ModelError(f"body: {body!r} was given, expected a Body, or what can be reduced to one")
+        return modes_needed(body.reduce(modes=None), frequency)
     mesh = body.finite_elements()
     return max(_negative_pivots(mesh.stiffness - omega**2 * mesh.mass) - int(mesh.rigid.shape[1]), 0)
 

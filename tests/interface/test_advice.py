@@ -98,6 +98,8 @@ def test_modes_are_counted_without_computing_them():
         assert advice.modes_needed(plate.reduce(modes=count + 1), between) == count
     assert advice.modes_needed(plate, 0.5 * known[0]) == 0
     assert advice.modes_needed(lf.Disc(radius=0.1, mass=1.0), 1e3) == 0
+    beam = lf.Beam(length=0.3, width=0.02, thickness=0.02, elements=10, **STEEL)
+    assert advice.modes_needed(beam, 1.01 * beam.reduce(modes=4).frequencies()[3] / (2.0 * math.pi)) == 4
     with pytest.raises(lf.ModelError, match=r"body: its 5 modes end at .* expected some above"):
         advice.modes_needed(plate.reduce(modes=5), 1.01 * known[4])
 
