@@ -171,11 +171,12 @@ def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
                 f"{frequency:g} Hz; give what it was reduced from, which knows all of them"
             )
         return int(np.count_nonzero(known <= omega))
-    if not hasattr(body, "finite_elements"):
+    mesh_of = getattr(body, "finite_elements", None)
+    if mesh_of is None:
         if not hasattr(body, "reduce"):
             raise ModelError(f"body: {body!r} was given, expected a Body, or what can be reduced to one")
         return modes_needed(body.reduce(modes=None), frequency)
-    mesh = body.finite_elements()
+    mesh: FiniteElements = mesh_of()
     return max(_negative_pivots(mesh.stiffness - omega**2 * mesh.mass) - int(mesh.rigid.shape[1]), 0)
 
 
