@@ -14,6 +14,7 @@ from lcpflex.bodies.elastic_modes import (
     EPS,
     FULL_LIMIT,
     FreeMesh,
+    check_mass,
     check_memory,
     fixed_modes,
     mesh_rank,
@@ -77,6 +78,7 @@ def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) 
     basis = np.zeros((f, columns))
     basis[held, np.arange(len(held))] = 1.0
     rank = mesh_rank(mesh)
+    check_mass(mesh.mass)
     if len(inner):
         stiffness = mesh.stiffness[inner][:, inner].tocsc()
         mass = mesh.mass[inner][:, inner].tocsc()

@@ -29,6 +29,7 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 __all__ = [
     "FULL_LIMIT",
     "FreeMesh",
+    "check_mass",
     "check_memory",
     "fixed_modes",
     "free_modes",
@@ -69,7 +70,7 @@ class FreeMesh:
         rank: IntArray,
         massless: BoolArray | None = None,
     ) -> None:
-        _check_mass(mass)
+        check_mass(mass)
         self._massless = np.zeros(len(rigid), dtype=bool) if massless is None else massless
         self.mass = mass if massless is None else _without(mass, massless)
         self.stiffness = stiffness
@@ -343,7 +344,7 @@ def _without(mass: csc_matrix[Any], massless: BoolArray) -> csc_matrix[Any]:
     return (keep @ mass @ keep).tocsc()
 
 
-def _check_mass(mass: csc_matrix[Any]) -> None:
+def check_mass(mass: csc_matrix[Any]) -> None:
     """Refuse a mass that is not positive definite, by the lowest Ritz value of a short Lanczos process.
 
     Scaled to a unit diagonal, masses of elements have all their eigenvalues near 1 (Wathen 1987), so that a negative

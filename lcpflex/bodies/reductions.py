@@ -21,6 +21,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from lcpflex.bodies.bases import (
     SHARE,
     boundary_basis,
@@ -208,4 +210,8 @@ def _mesh_of(model: Mesh) -> FiniteElements:
     if isinstance(model, type) or not hasattr(model, "finite_elements"):
         given = repr(model) if isinstance(model, type) else type(model).__name__
         raise ModelError(f"model: {given} was given, expected a mesh: Matrices(...), Continuum(...), ...")
-    return model.finite_elements()
+    mesh = model.finite_elements()
+    for name, values in (("mass", mesh.mass.data), ("stiffness", mesh.stiffness.data), ("places", mesh.places)):
+        if not np.isfinite(values).all():
+            raise ModelError(f"model: its {name} has entries that are not finite, expected finite numbers only")
+    return mesh

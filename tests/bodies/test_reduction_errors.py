@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -131,6 +133,35 @@ def test_what_does_not_fit_is_refused(monkeypatch) -> None:
     for reduce in (craig_bampton, residual_compliance, sub_regional):
         with pytest.raises(ModelError, match=r"full columns of 6642 degrees.* GiB.*fewer nodes"):
             reduce(large, [0, 1, 2, 3])
+
+
+class Given:
+    """A mesh of someone else's, unchecked."""
+
+    def __init__(self, **changes) -> None:
+        self.mesh = replace(PLATE.finite_elements(), **changes)
+
+    def finite_elements(self):
+        return self.mesh
+
+
+@pytest.mark.parametrize("reduce", [craig_bampton, sub_regional, residual_compliance])
+def test_meshes_that_nobody_checked(reduce) -> None:
+    mesh = PLATE.finite_elements()
+    for name in ("mass", "stiffness"):
+        matrix = getattr(mesh, name).copy()
+        matrix.data[7] = np.nan
+        with pytest.raises(ModelError, match=f"{name} has entries that are not finite"):
+            reduce(Given(**{name: matrix}), "tip", 3)
+    indefinite = mesh.mass.tolil()
+    for a, b in ((0, 8), (1, 9)):
+        indefinite[a, b] = indefinite[b, a] = -10.0 * mesh.mass.max()
+    with pytest.raises(ModelError, match=r"mass: .*indefinite|mass: its rigid-body part"):
+        reduce(Given(mass=indefinite.tocsc()), "tip", 3)
+    with pytest.raises(ModelError, match=r"stiffness: .*indefinite|boundary: .*can still move"):
+        reduce(Given(stiffness=-mesh.stiffness), "tip", 3)
+    with pytest.raises(ModelError, match="the node set 'none' is empty"):
+        reduce(Given(sets={"none": np.zeros(0, dtype=np.int64)}), "none", 3)
 
 
 def test_units_do_not_matter() -> None:
