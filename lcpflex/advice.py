@@ -173,9 +173,10 @@ def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
         return int(np.count_nonzero(known <= omega))
     mesh_of = getattr(body, "finite_elements", None)
     if mesh_of is None:
-        if not hasattr(body, "reduce"):
+        reduce = getattr(body, "reduce", None)
+        if reduce is None:
             raise ModelError(f"body: {body!r} was given, expected a Body, or what can be reduced to one")
-        return modes_needed(body.reduce(modes=None), frequency)
+        return modes_needed(reduce(modes=None), frequency)
     mesh: FiniteElements = mesh_of()
     return max(_negative_pivots(mesh.stiffness - omega**2 * mesh.mass) - int(mesh.rigid.shape[1]), 0)
 
