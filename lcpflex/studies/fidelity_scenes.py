@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -102,10 +102,15 @@ def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
     places = two_places(ladders.scene.compile(project=True), ladders.names)
     if outputs is None:
         outputs = (MOTION, "impulses")
-    if isinstance(outputs, str) or not isinstance(outputs, (Sequence, Mapping)):
+    if isinstance(outputs, (str, Output)) or callable(outputs):
         outputs = (outputs,)
-    if not isinstance(outputs, Mapping):
+    if isinstance(outputs, Sequence):
         outputs = [_position(places) if isinstance(one, str) and one == MOTION else one for one in outputs]
+        unknown = [one for one in outputs if isinstance(one, str) and one not in known_outputs()]
+        if unknown:
+            raise ModelError(
+                f"outputs: no output {unknown[0]!r}; expected one of {', '.join(known_outputs())}, or a function"
+            )
     return tuple(
         Output(one.name, _at(places), one.scale) if one.function is trajectory else one
         for one in chosen_outputs(outputs)

@@ -1,0 +1,253 @@
+"""The study of fidelity: its law of errors, what it refuses, and what it says when it cannot say much."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.errors import ModelError
+from lcpflex.scene import Scene
+from lcpflex.studies.commands_right_size import add_right_size
+from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at, trend_of
+from lcpflex.studies.fidelity_report import FidelityRun, RightSize
+from lcpflex.studies.fidelity_scenes import comparable, of_scene
+from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.right_size import right_size
+
+STEP = lf.MoreauJean(step=2e-3)
+
+
+def wall(elements: int = 40) -> Scene:
+    return gallery.elastic_bar(elements=elements)
+
+
+@pytest.fixture(scope="module")
+def found() -> RightSize:
+    """A bar strikes a wall, tolerance 5 %."""
+    return right_size(wall, tolerance=0.05, duration=1.5, stepper=STEP, progress=False)
+
+
+@pytest.mark.parametrize("rate", [0.7, 1.0, 2.0])
+def test_the_law_of_errors_is_found(rate: float) -> None:
+    z = {modes: (modes + 0.5) ** -rate for modes in (0, 1, 2, 4, 8, 16, 64, 100)}
+    samples = [Sample(modes, 0.3 * (z[modes] - z[64])) for modes in (0, 2, 4, 8, 16)]
+    trend = trend_of(samples, 64)
+    assert trend.rate == pytest.approx(rate, abs=0.05)
+    assert left_at(trend, 64, 100) == pytest.approx(0.3 * (z[64] - z[100]), rel=0.1)
+    assert left_at(trend, 100, 100) == 0.0
+    assert lacking(samples, 64, 100) >= left_at(trend, 64, 100)
+
+
+def test_differences_that_do_not_fall_are_not_extrapolated() -> None:
+    falling = [Sample(8, 0.08), Sample(16, 0.04), Sample(32, 0.015)]
+    scattered = [Sample(8, 0.08), Sample(16, 0.02), Sample(32, 0.03)]
+    assert lacking(falling, 64, 100) < 0.01
+    assert lacking(scattered, 64, 100) == 0.03
+    assert lacking(scattered, 100, 100) == 0.0
+    assert lacking([], 64, 100) == math.inf
+    assert lacking([Sample(0, 0.0), Sample(8, 0.0)], 64, 100) == 0.0
+
+
+def test_costs_grow_with_the_coordinates() -> None:
+    known = [(n, 1e-3 * (20.0 + n)) for n in (3, 11, 67)]
+    assert cost_of(known, 123) == pytest.approx(0.143, rel=1e-6)
+    assert cost_of([(3, 2.0), (11, 1.0)], 100) >= 1.0  # noise does not make rich ones cheap
+    assert math.isnan(cost_of([], 5))
+
+
+def test_the_bar_needs_modes_and_says_how_many(found) -> None:
+    assert found.within
+    assert found.complete
+    assert not found.full_was_run
+    assert set(found.errors) == {"motion", "impulses"}
+    assert max(found.errors.values()) <= 0.05
+    assert found.chosen.rungs == found.rungs
+    assert found.scene.body("bar").source.modes == int(found.rungs["bar"].split()[0])
+    poorer = [run for run in found.runs if run.coordinates < found.chosen.coordinates]
+    assert poorer
+    assert not any(run.within for run in poorer)
+    sentence = found.sentence()
+    assert sentence.startswith(f"{found.rungs['bar']} for the bar: motion within ")
+    assert "of the full mesh" in sentence
+    (more,) = found.next
+    assert more.error < max(found.errors.values())
+    assert f"| bar: {int(found.rungs['bar'].split()[0]) * 2} modes " in found.table()
+
+
+def test_the_error_of_the_step_is_told_apart() -> None:
+    """It falls with the step, while that of the bodies stays."""
+    errors = []
+    for step in (8e-3, 2e-3):
+        ladders = of_scene(wall)
+        search = Search(ladders, comparable(ladders, "motion"), 0.05, 1.5, lambda scene, h=step: lf.MoreauJean(h), 60.0)
+        search.run((2,))
+        search.reference = (2,)
+        search.spent = 0.0
+        errors.append(search.step_error((2,)))
+    assert 0.0 < errors[1] < 0.5 * errors[0]
+
+
+def test_the_scene_that_is_returned_runs_as_it_did(found) -> None:
+    result = lf.simulate(found.scene, 1.5, STEP, progress=False)
+    assert result.impulse[-1].sum() == pytest.approx(200.0, rel=0.1)
+
+
+def test_a_smaller_tolerance_climbs_to_the_full_mesh() -> None:
+    whole = right_size(lambda: wall(8), tolerance=1e-4, duration=1.5, stepper=STEP, progress=False)
+    assert whole.within
+    assert whole.rungs == {"bar": "full mesh"}
+    assert whole.full_was_run
+    assert whole.sentence() == "The full mesh is needed: nothing less is within 0.01 % of it."
+
+
+def test_what_is_not_proved_is_said_to_be_so() -> None:
+    best = right_size(lambda: wall(8), tolerance=1e-4, duration=1.5, stepper=STEP, verify=False, progress=False)
+    assert not best.within
+    assert not best.full_was_run
+    assert best.sentence().startswith("No rung is proved to be within 0.01 % of the full mesh: the best that was run, ")
+    assert best.scene is not None
+
+
+def test_runs_that_would_take_too_long_are_left_out() -> None:
+    short = right_size(wall, tolerance=1e-9, duration=1.5, stepper=lf.MoreauJean(step=1e-4), limit=1e-6, progress=False)
+    assert not short.within
+    assert not short.full_was_run
+    assert any("time limit" in run.failure for run in short.runs)
+
+
+def test_runs_that_cannot_be_trusted_are_shown_and_not_chosen() -> None:
+    """A step far too long for the pendulum: contacts create energy with rich bodies."""
+    coarse = right_size(gallery.scenes()["smooth_pendulum"], tolerance=0.01, progress=False)
+    assert not coarse.within
+    failed = [run for run in coarse.runs if run.failure]
+    assert failed
+    assert not any(run.within or run.errors for run in failed)
+    assert "failed: contact impulses created energy" in coarse.table()
+    assert any("cannot be trusted" in note for note in coarse.notes)
+
+
+def test_outputs_of_the_users_own() -> None:
+    own = right_size(
+        wall, {"rebound": lambda result: float(result.u[-1, 0])}, 0.1, duration=1.5,
+        stepper=lambda scene: STEP, progress=False,
+    )  # fmt: skip
+    assert list(own.errors) == ["rebound"]
+    result = lf.simulate(own.scene, 1.5, STEP, progress=False)
+    exact = lf.simulate(wall(), 1.5, STEP, progress=False)
+    assert result.u[-1, 0] == pytest.approx(exact.u[-1, 0], rel=0.1)
+
+
+def test_motion_is_compared_at_the_same_places() -> None:
+    """Velocities of the ends, of the rigid bar, too: not of places that suit a rigid body."""
+    ends = right_size(wall, "trajectory", 0.5, duration=1.5, stepper=STEP, progress=False)
+    rigid = next(run for run in ends.runs if run.rungs == {"bar": "rigid"})
+    assert 0.05 < rigid.errors["trajectory"] < 2.0
+
+
+def test_a_default_step_is_found() -> None:
+    default = right_size(wall, tolerance=0.1, duration=1.2, progress=False)
+    assert type(default.stepper).__name__ == "GeneralizedAlpha"
+    assert default.within
+
+
+def interrupting(count: int):
+    """An output that raises what Ctrl-C does when it is asked for the ``count``-th time."""
+    calls = []
+
+    def output(result):
+        calls.append(result)
+        if len(calls) == count:
+            raise KeyboardInterrupt
+        return float(result.u[-1, 0])
+
+    return output
+
+
+def test_ctrl_c_keeps_what_was_measured() -> None:
+    part = right_size(wall, {"last": interrupting(3)}, 0.1, duration=1.5, stepper=STEP, progress=False)
+    assert not part.complete
+    assert len(part.runs) == 2
+    assert part.sentence().startswith("Nothing can be said")
+    assert "Interrupted" in part.table()
+    assert part.plot() is not None
+    with pytest.raises(KeyboardInterrupt):
+        right_size(wall, {"last": interrupting(1)}, 0.1, duration=1.5, stepper=STEP, progress=False)
+
+
+def boxes() -> Scene:
+    scene = Scene()
+    scene.add(lf.Box(1.0, 1.0, mass=1.0))
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("scene", "changed", "message"),
+    [
+        (boxes, {}, "scene: none of its bodies has a ladder"),
+        (3, {}, "scene: 3 was given, expected a Scene"),
+        (wall, {"duration": None}, "duration: not given"),
+        (wall, {"duration": -1.0}, "duration: -1.0 was given"),
+        (wall, {"tolerance": 0.0}, "tolerance: 0.0 was given"),
+        (wall, {"tolerance": 2.0}, "tolerance: 2.0 was given"),
+        (wall, {"limit": 0.0}, "limit: 0.0 was given"),
+        (wall, {"outputs": "colour"}, "outputs: no output 'colour'; expected one of motion, trajectory"),
+        (wall, {"outputs": 3}, "outputs: 3 was given"),
+        (wall, {"stepper": 3}, "stepper: 3 was given, expected a stepper"),
+        (wall, {"stepper": lf.MoreauJean}, "stepper: .* was given, expected a stepper"),
+        (wall, {"stepper": lambda scene: 3}, "stepper: the function made 3"),
+    ],
+)
+def test_what_cannot_be_asked(scene, changed: dict, message: str) -> None:
+    arguments = {"duration": 1.5, "stepper": STEP, "progress": False, **changed}
+    with pytest.raises(ModelError, match=message):
+        right_size(scene, **arguments)
+
+
+def test_table_chart_and_file(found, tmp_path) -> None:
+    found.csv(tmp_path / "runs.csv")
+    with (tmp_path / "runs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(found.runs)
+    assert [row["bar"] for row in rows if row["chosen"] == "True"] == [found.rungs["bar"]]
+    assert float(rows[0]["error of impulses"]) == pytest.approx(0.5, abs=0.05)  # rigid: no rebound
+    found.plot().savefig(tmp_path / "chart.png")
+    assert (tmp_path / "chart.png").stat().st_size > 10_000
+
+
+def test_the_command(tmp_path, capsys) -> None:
+    parser = argparse.ArgumentParser()
+    add_right_size(parser.add_subparsers(), lambda text: (wall(), 1.5, STEP))
+
+    def run(*more: str) -> int:
+        request = parser.parse_args(["right-size", "wall", *more])
+        return request.command(request)
+
+    picture, table = tmp_path / "chart.png", tmp_path / "runs.csv"
+    assert run("--tolerance", "0.05", "--output", str(picture), "--csv", str(table), "--quantity", "impulses") == 0
+    assert picture.stat().st_size > 10_000
+    assert table.read_text().startswith("bar,coordinates,steps,wall_time,error of impulses")
+    assert "for the bar: impulses within" in capsys.readouterr().out
+    assert run("--limit", "1e-6", "--step", "1e-4") == 1
+    assert "Nothing can be said" in capsys.readouterr().out
+    wrongs = ("--quantity", "colour"), ("--output", "chart.txt"), ("--csv", "/no/folder/runs.csv"), ("--duration", "0")
+    for wrong in wrongs:
+        with pytest.raises(ModelError, match=wrong[0].strip("-")):
+            run(*wrong)
+
+
+def test_a_sentence_names_what_may_be_rigid() -> None:
+    run = FidelityRun({"pendulum": "4 modes", "rod": "rigid"}, 10, 100, 0.01, {"peak force": 0.008}, True, True)
+    study = RightSize(
+        scene=None, within=True, tolerance=0.01, rungs=run.rungs, errors=run.errors, runs=(run,), next=(),
+        reference={}, stepper=STEP, duration=1.0, spent=0.5, full=0.3, full_was_run=True,
+    )  # fmt: skip
+    assert study.sentence() == (
+        "4 modes for the pendulum, the rod may be rigid: peak force within 0.8 % of the full mesh, 30 times cheaper."
+    )
+    assert np.isclose(study.speedup, 30.0)
