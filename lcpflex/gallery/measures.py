@@ -25,6 +25,7 @@ __all__ = [
     "last_speed",
     "mean_force",
     "peak_force",
+    "separate_contacts",
     "slips",
     "total_impulse",
 ]
@@ -60,6 +61,17 @@ def mean_force(start: float, end: float) -> Measure:
 def peak_force(result: Result) -> float:
     """Largest stored normal force of the first contact [N]."""
     return float(result.force[:, 0, 0].max())
+
+
+def separate_contacts(result: Result, parted: float) -> list[tuple[float, float]]:
+    """Begin and end [s] of each time with a force in the first contact; less than ``parted`` [s] apart: one."""
+    closed = np.flatnonzero(result.force[:, 0, 0] > 0.0)
+    if not len(closed):
+        return []
+    breaks = np.flatnonzero(np.diff(result.times[closed]) >= parted)
+    begins, ends = np.concatenate([[0], breaks + 1]), np.concatenate([breaks, [len(closed) - 1]])
+    found = result.times[closed]
+    return [(float(found[a]), float(found[b])) for a, b in zip(begins, ends, strict=True)]
 
 
 def total_impulse(result: Result) -> float:

@@ -1,4 +1,4 @@
-"""A pendulum that strikes a rod: two meshes with a fine contact region each, to be reduced as one likes."""
+"""Pendulums that strike: meshes with a fine contact region each, to be reduced as one likes."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ import numpy as np
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.meshes import grid
+from lcpflex.bodies.meshes import grid, quadratic
 from lcpflex.bodies.reduction import Rayleigh
-from lcpflex.bodies.reductions import craig_bampton
+from lcpflex.bodies.reductions import craig_bampton, sub_regional
 from lcpflex.compiled import FloatArray
 from lcpflex.joints import Revolute
 from lcpflex.scene import Scene
 
-__all__ = ["pendulum_and_rod", "pendulum_with_hammer", "rod_with_crown"]
+__all__ = [
+    "pendulum_and_rod",
+    "pendulum_on_hemisphere",
+    "pendulum_with_hammer",
+    "rod_with_crown",
+    "strip_with_patch",
+]
 
 Reduce: TypeAlias = Callable[[Continuum, list[str]], Body]
 
@@ -111,6 +117,57 @@ def pendulum_and_rod(
     scene.join(Revolute(swinging.point("hinge"), scene.ground.at(*hinge), name="hinge"))
     tip = struck.surface("tip")
     scene.contact(tip, swinging.surface("face"), name="strike", slave=tip)
+    return scene
+
+
+def strip_with_patch(
+    fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.665, patch: float = 1e-3
+) -> Continuum:
+    """The strip of Shi, Hong & Liu 2013 (0.7 x 0.028 x 0.005 m, aluminium), hung at its left end, "hinge".
+
+    Quadratic elements, ``fine`` [m] within ``patch`` [m] of its lower face at ``reach`` [m] from the hinge, the surface
+    "patch"; those of the two layers of elements there are the set "region".
+    """
+    length, half = 0.7, 0.0025
+    before, after = graded(reach, fine, patch, coarse), graded(length - reach, fine, patch, coarse)
+    up = graded(2.0 * half, fine, 2.0 * fine, 2e-3)
+    mesh = quadratic(grid(reach + np.concatenate([-before[:0:-1], after]), up - half))
+    places = mesh.doflocs
+    hinge = int(np.argmin(np.hypot(*places)))
+    mesh = mesh.translated((0.0, -float(places[1, hinge])))
+    low = float(mesh.doflocs[1].min())
+    edge = patch + 0.1 * fine
+    return Continuum(
+        mesh,
+        density=2700.0,
+        youngs_modulus=6.9e10,
+        poissons_ratio=0.33,
+        thickness=0.028,
+        sets={
+            "hinge": [hinge],
+            "patch": lambda x, y: (abs(x - reach) < edge) & (y < low + 1e-9),
+            "region": lambda x, y: (abs(x - reach) < edge) & (y < low + 2.1 * fine),
+        },
+    )
+
+
+def pendulum_on_hemisphere(
+    strip: Continuum | None = None, modes: int = 160, speed: float = 0.4, radius: float = 0.1
+) -> Scene:
+    """The strip, straight and level, meets a fixed round of ``radius`` [m] at ``speed`` [m/s] with its patch.
+
+    Nodal coordinates in the contact region and at the hinge, ``modes`` for the rest.
+    """
+    mesh = strip_with_patch() if strip is None else strip
+    body = sub_regional(mesh, ["region", "hinge"], modes=modes, damping=Rayleigh(0.0, 1e-9))
+    elements = mesh.finite_elements()
+    x, y = elements.places[elements.sets["patch"]].mean(axis=0)
+    scene = Scene()
+    falling = scene.add(body, name="pendulum", angular_velocity=-speed / x)
+    scene.join(Revolute(falling.point("hinge"), scene.ground.at(0.0, 0.0), name="hinge"))
+    bump = scene.ground.circle(center=(x, y - radius - 0.1 * GAP), radius=radius)
+    patch = falling.surface("patch")
+    scene.contact(patch, bump, name="hemisphere", slave=patch)
     return scene
 
 
