@@ -87,9 +87,9 @@ def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
     ratios = [richer / poorer if poorer > NOTHING else 0.0 for poorer, richer in pairwise(near)]
     if max(ratios, default=0.0) <= REGULAR:
         return max(left_at(trend_of(samples, reference), reference, full), DOUBT * near[-1])
-    if ratios[-1] <= REGULAR and max(ratios) <= SLOWER:
-        return near[-1]
-    return max(near[-2:])
+    if ratios[-1] > REGULAR:
+        return max(near[-2:])
+    return near[-1] if max(ratios) <= SLOWER else math.sqrt(near[-1] * near[-2])
 
 
 def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
