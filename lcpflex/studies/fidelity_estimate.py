@@ -8,8 +8,8 @@ differ from the full mesh F; what the reference lacks itself is extrapolated. Wi
 p is the slope that fits the rungs below V best, within bounds: an impact without restitution loses 1/(2 N + 1) of the
 energy of a free bar (p = 1). That holds where the differences fall regularly. Where they do not, contacts that come and
 go make every rung a little different from the next, and so V from F: then e_V is as large as the differences of the two
-richest rungs below V, and does not fall. The estimate of a scene is d + e_V: a difference to one far richer scene, not
-to the next rung, so that a symmetric mode which changes nothing proves nothing.
+richest rungs below V, their geometric mean, and does not fall. The estimate of a scene is d + e_V: a difference to one
+far richer scene, not to the next rung, so that a symmetric mode which changes nothing proves nothing.
 """
 
 from __future__ import annotations
@@ -27,7 +27,6 @@ SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that o
 SLOPES = np.linspace(SLOWEST, FASTEST, 26)
 NOTHING = 1e-13  # differences below this are rounding
 REGULAR = 0.55  # largest ratio of the differences of rungs in succession that still is convergence: p = 1/2 has 0.41
-SLOWER = 0.85  # the same, of all but the last one, that leaves it in doubt
 DOUBT = 0.5  # part of the last difference that e_V is never below, where it is
 LATEST = 3  # rungs that tell how large the error still is: the first ones are not on the way yet
 
@@ -87,9 +86,7 @@ def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
     ratios = [richer / poorer if poorer > NOTHING else 0.0 for poorer, richer in pairwise(near)]
     if max(ratios, default=0.0) <= REGULAR:
         return max(left_at(trend_of(samples, reference), reference, full), DOUBT * near[-1])
-    if ratios[-1] > REGULAR:
-        return max(near[-2:])
-    return near[-1] if max(ratios) <= SLOWER else math.sqrt(near[-1] * near[-2])
+    return math.sqrt(near[-2] * near[-1])
 
 
 def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
