@@ -46,6 +46,7 @@ class Search:
     untrusted: bool = False  # a rich run failed
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
+    _differences: dict[tuple[State, State, State, str], float] = field(default_factory=dict)
 
     def run(self, state: State) -> Trial:
         """The run of a state; each is made once."""
@@ -85,12 +86,15 @@ class Search:
     def difference(self, state: State, output: Output, other: State | None = None) -> float:
         """Between two states, the reference by default, relative to the scale of the reference."""
         assert self.reference is not None
-        a, b = self.trials[state].measured, self.trials[other or self.reference].measured
-        scale = self.trials[self.reference].measured
-        assert a is not None
-        assert b is not None
-        assert scale is not None
-        return error_between(output, a[output.name], b[output.name], self.duration, scale[output.name])
+        key = (state, other or self.reference, self.reference, output.name)
+        if key not in self._differences:  # comparing curves takes as long as many a run
+            mine, theirs, scale = (self.trials[one].measured for one in key[:3])
+            assert mine is not None
+            assert theirs is not None
+            assert scale is not None
+            name = output.name
+            self._differences[key] = error_between(output, mine[name], theirs[name], self.duration, scale[name])
+        return self._differences[key]
 
     def errors(self, state: State) -> dict[str, float]:
         """Estimated error of each output relative to the full mesh; empty where nothing can be said."""
