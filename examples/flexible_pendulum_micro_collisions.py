@@ -11,8 +11,9 @@ with a Poisson's ratio of 0.33: the hemisphere is a cylinder across it. The stri
 Nodes of the contact region keep their displacements, free modes stand for the rest (sub-regional synthesis); no law of
 contact is given. The lowest modes carry mass, all that is above them gives way without any (massless boundary), so that
 nothing bounces but the waves. With 10 modes there is one collision, with 20 there are two, with peaks of 270 and 500 N:
-with that little a model both are artefacts. From 40 modes on there are 3, from 160 on the peak stays, too, and the last
-two panels show what is decided by modes and what by nodes (``tests/convergence/test_micro_collisions.py`` goes on).
+with that little a model both are artefacts. From 40 modes on there are 3; with 160 the impulse is right within 0.02 %,
+the peak within 6 %, for it is made of the highest frequencies. Nodes decide less, as soon as some share the force. More
+of either, and contact nodes that carry mass, change nothing: ``tests/convergence/test_micro_collisions.py``.
 """
 
 from pathlib import Path
