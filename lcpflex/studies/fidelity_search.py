@@ -285,11 +285,12 @@ class Search:
         return state
 
     def _cheapest(self, found: State) -> State:
-        """Of all good states; of those that cost about the same the one with the fewest coordinates."""
-        good = [state for state in self.trials if self.good(state)] or [found]
+        """Of the good states that raise no body in vain; of those that cost about the same the smallest, then best."""
+        others = [b for b in range(len(found)) if b not in self.needing]
+        good = [s for s in self.trials if self.good(s) and not any(s[b] for b in others)] or [found]
         costs = {state: self._usual_cost(state) for state in good}
         near = [state for state in good if costs[state] <= EQUAL * min(costs.values())]
-        return min(near, key=self.ladders.coordinates)
+        return min(near, key=lambda s: (self.ladders.coordinates(s), self.estimate(s)))
 
     def _usual_cost(self, state: State) -> float:
         """Between what was measured once and what runs of that size take: the clock is noisy."""
