@@ -13,6 +13,7 @@ from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.ladder import mode_ladder
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
+from lcpflex.bodies.material import check_material
 from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, modal_damping, sampled, skew, vanish
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
@@ -50,6 +51,11 @@ class Beam:
     ------
     ModelError
         For anything that is not positive and finite.
+
+    Warns
+    -----
+    ModelWarning
+        If no material has that wave speed sqrt(E / rho): a unit is wrong. Numbers near 1 have no units.
     """
 
     length: float
@@ -61,7 +67,8 @@ class Beam:
     axial: bool = True
 
     def __post_init__(self) -> None:
-        _check_positive(self, ("length", "width", "thickness", "density", "youngs_modulus"))
+        _check_positive(self, ("length", "width", "thickness"))
+        check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BEAM_ELEMENTS))
         if not isinstance(self.axial, (bool, np.bool_)):
             raise ModelError(f"axial: {self.axial!r} was given, expected True or False")
@@ -174,6 +181,11 @@ class Bar:
     ------
     ModelError
         For anything that is not positive and finite.
+
+    Warns
+    -----
+    ModelWarning
+        If no material has that wave speed sqrt(E / rho): a unit is wrong. Numbers near 1 have no units.
     """
 
     length: float
@@ -185,7 +197,8 @@ class Bar:
     height: float | None = None
 
     def __post_init__(self) -> None:
-        _check_positive(self, ("length", "area", "density", "youngs_modulus"))
+        _check_positive(self, ("length", "area"))
+        check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BAR_ELEMENTS))
         if not isinstance(self.lumped, (bool, np.bool_)):
             raise ModelError(f"lumped: {self.lumped!r} was given, expected True or False")

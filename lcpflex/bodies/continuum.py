@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.elastic_mesh import check_material, finite_elements_of
+from lcpflex.bodies.elastic_mesh import finite_elements_of
 from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.material import check_material
 from lcpflex.bodies.planar_mesh import planar_mesh
 from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface

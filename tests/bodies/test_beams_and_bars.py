@@ -9,7 +9,7 @@ import pytest
 
 from lcpflex.bodies import Bar, Beam, Chain, Rayleigh
 from lcpflex.bodies.elastic_modes import free_modes
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, ModelWarning
 
 L, WIDTH, THICKNESS, RHO, E = 0.7, 0.028, 0.005, 2700.0, 6.9e10
 AREA = WIDTH * THICKNESS
@@ -225,3 +225,14 @@ def test_same_input_same_bits():
 def test_bad_input(make, message):
     with pytest.raises(ModelError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    "make", [lambda *numbers: Beam(1.0, 0.02, 0.02, *numbers), lambda *numbers: Bar(1.0, 4e-4, *numbers)]
+)
+def test_units_that_do_not_fit_are_named(make):
+    for density, modulus, said in ((7800.0, 210.0, "GPa"), (7.8, 2.1e11, "g/cm"), (7.8e-9, 2.1e5, "N, mm and t")):
+        with pytest.warns(ModelWarning, match=rf"give waves of .*{said}"):
+            make(density, modulus)
+    for density, modulus in ((7800.0, 2.1e11), (1.0, 1.0), (1.0, 900.0)):  # the last two: scenes without units
+        make(density, modulus)
