@@ -54,7 +54,7 @@ def run(folder: Path = Path(), modes: int = 40, fine: float = FINE) -> lf.Result
     massless = simulate(lf.MasslessBoundary(step=1e-7))
     springs = np.geomspace(1e7, 1e10, 4)
     penalty = {
-        k: simulate(lf.Smooth(lf.Penalty(k), integrator=lf.Verlet(min(1.5, 0.7 * np.sqrt(1e10 / k)) / highest)))
+        k: simulate(lf.Smooth(lf.Penalty(k), integrator=lf.Verlet(min(1.8, 0.95 * np.sqrt(1e10 / k)) / highest)))
         for k in springs
     }
     exact = lagrangian.contact("strike").impulse[-1, 0]

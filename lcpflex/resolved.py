@@ -91,6 +91,8 @@ def _push(times: FloatArray, impulse: FloatArray) -> float:
     """Duration of the push that transfers most impulse [s]; 0 where it is not known."""
     if len(times) < 2:
         return 0.0
+    last = np.append(np.diff(times) > 0.0, True)  # events store their instant twice: nothing grows between
+    times, impulse = times[last], impulse[last]
     grows = np.diff(impulse) > NO_GROWTH * float(np.abs(impulse).max(initial=0.0))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], grows, [False]]).astype(np.int8)))
     pushes = [(float(impulse[end] - impulse[start]), int(start), int(end)) for start, end in pairwise(edges)][::2]

@@ -12,7 +12,7 @@ import lcpflex as lf
 from lcpflex import advice, meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reductions import unreduced
-from lcpflex.resolved import unresolved
+from lcpflex.resolved import _push, unresolved
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 BALL = 4.0 / 3.0 * math.pi * 0.015**3 * 7780.0  # [kg]
@@ -190,3 +190,11 @@ def test_resolutions_survive_on_disk(tmp_path):
     loaded = lf.Result.load(result.save(tmp_path / "run.npz"))
     assert loaded.compiled.layout.resolutions == result.compiled.layout.resolutions
     assert loaded.compiled.layout.resolutions[0][0] == pytest.approx(math.sqrt(2.1e11 / 7800.0))
+
+
+def test_an_event_during_a_push_does_not_end_it():
+    """Events store their instant twice, before and after, with the same impulse: a push goes on over them."""
+    times, impulse = np.linspace(0.0, 3.0, 31), np.clip(np.linspace(-1.0, 2.0, 31), 0.0, 1.0)
+    assert _push(times, impulse) == pytest.approx(1.0)
+    twice = np.sort(np.append(np.arange(31), [13, 15]))
+    assert _push(times[twice], impulse[twice]) == pytest.approx(1.0)
