@@ -158,10 +158,11 @@ class Search:
         self._look_ahead(richest)
         if self.reference is None:
             return None
+        self.changes = self._screened(middle)
         self._witnesses()
-        found = self._climb(middle)
+        found = self._climb()
         if found is None and self.reference == richest != top and self._full_reference():
-            found = self._climb(middle)
+            found = self._climb()
         return None if found is None else self._cheapest(self._descend(found))
 
     def _look_ahead(self, state: State) -> None:
@@ -180,11 +181,12 @@ class Search:
                 state = self._lowered(state)
 
     def _witnesses(self) -> None:
-        """The two states right below the reference: whether the differences still fall tells how far it is itself."""
+        """Two states right below the reference, in the bodies that matter: whether differences still fall there."""
         assert self.reference is not None
+        self.needing = tuple(self.changes) or tuple(range(len(self.reference)))
         state = self.reference
         for _ in range(WITNESSES):
-            state = tuple(max(rung - 1, 0) for rung in state)
+            state = tuple(max(rung - 1, 0) if b in self.needing else rung for b, rung in enumerate(state))
             self.run(state)
 
     def _full_reference(self) -> bool:
@@ -231,15 +233,11 @@ class Search:
                 found[b] = change
         return found
 
-    def _climb(self, middle: State) -> State | None:
+    def _climb(self) -> State | None:
         """The first state on the way up that is good; None if there is none."""
         state = self.ladders.bottom
-        self.needing = tuple(range(len(state)))  # to be good it has to be below the reference in all of them
-        if self.good(state):
-            return state
-        self.changes = self.changes or self._screened(middle)
         changes = self.changes
-        self.needing = tuple(changes)
+        self.needing = tuple(changes) or tuple(range(len(state)))
         while not self.good(state):
             higher = self._raised(state, changes)
             if higher is None and len(self.needing) < len(state):

@@ -92,7 +92,7 @@ QUESTIONS = {
     "sled": Question(sled, 0.15, lf.GeneralizedAlpha(step=1e-4), 0.01, rigid=("sled",)),
     "strip": Question(strip, 0.03, lf.GeneralizedAlpha(step=1e-5), 0.03, outputs=("motion",)),
     "hung": Question(hung, 0.1, lf.GeneralizedAlpha(step=2e-5), 0.03, rigid=("stout",)),
-    "striker": Question(striker, 0.02, lf.GeneralizedAlpha(step=4e-6), 0.05, rigid=("stout",)),
+    "striker": Question(striker, 0.02, lf.GeneralizedAlpha(step=4e-6), 0.07, rigid=("stout",)),
     "block": Question(block, 3e-4, lf.GeneralizedAlpha(step=1e-7), 0.03),
     "bar": Question(bar, 1.5, lf.MoreauJean(step=5e-4), 0.01),
 }
