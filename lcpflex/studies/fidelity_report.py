@@ -98,7 +98,7 @@ class RightSize:
     spent
         Wall time of all runs [s].
     full, full_was_run
-        Wall time of a run of the full mesh [s], measured or predicted.
+        Wall time of a run of the full mesh [s], measured or predicted; NaN where a ladder does not reach it.
     step_error
         Change of the outputs with half the step, which no choice of bodies can take away; NaN where it is not known.
     notes
@@ -156,6 +156,10 @@ class RightSize:
 
     def _cheaper(self) -> str:
         about = "" if self.full_was_run else "about "
+        richest = next((run for run in self.runs if run.reference), None)
+        assert self.chosen is not None
+        if not math.isfinite(self.full) and richest is not None:
+            return f"{richest.wall_time / self.chosen.wall_time:.2g} times cheaper than {_listed(richest.rungs)}"
         if self.speedup < 1.2:
             return "at about the same cost"
         return f"{about}{self.speedup:.2g} times cheaper"
@@ -176,7 +180,7 @@ class RightSize:
     def _told(self) -> str:
         lines = [f"All runs: {brief(self.stepper)}, {with_unit(self.duration, 's')}."]
         if self.reference:
-            full = all(rung == "full mesh" for rung in self.reference.values())
+            full = any(run.reference and run.full for run in self.runs)
             more = "" if full else ", and by what that one still lacks, extrapolated"
             lines.append(f"Errors: by the difference to {_listed(self.reference)}{more}.")
         if math.isfinite(self.step_error):
@@ -190,6 +194,11 @@ class RightSize:
             lines.append(
                 f"The study took {with_unit(self.spent, 's')}; one run of the full mesh takes "
                 f"{with_unit(self.full, 's')}{known}."
+            )
+        elif self.reference:
+            lines.append(
+                f"The study took {with_unit(self.spent, 's')}. The full mesh is too large to be run; errors are "
+                "extrapolated to it."
             )
         lines += [f"Note: {note}." for note in self.notes]
         if not self.complete:

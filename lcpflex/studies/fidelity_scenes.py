@@ -15,7 +15,7 @@ from lcpflex.studies.outputs import Output, Part, chosen_outputs, motion_of, sta
 if TYPE_CHECKING:
     from lcpflex.result import Result
 
-__all__ = ["Ladders", "State", "comparable", "known_outputs", "of_scene"]
+__all__ = ["FULL", "Ladders", "State", "comparable", "known_outputs", "of_scene"]
 
 State: TypeAlias = tuple[int, ...]  # rung of each body that has a ladder
 MOTION = "motion"

@@ -17,7 +17,7 @@ from typing import Any
 from lcpflex.errors import ModelError, in_range
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
-from lcpflex.studies.fidelity_scenes import Ladders, State, comparable, of_scene
+from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
 
 __all__ = ["right_size"]
@@ -166,6 +166,7 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
     )
     best = search.best() if found is None and search.reference is not None else found
     top = ladders.top
+    whole = all(ladders.whole(b) for b in range(len(top)))
     return RightSize(
         scene=None if best is None else ladders.at(best),
         within=found is not None,
@@ -178,8 +179,8 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
         stepper=search.stepper_of(ladders.scene),
         duration=search.duration,
         spent=spent,
-        full=search.cost(top),
-        full_was_run=search.sound(top),
+        full=search.cost(top) if whole else math.nan,
+        full_was_run=whole and search.sound(top),
         step_error=step_error,
         notes=tuple(search.notes),
         complete=complete,
@@ -198,7 +199,7 @@ def _run(search: Search, state: State, found: State | None) -> FidelityRun:
         within=search.good(state),
         chosen=state == found,
         reference=state == search.reference,
-        full=state == search.ladders.top,
+        full=all(rung == FULL for rung in search.ladders.labels(state).values()),
         failure=one.failure,
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -112,6 +113,26 @@ def test_what_is_not_proved_is_said_to_be_so() -> None:
     assert not best.full_was_run
     assert best.sentence().startswith("No rung is proved to be within 0.01 % of the full mesh: the best that was run, ")
     assert best.scene is not None
+
+
+def test_a_mesh_that_cannot_be_run_is_extrapolated_to() -> None:
+    """A ladder without its last rung, as of a very large mesh: its richest rung is not taken for the truth."""
+    scene = wall()
+    bar = scene.body("bar").source
+    cut = scene.with_bodies({"bar": replace(bar, ladder=lambda: bar.ladder()[:-1])})
+    part = right_size(cut, tolerance=0.05, duration=1.5, stepper=STEP, progress=False)
+    assert part.reference == {"bar": "16 modes"}
+    assert not part.full_was_run
+    assert math.isnan(part.full)
+    last = part.runs[-1]
+    assert last.reference
+    assert not last.full
+    assert last.estimate > 0.004  # of N modes about 1/4N is lacking
+    assert "too large to be run" in part.table()
+    assert part.plot() is not None
+    exact = right_size(scene, tolerance=1e-9, duration=1.5, stepper=STEP, progress=False)  # climbs to the full mesh
+    true = next(run.estimate for run in exact.runs if run.rungs == {"bar": "16 modes"})
+    assert 0.2 <= true / last.estimate <= 5.0
 
 
 def test_runs_that_would_take_too_long_are_left_out() -> None:
