@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import detect
+from lcpflex.contact.detection import SEGMENT, ContactTable, detect
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.contact.penalty import (
     PARAMETERS,
@@ -58,6 +58,7 @@ NOT_FINITE = 4
 STEP_TOO_SHORT = 5
 
 TURN = 0.25  # [rad] in a step
+SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a slave at a time
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
 
 
@@ -106,6 +107,30 @@ def smooth_memory(system: System, laws: list[Penalty]) -> SmoothMemory:
     arrays.y[:ndof] = system.q
     arrays.y[ndof : 2 * ndof] = system.u
     return pack(arrays)
+
+
+@kernel
+def yield_to_deeper(table: ContactTable, n: int) -> None:
+    """In a shallow hollow of two segments, leave a slave the deeper of its two indentations: the other becomes 0.
+
+    A slave comes over the second segment when it is already below it. Both forces together would begin there with a
+    jump, and the second spring would be found compressed by nobody. The deeper of two indentations has no jumps.
+    """
+    deepest = 0
+    for k in range(1, n):
+        one_hollow = (
+            table.slave[k] == table.slave[deepest]
+            and table.law[k] == table.law[deepest]
+            and table.kind[k] == SEGMENT
+            and table.kind[deepest] == SEGMENT
+            and table.normal[k, 0] * table.normal[deepest, 0] + table.normal[k, 1] * table.normal[deepest, 1] > SHALLOW
+        )
+        if one_hollow and table.gap[k] >= table.gap[deepest]:
+            table.gap[k] = max(table.gap[k], 0.0)
+            continue
+        if one_hollow:
+            table.gap[deepest] = max(table.gap[deepest], 0.0)
+        deepest = k
 
 
 @kernel
@@ -176,6 +201,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     n = detect(model, q, 0.0, work.table)
     if n > len(work.table.key):
         return n
+    yield_to_deeper(work.table, n)
     n_joint = len(work.residual)
     supply(model, t, q, u, work)
     factorise(model, q, 0.0, 0.0, work)

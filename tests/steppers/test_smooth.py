@@ -327,3 +327,17 @@ def test_more_contacts_than_memory_was_made_for() -> None:
 def test_bad_input_is_refused(build: Any, message: str) -> None:
     with pytest.raises(lf.ModelError, match=message):
         build()
+
+
+@pytest.mark.parametrize("bend", [-0.1, 0.1], ids=["hollow", "bulge"])
+def test_corners_of_a_curved_surface_make_no_energy(bend: float) -> None:
+    """A disc bounces and slides on y = -bend x^2 in straight pieces, 0.02 rad a corner, 5 mm deep at the most."""
+    scene = lf.Scene()
+    ground = scene.ground.chain([(x, -bend * x * x) for x in np.linspace(1.0, -1.0, 21)])
+    disc = lf.Disc(radius=0.05, mass=1.0)
+    body = scene.add(disc, position=(-0.5, 0.052 - 0.25 * bend), velocity=(0.5, 0.0))
+    scene.contact(body.surface(), ground, name="ground")
+    integrator = lf.ExplicitRungeKutta(rtol=1e-9, atol=1e-12, max_step=1e-4)
+    result = lf.simulate(scene, 0.8, lf.Smooth(lf.Penalty(1e4), integrator=integrator), record=1e-3)
+    assert result.contact("ground").impulse[-1, 0] > 1.0
+    assert result.energies.relative_remainder < 1e-5
