@@ -10,7 +10,7 @@ from pathlib import Path
 
 import lcpflex as lf
 from lcpflex.bodies.body import Body
-from lcpflex.studies.right_size import right_size
+from lcpflex.studies import right_size
 
 TOLERANCE = 0.05  # of where both bodies are, and of the impulse between them
 DURATION = 0.02

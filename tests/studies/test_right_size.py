@@ -14,12 +14,12 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
 from lcpflex.scene import Scene
+from lcpflex.studies import right_size
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, RightSize
 from lcpflex.studies.fidelity_scenes import comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
-from lcpflex.studies.right_size import right_size
 
 STEP = lf.MoreauJean(step=2e-3)
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lcpflex.studies import right_size
 from lcpflex.studies.fidelity_estimate import cost_of
 from lcpflex.studies.fidelity_scenes import comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
-from lcpflex.studies.right_size import right_size
 from tests.studies.fidelity_scenes import QUESTIONS, random_question
 
 
