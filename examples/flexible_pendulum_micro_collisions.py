@@ -7,15 +7,16 @@ good, with a peak near 700 N (they report three within 1.5 ms and a peak on a sc
 restitution knows any of it.
 
 Place and radius are not printed; these are chosen: 0.665 m from the hinge (elsewhere it touches more or less often)
-and 0.1 m. Openings shorter than 10 us are not counted. The strip is planar, in plane stress
-with a Poisson's ratio of 0.33: the hemisphere is a cylinder across it. The strip is straight when it touches.
+and 0.1 m. Openings shorter than 10 us are not counted. The strip is planar, in plane stress with a Poisson's ratio of
+0.33: the hemisphere is a cylinder across it. The strip is straight when it touches.
 
 Nodes of the contact region keep their displacements, free modes stand for the rest (sub-regional synthesis); no law of
 contact is given. The lowest modes carry mass, all that is above them gives way without any (massless boundary), so that
 nothing bounces but the waves. With 10 modes there is one collision, with 20 there are two, with peaks of 270 and 500 N:
 with that little a model both are artefacts. From 40 modes on there are 3; with 160 the impulse is right within 0.02 %,
-the peak within 6 %, for it is made of the highest frequencies. Nodes decide less, as soon as some share the force. With
-more of either, and with contact nodes that carry mass, there are still 3: ``tests/convergence/test_micro_collisions.py``.
+the peak within 6 %, for it is made of the highest frequencies. Nodes decide less, as soon as some share the force.
+With more of either, and with contact nodes that carry mass, there are still 3
+(``tests/convergence/test_micro_collisions.py``).
 """
 
 from pathlib import Path
