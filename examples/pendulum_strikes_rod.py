@@ -11,9 +11,10 @@ end face a cylinder of radius 0.3 m; pendulum of steel (210 GPa, 0.3, 7800 kg/m^
 upper end, striking at 1.4 m/s with its flat side 0.36 m below the hinge; plane stress. Elements are 8.4 mm = c/(20 f)
 long or less, c = 5 km/s and f = 30 kHz, and 0.3 mm in the contact region: 11 pairs touch at the peak.
 
-How many modes? 20 a body put a false ripple of 80 kHz on the force, and the impulse is wrong by 4 % at its worst; with
-40 modes by 0.3 %. So reduced, a strike took a 350th of the time of the whole meshes (3000 coordinates, same method and
-step) at an impulse that differed by 0.4 %: ``tests/benchmarks/test_reduction.py``.
+How many modes? 20 a body put a false ripple of 80 kHz on the force, and the impulse is wrong by 5 % at its worst; with
+40 modes by 0.5 % (``tests/convergence/test_pendulum_and_rod.py``). So reduced, a strike took a 350th of the time of the
+whole meshes (3000 coordinates, same method and step) at an impulse that differed by 0.4 %
+(``tests/benchmarks/test_reduction.py``).
 """
 
 from pathlib import Path
