@@ -46,8 +46,8 @@ def right_size(
     Every body that has a ladder (made by ``reduce`` of a beam, bar or mesh) starts rigid. One run far up the ladder is
     what all others are compared with; its own error is extrapolated with the rate that the rungs below it show. Then
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
-    The full mesh itself is run only where nothing below is proved to be good enough. In all that costs less than five
-    runs of the full mesh.
+    The full mesh itself is run only where nothing below is proved to be good enough. For one or two bodies all runs
+    together took as long as two to four of the full mesh (``tests/studies/test_right_size_scenes.py``).
 
     All rungs are run with the same step, so that their differences measure the model and not the step. What the step
     does to the scene that was found is measured by one more run with half of it, and told apart.
