@@ -34,9 +34,12 @@ __all__ = [
     "fixed_modes",
     "free_modes",
     "grams",
+    "held_up",
     "judge",
+    "mesh_rank",
     "orthonormal_frame",
     "ritz",
+    "softest",
 ]
 
 DENSE_LIMIT = 1200  # up to this size the full eigenproblem costs less than a second
@@ -75,8 +78,7 @@ class FreeMesh:
         self.mass = mass if massless is None else _without(mass, massless)
         self.stiffness = stiffness
         self.frame = orthonormal_frame(self.mass, rigid)
-        self._free = np.setdiff1d(np.arange(len(rigid)), _supports(rigid))
-        self._factor = self._held(mass, rank)
+        self._factor, self._free = self._held(mass, rigid, rank)
 
     @classmethod
     def of(cls, mesh: FiniteElements, massless: BoolArray | None = None) -> FreeMesh:
@@ -146,10 +148,9 @@ class FreeMesh:
         vectors[light] = follow @ found
         return values, vectors
 
-    def _held(self, mass: csc_matrix[Any], rank: IntArray) -> Factor:
-        held = self.stiffness[self._free][:, self._free].tocsc()
+    def _held(self, mass: csc_matrix[Any], rigid: FloatArray, rank: IntArray) -> tuple[Factor, IntArray]:
         try:
-            return positive_factor(held, rank[self._free])
+            return held_up(self.stiffness, rigid, rank)
         except NotPositive:
             pass
         try:
@@ -157,6 +158,18 @@ class FreeMesh:
         except NotPositive:
             raise ModelError("stiffness: the matrix is indefinite, expected a positive semidefinite one") from None
         raise ModelError(_mechanism(self.frame.shape[1]))
+
+
+def held_up(stiffness: csc_matrix[Any], rigid: FloatArray, rank: IntArray) -> tuple[Factor, IntArray]:
+    """Factors of the stiffness of a free mesh with the fewest supports, and the degrees of freedom they leave free.
+
+    Raises
+    ------
+    NotPositive
+        For a stiffness that is not positive definite beyond its rigid motions.
+    """
+    free = np.setdiff1d(np.arange(len(rigid)), _supports(rigid))
+    return positive_factor(stiffness[free][:, free].tocsc(), rank[free]), free
 
 
 def judge(lowest: float, mass: csc_matrix[Any], stiffness: csc_matrix[Any], rigid: int) -> None:

@@ -102,6 +102,7 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         return mesh
     from scipy.sparse import csc_matrix
 
+    from lcpflex.bodies.elastic_modes import held_up, mesh_rank
     from lcpflex.bodies.sparse_factor import NotPositive
 
     _refuse_unknown_stress(mesh)
@@ -121,7 +122,7 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     whole = (mesh.stiffness + added).tocsc()
     stiffness = (0.5 * (whole + whole.T)).tocsc()
     try:
-        _supported(mesh, stiffness)
+        held_up(stiffness, mesh.rigid, mesh_rank(mesh))
     except NotPositive:
         raise ModelError(
             f"axial_force: {force!r} was given, expected less compression: the body buckles under it"
@@ -226,26 +227,7 @@ def _at(mesh: FiniteElements, at: Nodes, force: FloatArray) -> FloatArray:
 
 def _stress_stiffness(mesh: FiniteElements, load: FloatArray) -> csc_matrix[Any]:
     """K_g of the static stress under a load (f,) that is in equilibrium with itself."""
+    from lcpflex.bodies.elastic_modes import FreeMesh
+
     assert mesh.geometric is not None
-    factor, free = _supported(mesh, mesh.stiffness)
-    state = np.zeros(len(load))
-    state[free] = factor.solve(load[free])
-    return mesh.geometric(state)
-
-
-def _supported(mesh: FiniteElements, stiffness: csc_matrix[Any]) -> tuple[Any, IntArray]:
-    """Factors of the stiffness with three degrees of freedom held, which a load in equilibrium does not feel.
-
-    Raises NotPositive for a stiffness that is not positive definite beyond its rigid motions.
-    """
-    from lcpflex.bodies.sparse_factor import dissection, links, positive_factor
-
-    places = mesh.places
-    first = int(np.argmin(places.sum(axis=1)))
-    arm = places - places[first]
-    second = int(np.argmax(np.hypot(arm[:, 0], arm[:, 1])))
-    across = 1 if abs(arm[second, 0]) >= abs(arm[second, 1]) else 0
-    free = np.setdiff1d(np.arange(places.size), [2 * first, 2 * first + 1, 2 * second + across])
-    node = mesh.dofs // 2
-    rank = dissection(places, links(stiffness, node, len(places)))[node]
-    return positive_factor(stiffness[free][:, free].tocsc(), rank[free]), free
+    return mesh.geometric(FreeMesh.of(mesh).flexibility(load))
