@@ -175,17 +175,17 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
 def _drawn(
     placed: Sequence[Placed], surfaces: Sequence[PlacedSurface], assembly: Assembly
 ) -> tuple[tuple[tuple[int, IntArray, bool], ...], tuple[tuple[int, float], ...]]:
-    """Outlines (body, points, closed) and circles (point, radius) of the bodies."""
+    """Outlines and holes (body, points, closed) and circles (point, radius) of the bodies."""
     outlines, circles = [], []
     for p in placed:
         outline = p.source.surfaces.get("outline") if p.source else None
         if isinstance(outline, Chain):
-            ids = frozen([assembly.point(p.body, material) for material in outline.points], np.int64)
-            outlines.append((p.body, ids, outline.closed))
+            for chain in (outline, *(p.source.holes() if p.source else ())):
+                ids = frozen([assembly.point(p.body, node) for node in chain.points], np.int64)
+                outlines.append((p.body, ids, chain.closed))
         elif outline is not None and not outline.hole:
             circles.append((assembly.point(p.body, outline.center), float(outline.radius)))
-    discs = [(surface.body, surface.disc) for surface in surfaces]
-    circles += [(assembly.point(body, disc[0]), disc[1]) for body, disc in discs if disc and body >= 0]
+    circles += [(assembly.point(of.body, of.disc[0]), of.disc[1]) for of in surfaces if of.disc and of.body >= 0]
     return tuple(outlines), tuple(circles)
 
 

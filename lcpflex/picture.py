@@ -59,21 +59,25 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
 
 
 def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
-    """Deformed outlines and discs of all bodies at the configuration q (ndof,)."""
-    from matplotlib.patches import Circle
+    """Deformed outlines, with their holes left open, and discs of all bodies at the configuration q (ndof,)."""
+    from matplotlib.patches import Circle, PathPatch
+    from matplotlib.path import Path
 
     model = compiled.model
     for points in _shapeless(compiled):  # a star to its points; of a rod, a line
         xy = world_places(model, q, points)
         for end in xy:
             ax.plot(*np.array([xy.mean(axis=0), end]).T, color=_BODY, linewidth=2.0)
+    loops: dict[int, list[Path]] = {}
     for body, points, closed in compiled.layout.outlines:
         if body >= 0:
             xy = world_places(model, q, points)
             if closed:
-                ax.fill(xy[:, 0], xy[:, 1], facecolor=_BODY, alpha=0.2, edgecolor="none")
                 xy = np.vstack([xy, xy[:1]])
+                loops.setdefault(body, []).append(Path(xy, closed=True))
             ax.plot(xy[:, 0], xy[:, 1], color=_BODY, linewidth=1.2, solid_joinstyle="round")
+    for paths in loops.values():  # a hole runs around the other way: it is left open
+        ax.add_patch(PathPatch(Path.make_compound_path(*paths), facecolor=_BODY, alpha=0.2, edgecolor="none"))
     for point, radius in compiled.layout.circles:
         body = int(model.points.body[point])
         if body >= 0:

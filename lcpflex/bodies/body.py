@@ -252,6 +252,11 @@ class Body:
         """Number n of modal coordinates; 0 for a rigid body."""
         return len(self.stiffness)
 
+    def holes(self) -> tuple[Chain, ...]:
+        """The loops around holes of a mesh, clockwise: its surfaces "hole1", "hole2", ..."""
+        named_so = (self.surfaces[name] for name in self.surfaces if name.startswith("hole"))
+        return tuple(hole for hole in named_so if isinstance(hole, Chain) and hole.closed)
+
     def frequencies(self) -> FloatArray:
         """(n,) natural angular frequencies of the free, undamped body [rad/s], ascending as made."""
         return np.asarray(np.sqrt(self.stiffness))

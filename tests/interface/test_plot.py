@@ -102,6 +102,17 @@ def test_rods_without_outlines_are_drawn_as_lines_between_their_joints() -> None
     assert low < result.point("lower rod", "bottom")[0, 1]
 
 
+def test_holes_are_left_open_and_their_edges_are_known() -> None:
+    ring = lf.Continuum(lf.meshes.ring(0.05, 0.1, 16, 1), 1000.0, 1e9, 0.3).reduce(2)
+    scene = lf.Scene(gravity=(0, 0))
+    scene.add(ring, name="ring", velocity=(1.0, 0.0))
+    result = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-4))
+    (body,) = [patch.get_path() for patch in result.draw(0.0).axes[0].patches if len(patch.get_path()) == 2 * 17]
+    areas = [0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) for x, y in (loop.T for loop in body.to_polygons())]
+    assert areas[0] > 0.0 > areas[1]  # around the other way: not filled
+    assert result.velocity("ring", (0.05, 0.0))[-1] == pytest.approx([1.0, 0.0])
+
+
 def test_picture_into_given_axes(swing: Result) -> None:
     figure = Figure()
     ax = figure.subplots()
