@@ -57,7 +57,8 @@ class Continuum:
     Warns
     -----
     ModelWarning
-        If no material has that wave speed sqrt(E / rho): a unit is wrong. If nodes without an element are left out.
+        If no material has that wave speed sqrt(E / rho): a unit is wrong. If nodes without an element are left out. If
+        linear elements lock: plane strain of a ratio above 0.48.
     """
 
     mesh: Any

@@ -209,7 +209,7 @@ def _full(K: FloatArray, M: FloatArray, first: int, count: int) -> tuple[FloatAr
 def _mechanism(rigid: int, found: str = "") -> str:
     return (
         f"stiffness: it has more zero modes than the {rigid} rigid motions{found}, expected a body without mechanisms "
-        "or loose parts"
+        "or loose parts, and not so slender and finely meshed across that its bending drowns in rounding (a Beam then)"
     )
 
 

@@ -8,6 +8,7 @@ import skfem
 
 from lcpflex.bodies import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import ModelError, ModelWarning
 
 STEEL = (7800.0, 2e11, 0.3)
@@ -226,6 +227,19 @@ def test_units_that_do_not_fit_are_named(density, modulus, said):
 @pytest.mark.parametrize(("density", "modulus"), [(7800.0, 2.1e11), (1100.0, 1e6), (3500.0, 1.05e12), (160.0, 1e8)])
 def test_steel_rubber_diamond_and_balsa_raise_no_warning(density, modulus):
     Continuum(meshes.rectangle(1.0, 1.0, 1, 1), density, modulus, 0.3)
+
+
+def test_linear_elements_that_lock_are_told():
+    """Free bending in plane strain, 4 elements across: linear ones are 32 % too stiff, quadratic ones are not."""
+    bar = meshes.bar(1.0, 0.1, 40, across=4)
+    with pytest.warns(ModelWarning, match=r"poissons_ratio: 0\.49 .*they lock"):
+        locked = Continuum(bar, 1000.0, 1e9, 0.49, plane_strain=True).reduce(1)
+    right = Continuum(meshes.quadratic(bar), 1000.0, 1e9, 0.49, plane_strain=True).reduce(1)
+    assert locked.frequencies() > 1.2 * right.frequencies()
+    section = meshes.rectangle(1.0, 0.1, 8, 2)
+    with pytest.warns(ModelWarning, match="they lock"):
+        SolidOfRevolution(section, 1000.0, 1e9, 0.49)
+    Continuum(section, 1000.0, 1e9, 0.49)  # plane stress: free to get thinner
 
 
 def test_a_place_off_the_body_is_refused_with_the_nearest_one():

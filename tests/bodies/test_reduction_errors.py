@@ -172,3 +172,11 @@ def test_units_do_not_matter() -> None:
         for reduce in (craig_bampton, sub_regional, residual_compliance):
             here, there = reduce(Matrices(*given), [0, 1, 2, 3], 3), reduce(scaled, [0, 1, 2, 3], 3)
             assert there.stiffness == pytest.approx(here.stiffness * factors[1] / factors[0], rel=1e-9)
+
+
+def test_a_mesh_too_slender_for_double_precision_is_told_of_beams() -> None:
+    bar = meshes.quadratic(meshes.bar(1.0, 1e-4, 200))
+    with pytest.raises(ModelError, match=r"so slender .* \(a Beam then\)"):
+        Continuum(bar, *STEEL).reduce(3)
+    slender = Continuum(meshes.quadratic(meshes.bar(1.0, 1e-3, 200)), 7800.0, 2e11, 0.0, thickness=0.01).reduce(3)
+    assert slender.frequencies() == pytest.approx(lf.Beam(1.0, 0.01, 1e-3, 7800.0, 2e11).reduce(3).frequencies(), 1e-4)
