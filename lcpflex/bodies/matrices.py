@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from lcpflex.bodies.finite_elements import FiniteElements, rigid_motions
 from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, ModelWarning
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Matrices"]
 
 SYMMETRIC = 1e-9  # largest asymmetry relative to the largest entry
+SPEEDS = (0.3, 3e5)  # [m/s] of waves: ten times beyond materials, and room for scenes without units
 RIGID = 1e-8  # largest K times rigid motion relative to |K| |rigid motion|
 
 
@@ -47,6 +49,11 @@ class Matrices:
     ------
     ModelError
         For anything else: wrong shapes, NaN, unsymmetric matrices, a mass not positive, supports, unknown nodes.
+
+    Warns
+    -----
+    ModelWarning
+        If waves, as nodes next to each other tell their speed, are beyond any material: a unit is wrong.
     """
 
     mass: Any
@@ -64,6 +71,7 @@ class Matrices:
         stiffness = _symmetric("stiffness", self.stiffness, n)
         _check_mass(mass)
         _check_free(stiffness, places)
+        _check_units(mass, stiffness, places)
         sets = {name: _nodes(name, nodes, len(places)) for name, nodes in named("node_sets", self.node_sets).items()}
         checked = {"mass": mass, "stiffness": stiffness, "coordinates": places, "node_sets": sets}
         if self.damping is not None:
@@ -160,6 +168,27 @@ def _check_free(stiffness: csc_matrix[Any], places: FloatArray) -> None:
                 f"stiffness: it resists rigid {name} ({force / large:.3g} of its entries), expected a free-free body: "
                 f"leave supports out of the matrices and hold the body by joints in the scene"
             )
+
+
+def _check_units(mass: csc_matrix[Any], stiffness: csc_matrix[Any], places: FloatArray) -> None:
+    """Warn of waves that no material has: c = h sqrt(K_ii / M_ii) / 2 to a factor of about 2, h to the next node."""
+    linked = stiffness.tocoo()
+    node, other = linked.row // 2, linked.col // 2
+    arms = places[node] - places[other]
+    distance = np.where(node == other, np.inf, np.hypot(arms[:, 0], arms[:, 1]))
+    near = np.full(len(places), np.inf)
+    np.minimum.at(near, node, distance)
+    rate = np.sqrt(np.maximum(stiffness.diagonal()[0::2], 0.0) / mass.diagonal()[0::2])
+    known = np.isfinite(near) & (near > 0.0)
+    found = 0.5 * near[known] * rate[known]
+    speed = float(np.median(found)) if len(found) else SPEEDS[0]
+    if not SPEEDS[0] <= speed <= SPEEDS[1]:
+        warnings.warn(
+            f"stiffness, mass, coordinates: waves run at about {speed:.2g} m/s, which no material has: expected "
+            "N/m, kg and m (of matrices in N, mm and t: a thousand times each, and coordinates by a thousand)",
+            ModelWarning,
+            stacklevel=4,
+        )
 
 
 def _nodes(name: str, nodes: int | Sequence[int], count: int) -> IntArray:

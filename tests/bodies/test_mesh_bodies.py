@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_array
 
-from lcpflex.bodies import Bar, Beam, Chain, Matrices, Rayleigh
-from lcpflex.errors import ModelError
+from lcpflex.bodies import Bar, Beam, Chain, Continuum, Matrices, Rayleigh, meshes
+from lcpflex.errors import ModelError, ModelWarning
 
 E, RHO = 2e11, 7800.0
 
@@ -230,3 +230,12 @@ def test_large_indefinite_or_loose_matrices_are_refused(monkeypatch):
     pair = Matrices(block_diag([mass, mass]), block_diag([stiffness, stiffness]), twice)
     with pytest.raises(ModelError, match="mechanisms"):
         pair.reduce(4)
+
+
+def test_matrices_whose_units_do_not_fit_are_told() -> None:
+    """In N, mm and t, or with the modulus in GPa: gravity and lengths of the scene would be wrong without a word."""
+    mesh = Continuum(meshes.rectangle(0.2, 0.05, 8, 2), 7800.0, 2.1e11, 0.3).finite_elements()
+    Matrices(mesh.mass, mesh.stiffness, mesh.places)
+    for mass, stiffness, length in ((1e-3, 1e-3, 1e3), (1.0, 1e-9, 1.0)):
+        with pytest.warns(ModelWarning, match="which no material has: expected N/m, kg and m"):
+            Matrices(mass * mesh.mass, stiffness * mesh.stiffness, length * mesh.places)

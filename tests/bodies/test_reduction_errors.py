@@ -164,6 +164,7 @@ def test_meshes_that_nobody_checked(reduce) -> None:
         reduce(Given(sets={"none": np.zeros(0, dtype=np.int64)}), "none", 3)
 
 
+@pytest.mark.filterwarnings("ignore:stiffness, mass, coordinates")
 def test_units_do_not_matter() -> None:
     mesh = PLATE.finite_elements()
     given = mesh.mass, mesh.stiffness, mesh.places
