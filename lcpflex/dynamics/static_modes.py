@@ -10,6 +10,7 @@ and 1/2 q_S^T Omega_S^2 q_S = 1/2 lambda^T F lambda is the energy stored in the 
 
 from __future__ import annotations
 
+import math
 from typing import Any, TypeVar
 
 import numpy as np
@@ -249,20 +250,47 @@ def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
 
 
 def contact_stiffness(model: Model, flexibility: FloatArray) -> float:
-    """Largest G_NN / F_NN [1/s^2] of one closed contact, over the points of the surfaces that may touch.
+    """Largest G_NN / F_NN [1/s^2] of one closed contact, over the surfaces that may touch.
 
-    Along the outward normal of a node, or the softest direction where it has none. A guess of the step that closed
-    contacts will need, not a bound: the stepper tests each of its steps.
+    Of the stiffest point of each side that has compliance, be it slave or master: (G_a + G_b) / (F_a + F_b). Normals
+    are those of nodes and segments, or the softest direction where there is none. A guess of the step that closed
+    contacts will need, not a bound: the stepper tests each of its steps, and divides those in which a light rigid body
+    touches, whose own mobility is not in it.
     """
     at_rest = np.zeros(int(model.bodies.dof[-1]))
     mass = mass_matrix(model, at_rest)
     contacts, largest = model.contacts, 0.0
-    for w in range(len(contacts.pass_slave)):
-        for s in _span(contacts.slave_start, contacts.pass_slave[w]):
-            p = int(contacts.slave_point[s])
-            F = _compliance(model, flexibility, at_rest, p)
-            values, vectors = np.linalg.eigh(F)
-            n = contacts.slave_normal[s] if contacts.slave_normal[s].any() else vectors[:, 1]
-            if n @ F @ n > 1e-6 * values[1]:
-                largest = max(largest, float(n @ _mobility(model, mass, flexibility, p)[0] @ n / (n @ F @ n)))
+    for a, b in zip(contacts.pass_slave, contacts.pass_feature, strict=True):
+        slaves = [(int(contacts.slave_point[s]), contacts.slave_normal[s]) for s in _span(contacts.slave_start, a)]
+        features = [end for f in _span(contacts.feature_start, b) for end in _ends(model, f)]
+        sides = [_stiffest(model, mass, flexibility, side) for side in (slaves, features)]
+        G, F = (sum(side[i] for side in sides) for i in range(2))
+        largest = max(largest, G / F if F > 0.0 else 0.0)
     return largest
+
+
+def _ends(model: Model, f: int) -> list[tuple[int, FloatArray]]:
+    """Points of a feature, each with the normal of a segment, or zeros, in the frame of its body."""
+    a, b = (int(p) for p in model.contacts.feature_point[f])
+    along = model.points.place[b] - model.points.place[a]
+    length = math.hypot(*along)
+    normal = np.array([along[1], -along[0]]) / length if length > 0.0 else np.zeros(2)
+    return [(a, normal), (b, normal)]
+
+
+def _stiffest(
+    model: Model, mass: FloatArray, flexibility: FloatArray, side: list[tuple[int, FloatArray]]
+) -> tuple[float, float]:
+    """G_NN and F_NN of the point of the greatest ratio; 0, 0 where none has compliance."""
+    stiffest = 0.0, 0.0
+    at_rest = np.zeros(int(model.bodies.dof[-1]))
+    for p, normal in side:
+        F = _compliance(model, flexibility, at_rest, p)
+        values, vectors = np.linalg.eigh(F)
+        n = normal if normal.any() else vectors[:, 1]
+        soft = float(n @ F @ n)
+        if soft > 1e-6 * values[1]:
+            push = float(n @ _mobility(model, mass, flexibility, p)[0] @ n)
+            if push * stiffest[1] >= stiffest[0] * soft:
+                stiffest = push, soft
+    return stiffest

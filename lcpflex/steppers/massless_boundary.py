@@ -37,6 +37,7 @@ from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.massless_memory import Settings, boundary_of
 from lcpflex.steppers.massless_step import (
     BEGUN,
     FINEST,
@@ -46,9 +47,7 @@ from lcpflex.steppers.massless_step import (
     STIFF,
     TOO_LONG,
     WITHIN,
-    Settings,
     advance,
-    boundary_of,
     short_enough,
     stages,
 )

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
@@ -22,12 +20,12 @@ from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, f
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
-from lcpflex.packed import pack
+from lcpflex.steppers.massless_memory import Boundary, Settings
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
-__all__ = ["Boundary", "Settings", "advance", "boundary_of", "short_enough", "stages"]
+__all__ = ["advance", "short_enough", "stages"]
 
 TOO_LONG = 6
 STIFF = 7
@@ -37,32 +35,6 @@ CURVED = 1e-3  # gap left by the linearisation, relative to the static displacem
 MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 MADE, NUMBER, STORED, WITHIN, BEGUN, PARTS, CLOSED_THEN = 0, 1, 2, 3, 4, 5, 6  # entries of the clock
 SPLIT, FINEST, CLOSED = 0, 1, 2  # entries of Boundary.tally
-
-
-class Settings(NamedTuple):
-    """Numbers of the scheme, as the compiled loop takes them."""
-
-    step: float
-    safety: float
-    parts: float  # into which every step is divided, and at the most
-    most_parts: float
-    gap_tolerance: float
-    tolerance: float
-    spring: float
-    damper: float
-
-
-class Boundary(NamedTuple):
-    """What goes from step to step besides the state."""
-
-    flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
-    acceleration: FloatArray  # (ndof,)
-    rate: FloatArray  # (ndof,) of change of the static coordinates, of which contacts are linearised about a guess
-    guess: FloatArray  # (ndof,) velocity at which forces are evaluated
-    unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
-    power: FloatArray  # (2,) of dissipative forces, and of loads and drives [W]
-    force: FloatArray  # (laws, 2) contact forces [N]
-    tally: FloatArray  # (3,) steps that were divided, most parts of one, contacts closed
 
 
 @kernel
@@ -207,17 +179,25 @@ def slip_of(work: Workspace, r: int) -> float:
 
 
 @kernel
+def closed(work: Workspace) -> float:
+    """How many contacts the solution of the present problem closes."""
+    count = 0.0
+    for k in range(work.step_size[1]):
+        if work.normal[k] > 0.0:
+            count += 1.0
+    return count
+
+
+@kernel
 def correct(
     model: Model, t: float, h: float, q: FloatArray, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape
 ) -> bool:
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
     # rows of the deformed surfaces: with others, forces do work that is not stored
     fill_contact_rows(model, work.middle, work.step_size[1], len(work.residual), work)
-    boundary.tally[CLOSED] = 0.0
     for k in range(work.step_size[1]):
         tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
-        if work.normal[k] > 0.0:
-            boundary.tally[CLOSED] += 1.0
+    boundary.tally[CLOSED] = closed(work)
     drives = accelerate(model, t, h, boundary, work)
     finite = True
     for i in range(len(q)):
@@ -258,16 +238,10 @@ def record(
 
 
 @kernel
-def part_length(settings: Settings, boundary: Boundary, work: Workspace, clock: FloatArray) -> float:
-    """Length of the next part of the step [s]; 0 for the start, which only finds forces.
-
-    A step is divided anew whenever another number of contacts is closed.
-    """
+def part_length(settings: Settings, clock: FloatArray) -> float:
+    """Length of the next part of the step [s]; 0 for the start, which only finds forces."""
     if clock[BEGUN] == 0.0:
         return 0.0
-    if clock[WITHIN] == 0.0 and boundary.tally[CLOSED] != clock[CLOSED_THEN]:
-        clock[PARTS] = settings.parts
-    clock[CLOSED_THEN] = boundary.tally[CLOSED]
     remaining = settings.step - clock[WITHIN]
     return remaining / max(1.0, math.ceil(remaining / settings.step * clock[PARTS] - 1e-9))
 
@@ -297,6 +271,28 @@ def short_enough(model: Model, settings: Settings, h: float, boundary: Boundary,
     if square <= 0.0 or h * settings.damper > settings.safety:
         return False
     return admissible(model, work.middle, square, boundary.flexibility, boundary.unit, work)
+
+
+@kernel
+def divide_less(model: Model, settings: Settings, boundary: Boundary, work: Workspace, clock: FloatArray) -> None:
+    """At the end of a step, where fewer contacts are closed than when it was divided: the parts that the next needs.
+
+    Those that the contacts still closed admit. Their forces begin the next step: if that throws them open, its own
+    problem has no contact that would object to its length, and a kick by h/2 of a contact force makes energy.
+    """
+    count = closed(work)
+    if clock[PARTS] > settings.parts and count < clock[CLOSED_THEN]:
+        parts = settings.parts
+        while parts < clock[PARTS] and not short_enough(model, settings, settings.step / parts, boundary, work):
+            parts = more(parts, settings)
+        clock[PARTS] = min(parts, clock[PARTS])
+    clock[CLOSED_THEN] = count
+
+
+@kernel
+def more(parts: float, settings: Settings) -> float:
+    """The next number of parts to try."""
+    return min(math.ceil(1.1 * parts + 0.1), settings.most_parts)
 
 
 @kernel
@@ -332,7 +328,7 @@ def advance(
                 clock[STORED] = clock[MADE]
             if clock[MADE] >= last:
                 return DONE
-        h = part_length(settings, boundary, work, clock)
+        h = part_length(settings, clock)
         clock[NUMBER] = predict(model, settings, t + h, h, q, u, boundary, work, tape)
         if clock[NUMBER] > len(work.table.key):
             return GROW
@@ -351,16 +347,21 @@ def advance(
         if h > 0.0 and not short_enough(model, settings, h, boundary, work):
             if clock[PARTS] >= settings.most_parts:
                 return TOO_LONG
-            clock[PARTS] = min(math.ceil(1.1 * clock[PARTS] + 0.1), settings.most_parts)
+            clock[PARTS] = more(clock[PARTS], settings)
+            clock[CLOSED_THEN] = closed(work)
             continue
+        ends = h > 0.0 and clock[WITHIN] + h >= settings.step * (1.0 - 1e-9)
+        used = clock[PARTS]
+        if ends:
+            divide_less(model, settings, boundary, work, clock)
         if not correct(model, t + h, h, q, u, boundary, work, tape):
             return NOT_FINITE
         if h == 0.0:
             clock[BEGUN] = 1.0
-        elif clock[WITHIN] + h >= settings.step * (1.0 - 1e-9):
-            if clock[PARTS] > 1.0:
+        elif ends:
+            if used > 1.0:
                 boundary.tally[SPLIT] += 1.0
-                boundary.tally[FINEST] = max(boundary.tally[FINEST], clock[PARTS])
+                boundary.tally[FINEST] = max(boundary.tally[FINEST], used)
             clock[MADE] += 1.0
             clock[WITHIN] = 0.0
         else:
@@ -370,20 +371,3 @@ def advance(
 def stages() -> list[Callable[..., Any]]:
     """The kernels of a step that call what may be replaced, callees first."""
     return [project_joints, predict, accelerate, correct]
-
-
-def boundary_of(flexibility: FloatArray, n_laws: int) -> Boundary:
-    """At the start: everything at rest, no contact closed."""
-    n = len(flexibility)
-    return pack(
-        Boundary(
-            flexibility=np.array(flexibility),
-            acceleration=np.zeros(n),
-            rate=np.zeros(n),
-            guess=np.zeros(n),
-            unit=np.ones(2),
-            power=np.zeros(2),
-            force=np.zeros((n_laws, 2)),
-            tally=np.zeros(3),
-        )
-    )
