@@ -22,9 +22,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.bodies import meshes
-from lcpflex.bodies.reduction import Rayleigh
-from lcpflex.bodies.reductions import craig_bampton
 from lcpflex.compiled import FloatArray
 from lcpflex.gallery.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
@@ -34,7 +31,7 @@ WINDOW = 1e-5  # forces are shown as means over it [s]
 
 def quadratic_triangles(mesh: Any) -> Any:
     """Each quadrilateral as two triangles with nodes amid their edges."""
-    return meshes.quadratic(mesh.to_meshtri())
+    return lf.meshes.quadratic(mesh.to_meshtri())
 
 
 def strike(fine: float, remake: Callable[[Any], Any] | None) -> lf.Result:
@@ -42,7 +39,7 @@ def strike(fine: float, remake: Callable[[Any], Any] | None) -> lf.Result:
     scene = pendulum_and_rod(
         rod_with_crown(fine, remake=remake),
         pendulum_with_hammer(fine, remake=remake),
-        lambda mesh, kept: craig_bampton(mesh, kept, modes=60, damping=Rayleigh(0.0, 1e-9)),
+        lambda mesh, kept: lf.craig_bampton(mesh, kept, modes=60, damping=lf.Rayleigh(0.0, 1e-9)),
     )
     return lf.simulate(scene, 2.2e-4, lf.MasslessBoundary(step=1e-7, dynamic_modes=40), record=2e-7)
 

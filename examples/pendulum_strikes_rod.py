@@ -23,8 +23,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.bodies.reduction import Rayleigh
-from lcpflex.bodies.reductions import craig_bampton
 from lcpflex.compiled import FloatArray
 from lcpflex.gallery.strikers import FINE, pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
@@ -44,7 +42,7 @@ def run(folder: Path = Path(), modes: int = 40, fine: float = FINE) -> lf.Result
     scene = pendulum_and_rod(
         rod_with_crown(fine),
         pendulum_with_hammer(fine),
-        lambda mesh, kept: craig_bampton(mesh, kept, modes=modes, damping=Rayleigh(0.0, 1e-9)),
+        lambda mesh, kept: lf.craig_bampton(mesh, kept, modes=modes, damping=lf.Rayleigh(0.0, 1e-9)),
     )
     highest = np.sqrt(max(scene.body(name).source.stiffness.max() for name in ("rod", "pendulum")))
 

@@ -15,9 +15,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
-from lcpflex.studies.vibrations import small_vibrations
+from lcpflex.studies import small_vibrations
 
 PUBLISHED = {
     0.0: (3.5160, 22.0345, 61.6972),
@@ -32,7 +31,7 @@ def rotating(spin: float, stiffened: bool, blow: float = 0.0) -> lf.Scene:
     """A beam of E I = rho A = L = 1 that cannot stretch, and turns; ``blow``: speed that its tip is given [m/s]."""
     thickness = 0.01
     beam = lf.Beam(1.0, 1.0, thickness, 1.0 / thickness, 12.0 / thickness**3, elements=12, axial=False)
-    body = beam.reduce(modes=None, stiffening=Stiffening(held="left") if stiffened else None)
+    body = beam.reduce(modes=None, stiffening=lf.Stiffening(held="left") if stiffened else None)
     dx, dy, turn, modal = body.project(lambda x, y: (0.0, blow * x**2 * (6.0 - 4.0 * x + x**2) / 3.0))
     scene = lf.Scene(gravity=(0, 0))
     blade = scene.add(body, "blade", velocity=(dx, dy), angular_velocity=spin + turn, modal_velocity=modal)

@@ -10,7 +10,8 @@ of steel (210 GPa, 7850 kg/m^3), noses of 8 mm radius where coupler and stop mee
 
 The Lagrangian method (event-driven, e = 0) asks for no contact stiffness, nor does the massless boundary, whose
 forces need no impulses. A penalty law does: too soft a spring lets the bodies through and changes the motion, and
-only a series of runs tells when it is stiff enough. It ends where the other two have been from the start.
+only a series of runs tells when it is stiff enough. Its motion ends where that of the other two has been from the
+start; when each of the short contacts comes, to a millisecond, differs between all three.
 """
 
 import math

@@ -18,7 +18,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
 
 RAMP = 15.0  # [s]
@@ -31,7 +30,7 @@ def angle(t: FloatArray, spin: float) -> FloatArray:
     return spin * np.where(t < RAMP, rising, t - 0.5 * RAMP)
 
 
-def spun_up(spin: float, stiffening: Stiffening | None, end: float) -> tuple[lf.Result, FloatArray, FloatArray]:
+def spun_up(spin: float, stiffening: lf.Stiffening | None, end: float) -> tuple[lf.Result, FloatArray, FloatArray]:
     """The run, and the place of the tip along the line of the hub and across it [m]."""
     thickness = np.sqrt(12.0 * BENDING / STRETCHING)
     beam = lf.Beam(LENGTH, 1.0, thickness, LINE_MASS / thickness, STRETCHING / thickness, elements=10)
@@ -48,7 +47,7 @@ def spun_up(spin: float, stiffening: Stiffening | None, end: float) -> tuple[lf.
 
 
 def run(folder: Path = Path()) -> lf.Result:
-    held = Stiffening(held="left")
+    held = lf.Stiffening(held="left")
     result, along, lag = spun_up(6.0, held, 20.0)
     assert abs(lag.min() / -0.5744 - 1.0) < 2e-3
     steady = along[result.times > 16.0].mean() - LENGTH
