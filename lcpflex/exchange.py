@@ -9,7 +9,7 @@ deformation and (v0, nu, q'') of its rate, in body axes,
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -24,13 +24,11 @@ from lcpflex.placed import Placed, PlacedSurface, listed
 if TYPE_CHECKING:
     from lcpflex.scene import Parts, Scene
 
-__all__ = ["exchanged"]
+__all__ = ["exchanged", "settled"]
 
 
 def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
     """A new scene with ``bodies`` in the place of those of the same names; ``scene`` is not changed."""
-    from lcpflex.scene import Scene
-
     parts = scene.parts()
     known = [placed.name for placed in parts.placed]
     for name, body in named("bodies", bodies).items():
@@ -38,10 +36,33 @@ def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
             raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
         if not isinstance(body, Body):
             raise ModelError(f"bodies[{name!r}]: {body!r} was given, expected a Body")
+    made = [(placed, bodies.get(placed.name, placed.source)) for placed in parts.placed]
+    return _made(scene, [(body, *_start(placed, body)) for placed, body in made if body is not None])
+
+
+def settled(scene: Scene) -> Scene:
+    """The scene with its initial state projected onto its joints; itself where that fulfils them, or nothing can."""
+    try:
+        scene.compile()
+    except ModelError:
+        try:
+            compiled = scene.compile(project=True)
+        except ModelError:
+            return scene  # which says itself what is wrong, when it is run
+        placed = scene.parts().placed
+        ends = np.cumsum([len(one.start[0]) for one in placed])[:-1]
+        starts = zip(placed, np.split(compiled.q, ends), np.split(compiled.u, ends), strict=True)
+        return _made(scene, [(one.source, q, u) for one, q, u in starts if one.source is not None])
+    return scene
+
+
+def _made(scene: Scene, bodies: Sequence[tuple[Body, FloatArray, FloatArray]]) -> Scene:
+    """The scene with these bodies and initial states in the order of its own."""
+    from lcpflex.scene import Scene
+
+    parts = scene.parts()
     new = Scene(scene.gravity)
-    for placed in parts.placed:
-        body = bodies.get(placed.name, placed.source)
-        q, u = _start(placed, body)
+    for placed, (body, q, u) in zip(parts.placed, bodies, strict=True):
         new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])
     _Again(scene, new).declare(parts)
     return new

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from lcpflex.errors import ModelError, writable_path
@@ -35,7 +36,8 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
     command.add_argument("--csv", type=Path, metavar="FILE", help="write every run to this csv file")
     command.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
     command.add_argument("--step", type=float, metavar="SECONDS",
-                         help="of Moreau-Jean steps; default: the stepper of the scene")  # fmt: skip
+                         help="of Moreau-Jean steps; default: the stepper of the scene, another where rich bodies "
+                         "cannot be trusted with it")  # fmt: skip
     command.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
                          help=f"leave out what takes longer for one run (default: {LIMIT:g})")  # fmt: skip
     command.set_defaults(command=lambda request: _right_size(request, load))
@@ -43,6 +45,7 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
 
 def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
+    from lcpflex.steppers.moreau_jean import MoreauJean
     from lcpflex.studies.fidelity_scenes import known_outputs
     from lcpflex.studies.right_size import right_size
 
@@ -59,13 +62,9 @@ def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, fl
     duration = duration if request.duration is None else request.duration
     if duration is None:
         raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
-    if request.step is not None:
-        from lcpflex.steppers.moreau_jean import MoreauJean
-
-        stepper = MoreauJean(step=request.step)
-    found = right_size(
-        scene, request.quantity, request.tolerance, duration=duration, stepper=stepper, limit=request.limit
-    )
+    case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
+    given = None if request.step is None else MoreauJean(step=request.step)
+    found = right_size(case, request.quantity, request.tolerance, duration=duration, stepper=given, limit=request.limit)
     print(found)
     if request.csv is not None:
         found.csv(request.csv)

@@ -90,17 +90,22 @@ def lacking(samples: Sequence[Sample], reference: float, full: float) -> float:
 
 
 def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
-    """Wall time [s] of a run with so many coordinates: a + b coordinates, fitted to measured (coordinates, time).
+    """Wall time [s] of a run with so many coordinates n: a + b n + c n^2, a, b, c >= 0, fitted to measured (n, time).
 
-    Weighted towards the larger ones, and never falling with the coordinates. NaN where nothing was measured.
+    The square, of explicit steps that fall with the highest mode, only where more than two sizes tell. Weighted towards
+    the larger ones; beyond all that were measured, never below the largest of them. NaN where nothing was measured.
     """
+    from scipy.optimize import nnls
+
     if not known:
         return math.nan
     n = np.array([one[0] for one in known], dtype=float)
     t = np.array([one[1] for one in known])
-    if len(set(n.tolist())) == 1:
+    sizes = len(set(n.tolist()))
+    if sizes == 1:
         return float(np.median(t)) * max(1.0, coordinates / float(n[0]))
-    fitted = np.polyfit(n, t, 1, w=np.sqrt(n))
-    slope, at_zero = max(float(fitted[0]), 0.0), max(float(fitted[1]), 0.0)
-    scale = float(np.sum(t) / np.sum(at_zero + slope * n)) if slope or at_zero else 0.0
-    return float(scale * (at_zero + slope * coordinates))
+    powers = np.arange(3 if sizes > 2 else 2)
+    weight = np.sqrt(n)
+    found, _ = nnls(weight[:, None] * (n[:, None] / n.max()) ** powers, weight * t)
+    fitted = float(found @ (coordinates / n.max()) ** powers)
+    return max(fitted, float(np.median(t[n == n.max()]))) if coordinates > n.max() else fitted

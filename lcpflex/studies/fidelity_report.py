@@ -101,6 +101,8 @@ class RightSize:
         Wall time of a run of the full mesh [s], measured or predicted; NaN where a ladder does not reach it.
     step_error
         Change of the outputs with half the step, which no choice of bodies can take away; NaN where it is not known.
+    better
+        A stepper with which rich bodies can be trusted, where they cannot with the one that was given.
     notes
         What a reader must know.
     complete
@@ -121,6 +123,7 @@ class RightSize:
     full: float
     full_was_run: bool
     step_error: float = math.nan
+    better: Any = None
     notes: tuple[str, ...] = field(default=())
     complete: bool = True
 
@@ -137,6 +140,14 @@ class RightSize:
 
     def sentence(self) -> str:
         """What to do, how wrong it is, and what it saves."""
+        if self.better is None:
+            return self._verdict()
+        return (
+            f"{self._verdict()} Richer bodies cannot be trusted with {brief(self.stepper)}, but with "
+            f"{brief(self.better)}: use that, or give none."
+        )
+
+    def _verdict(self) -> str:
         if self.chosen is None:
             why = self.notes[-1] if self.notes else "interrupted before there was anything to compare"
             return f"Nothing can be said: {why}."

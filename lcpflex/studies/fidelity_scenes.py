@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.errors import ModelError
+from lcpflex.exchange import settled
 from lcpflex.scene import Scene
 from lcpflex.studies.outputs import Output, Part, chosen_outputs, motion_of, standard_outputs, trajectory, two_places
+from lcpflex.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.result import Result
@@ -63,13 +65,16 @@ class Ladders:
         return {name: rungs[k].name for name, rungs, k in zip(self.names, self.rungs, state, strict=True)}
 
     def at(self, state: State) -> Scene:
-        """The scene with its bodies on these rungs; a body is made once."""
+        """The scene with its bodies on these rungs; a body is made once.
+
+        What a poor body cannot follow of an initial deformation may part it from its joints: then it is moved back.
+        """
         bodies: dict[str, Body] = {}
         for b, (name, rung) in enumerate(zip(self.names, state, strict=True)):
             if (b, rung) not in self._made:
                 self._made[b, rung] = self.rungs[b][rung].make()
             bodies[name] = self._made[b, rung]
-        return self.scene.with_bodies(bodies)
+        return settled(self.scene.with_bodies(bodies))
 
 
 def of_scene(scene: Any) -> Ladders:
@@ -79,7 +84,8 @@ def of_scene(scene: Any) -> Ladders:
     if hasattr(made, "build") and hasattr(made, "duration"):  # a function that returns a case
         made = made.build()
     if not isinstance(made, Scene):
-        raise ModelError(f"scene: {scene!r} was given, expected a Scene, a function that makes one, or a Case")
+        what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else repr(scene)
+        raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
     placed = made.parts().placed
     found = {one.name: one.source.ladder() for one in placed if one.source is not None and one.source.ladder}
     found = {name: rungs for name, rungs in found.items() if len(rungs) > 1}

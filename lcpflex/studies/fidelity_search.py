@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,11 +11,13 @@ from lcpflex.energy import EnergyGrowth
 from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking
 from lcpflex.studies.fidelity_scenes import Ladders, State
 from lcpflex.studies.outputs import Output, error_between, is_nothing
+from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
 
-__all__ = ["Search"]
+__all__ = ["Search", "remedy"]
 
 INSTANTS = 2000  # at which outputs are compared
+UNTRUSTED = "cannot be trusted"
 MIDDLE = 8  # modes of the run that tells early what a richer one costs
 FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
 ALIKE = 0.5  # bodies whose shares in the error are that much alike climb together
@@ -23,6 +25,9 @@ PATIENT = 2  # rich runs that fail before one is taken that is known not to
 WITNESSES = 2
 DOUBT = 3.0  # what the reference lacks itself is extrapolated: within the tolerance even if it is so many times that
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
+MOST = 5.0  # with the one that tells the error of the step
+SHORT = 0.5  # [s]: of what takes less the clock says little
+USUAL = 25  # coordinates that take as long as all that every step takes however few there are
 EQUAL = 1.2  # ratio of wall times that says nothing
 
 
@@ -51,12 +56,13 @@ class Search:
     def run(self, state: State) -> Trial:
         """The run of a state; each is made once."""
         if state not in self.trials:
-            found = self._run(state, self.stepper_of(self.ladders.at(state)))
+            found = self.trial(state, self.stepper_of(self.ladders.at(state)))
             self.trials[state] = found
             self.done()
         return self.trials[state]
 
-    def _run(self, state: State, stepper: Any) -> Trial:
+    def trial(self, state: State, stepper: Any) -> Trial:
+        """A run of a state with any stepper, which counts as time spent."""
         conditions = Conditions(
             lambda: self.ladders.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
         )
@@ -72,7 +78,7 @@ class Search:
     def cost(self, state: State) -> float:
         """Wall time of a run [s]: measured, or else predicted from those that were."""
         one = self.trials.get(state)
-        if one is not None and one.times and self.sound(state):
+        if one is not None and one.complete:
             return one.wall_time
         return cost_of(self._measured_costs(), self.ladders.coordinates(state))
 
@@ -86,6 +92,8 @@ class Search:
     def difference(self, state: State, output: Output, other: State | None = None) -> float:
         """Between two states, the reference by default, relative to the scale of the reference."""
         assert self.reference is not None
+        if state == (other or self.reference):
+            return 0.0
         key = (state, other or self.reference, self.reference, output.name)
         if key not in self._differences:  # comparing curves takes as long as many a run
             mine, theirs, scale = (self.trials[one].measured for one in key[:3])
@@ -155,6 +163,8 @@ class Search:
             for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
         )
         self.run(middle)
+        if self._full_is_cheapest(richest):
+            richest = top
         self._look_ahead(richest)
         if self.reference is None:
             return None
@@ -164,6 +174,14 @@ class Search:
         if found is None and self.reference == richest != top and self._full_reference():
             found = self._climb()
         return None if found is None else self._cheapest(self._descend(found))
+
+    def _full_is_cheapest(self, state: State) -> bool:
+        """Whether the full mesh, which proves everything, takes no longer than all that it takes to do without."""
+        top = self.ladders.top
+        if not self.verify or not all(self.ladders.whole(b) for b in range(len(top))):
+            return False
+        lower = [tuple(max(rung - k, 0) for rung in state) for k in range(WITNESSES + 1)]
+        return self.cost(top) <= min(self.limit, sum(self.cost(one) for one in lower))
 
     def _look_ahead(self, state: State) -> None:
         """Run the richest state that can be afforded and trusted: what all others are compared with."""
@@ -185,6 +203,8 @@ class Search:
         assert self.reference is not None
         self.needing = tuple(self.changes) or tuple(range(len(self.reference)))
         state = self.reference
+        if state == self.ladders.top and all(self.ladders.whole(b) for b in range(len(state))):
+            return  # it lacks nothing
         for _ in range(WITNESSES):
             state = tuple(max(rung - 1, 0) if b in self.needing else rung for b, rung in enumerate(state))
             self.run(state)
@@ -204,8 +224,8 @@ class Search:
             self.reference = state
             return True
         self.untrusted = True
-        self.notes = [note for note in self.notes if not note.endswith(one.failure)]  # the same reason again
-        self.notes.append(f"{_text(self.ladders.labels(state))} cannot be trusted: {one.failure}")
+        if not any(UNTRUSTED in note for note in self.notes):  # the richest tells, the table has the others
+            self.notes.append(f"{_text(self.ladders.labels(state))} {UNTRUSTED}: {one.failure}")
         return False
 
     def _lowered(self, state: State) -> State:
@@ -240,15 +260,45 @@ class Search:
         self.needing = tuple(changes) or tuple(range(len(state)))
         while not self.good(state):
             higher = self._raised(state, changes)
+            while higher is not None and self._in_vain(higher):
+                higher = self._raised(higher, changes)
             if higher is None and len(self.needing) < len(state):
                 self.needing = tuple(range(len(state)))  # they change nothing alone, but they do together
                 changes = {b: changes.get(b, self.tolerance) for b in self.needing}
                 higher = self._raised(state, changes)
             if higher is None:
                 return None
+            if self._over_budget(higher):
+                return self._spent_up()
             state = higher
             self.run(state)
         return state
+
+    def _in_vain(self, state: State) -> bool:
+        """Whether a state that is at least as rich in every body is known not to be good."""
+        return state not in self.trials and any(
+            s != self.reference and _all_above(s, state) and not self.good(s) for s in self.trials
+        )
+
+    def _over_budget(self, state: State) -> bool:
+        """Whether to run this state, and the one that is found with half the step, would cost too much."""
+        if state in self.trials:
+            return False
+        known = self._measured_costs()
+
+        def cost(one: State) -> float:
+            coordinates = self.ladders.coordinates(one)
+            return USUAL + coordinates if self.spent < SHORT else cost_of(known, coordinates)
+
+        return sum(cost(one) for one in self.trials) + cost(state) > BUDGET * cost(self.ladders.top)
+
+    def _spent_up(self) -> State | None:
+        """The cheapest of what is known to be good, without looking for something cheaper."""
+        good = [state for state in self.trials if self.good(state)]
+        if not good:
+            return None
+        self.notes.append("cheaper bodies may do: to look for them would have cost more than it saves")
+        return min(good, key=self.ladders.coordinates)
 
     def _raised(self, state: State, changes: dict[int, float]) -> State | None:
         """The next state: one rung more, or two while the error is large, for what is most to blame for it.
@@ -272,9 +322,7 @@ class Search:
             while state[b]:
                 lower = _with(state, b, state[b] - 1)
                 if lower not in self.trials:
-                    bad = [s for s in self.trials if not self.good(s) and _all_above(s, lower)]
-                    full = self.cost(self.ladders.top)
-                    if any(s for s in bad if s != self.reference) or self.spent + self.cost(lower) > BUDGET * full:
+                    if self._in_vain(lower) or self._over_budget(lower):
                         break
                     self.run(lower)
                 if not self.good(lower):
@@ -295,7 +343,7 @@ class Search:
         return math.sqrt(self.cost(state) * cost_of(self._measured_costs(), self.ladders.coordinates(state)))
 
     def _measured_costs(self) -> list[tuple[int, float]]:
-        return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if self.sound(s)]
+        return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if t.complete]
 
     def best(self) -> State | None:
         """Where nothing is proved: the smallest state with an estimate within the tolerance, or the least wrong."""
@@ -308,12 +356,29 @@ class Search:
     def step_error(self, state: State) -> float:
         """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""
         finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
-        if finer is None or self.spent + 2.0 * self.cost(state) > BUDGET * self.cost(self.ladders.top):
+        if finer is None or self.spent + 2.0 * self.cost(state) > MOST * self.cost(self.ladders.top):
             return math.nan
-        found, own = self._run(state, finer).measured, self.trials[state].measured
+        found, own = self.trial(state, finer).measured, self.trials[state].measured
         if found is None or own is None:
             return math.nan
         return max(error_between(one, own[one.name], found[one.name], self.duration) for one in self.used())
+
+
+def remedy(search: Search, makers: Sequence[Callable[[Any], Any]]) -> Any:
+    """Where rich bodies could not be trusted with the stepper, one of others with which the richest can; or None."""
+    trials = search.trials
+    failed = [s for s, one in trials.items() if one.failure and one.steps and TOO_LATE not in one.failure]
+    if not search.untrusted or not failed:
+        return None
+    state = max(failed, key=search.ladders.coordinates)
+    each = trials[state].wall_time / trials[state].steps
+    for make in makers:
+        stepper = make(search.ladders.at(state))
+        if each * search.duration / stepper.step > search.limit:
+            return None
+        if not search.trial(state, stepper).failure:
+            return stepper
+    return None
 
 
 def _with(state: State, body: int, rung: int) -> State:

@@ -12,13 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from lcpflex.errors import ModelError, in_range
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
-from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.fidelity_search import Search, remedy
+from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]
 
@@ -46,7 +48,8 @@ def right_size(
     Every body that has a ladder (made by ``reduce`` of a beam, bar or mesh) starts rigid. One run far up the ladder is
     what all others are compared with; its own error is extrapolated with the rate that the rungs below it show. Then
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
-    The full mesh itself is run only where nothing below is proved to be good enough. For one or two bodies all runs
+    The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
+    do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
     together took as long as two to four of the full mesh (``tests/studies/test_right_size_scenes.py``).
 
     All rungs are run with the same step, so that their differences measure the model and not the step. What the step
@@ -66,15 +69,16 @@ def right_size(
         Time to simulate [s]; that of the case by default.
     stepper
         One for all rungs, or a function of the scene that makes one (for explicit schemes, whose step has to fall with
-        the highest mode; then the step differs and its error is part of what is measured). By default the one
-        of the case, or ``GeneralizedAlpha``, which damps modes too fast for its step, with the smaller of a 2000th of
-        the duration and a 2000th of the longest period of the stiffest body, and a step a quarter of that and again of
-        it if the result with rich bodies warns; but at most 500 000 steps.
+        the highest mode; then the step differs and its error is part of what is measured). Where rich bodies cannot be
+        trusted with it, one with which they can is looked for and named. By default the one of the case; without one,
+        or if the result with rich bodies warns, ``GeneralizedAlpha``, which damps modes too fast for its step, with
+        the smaller of a 2000th of the duration and a 2000th of the longest period of the stiffest body, then a quarter
+        of that step and again of it; but at most 500 000 steps.
     limit
         Wall time [s] of a run: what is predicted to take longer is not run.
     verify
-        Run the full mesh where no reduced run proves that another one is good enough. Else that is not proved, and
-        the scene is the cheapest whose estimate is within the tolerance.
+        Run the full mesh where that is as cheap as to do without, and where no reduced run proves that another one is
+        good enough. Else that is not proved, and the scene is the cheapest whose estimate is within the tolerance.
     progress
         Show a progress bar; by default on a terminal, after two seconds.
 
@@ -101,22 +105,27 @@ def right_size(
     span = in_range("duration", span, 0.0, math.inf, open_ends=True)
     ladders = of_scene(scene)
     used = comparable(ladders, outputs)
-    given = getattr(scene, "stepper", None) if stepper is None else stepper
-    attempts = _defaults(ladders, span) if given is None else [_stepper(given)]
+    attempts = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
     bar: Any = tqdm(
         unit="run", leave=False,
         delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
     )  # fmt: skip
     spent = 0.0
+    given_up: list[str] = []
+    better = None
     with bar:
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, bar.update)
             found, step_error, complete = _measured(search)
+            if complete and last and stepper is not None:
+                better = remedy(search, _defaults(ladders, span))
             spent += search.spent
             if not search.untrusted or not complete:
                 break
-    return _report(search, found, step_error, spent, complete)
+            given_up += [f"{brief(make(ladders.scene))} was given up: {note}" for note in search.notes if not last]
+    search.notes[:0] = given_up
+    return replace(_report(search, found, step_error, spent, complete), better=better)
 
 
 def _measured(search: Search) -> tuple[State | None, float, bool]:
@@ -131,6 +140,13 @@ def _measured(search: Search) -> tuple[State | None, float, bool]:
             raise
         return found, step_error, False
     return found, step_error, True
+
+
+def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> list[Callable[[Any], Any]]:
+    """Steppers to be tried while rich bodies cannot be trusted: that of the user alone, or that of a case first."""
+    if given is not None:
+        return [_stepper(given)]
+    return [*([] if own is None else [_stepper(own)]), *_defaults(ladders, duration)]
 
 
 def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
@@ -180,7 +196,7 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
         duration=search.duration,
         spent=spent,
         full=search.cost(top) if whole else math.nan,
-        full_was_run=whole and search.sound(top),
+        full_was_run=whole and top in search.trials and search.trials[top].complete,
         step_error=step_error,
         notes=tuple(search.notes),
         complete=complete,
@@ -212,10 +228,11 @@ def _next(search: Search, state: State) -> list[NextRung]:
         if state[b] < ladders.top[b]:
             richer = (*state[:b], state[b] + 1, *state[b + 1 :])
             run = search.sound(richer)
+            cost = search.cost(richer) / search.cost(state)
             found.append(
                 NextRung(
                     f"{name}: {ladders.rungs[b][state[b] + 1].name}",
-                    search.cost(richer) / search.cost(state),
+                    cost if run else max(cost, 1.0),
                     search.estimate(richer) if run else _expected(search, state, richer, b),
                     run,
                 )

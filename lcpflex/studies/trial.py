@@ -50,6 +50,11 @@ class Trial:
     refused: bool = False  # before time was spent: it does not apply
 
     @property
+    def complete(self) -> bool:
+        """Whether it ran to its end, trusted or not: its time is that of a run."""
+        return bool(self.times) and self.measured is not None
+
+    @property
     def wall_time(self) -> float:
         """Median [s]."""
         return float(np.median(self.times)) if self.times else float("nan")

@@ -13,6 +13,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
+from lcpflex.exchange import settled
 from lcpflex.scene import Scene
 from lcpflex.studies import right_size
 from lcpflex.studies.commands_right_size import add_right_size
@@ -20,6 +21,7 @@ from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at,
 from lcpflex.studies.fidelity_report import FidelityRun, RightSize
 from lcpflex.studies.fidelity_scenes import comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
+from tests.studies.fidelity_scenes import strip
 
 STEP = lf.MoreauJean(step=2e-3)
 
@@ -31,7 +33,7 @@ def wall(elements: int = 40) -> Scene:
 @pytest.fixture(scope="module")
 def found() -> RightSize:
     """A bar strikes a wall, tolerance 5 %."""
-    return right_size(wall, tolerance=0.05, duration=1.5, stepper=STEP, progress=False)
+    return right_size(wall, tolerance=0.05, duration=1.5, stepper=STEP, verify=False, progress=False)
 
 
 @pytest.mark.parametrize("rate", [0.7, 1.0, 2.0])
@@ -59,6 +61,8 @@ def test_costs_grow_with_the_coordinates() -> None:
     known = [(n, 1e-3 * (20.0 + n)) for n in (3, 11, 67)]
     assert cost_of(known, 123) == pytest.approx(0.143, rel=1e-6)
     assert cost_of([(3, 2.0), (11, 1.0)], 100) >= 1.0  # noise does not make rich ones cheap
+    assert cost_of([(n, 1e-3 * (1.0 + n * n)) for n in (3, 5, 11, 35)], 67) == pytest.approx(4.49, rel=1e-3)
+    assert cost_of([(3, 0.2), (11, 0.2), (67, 0.77)], 123) >= 0.77
     assert math.isnan(cost_of([], 5))
 
 
@@ -142,15 +146,68 @@ def test_runs_that_would_take_too_long_are_left_out() -> None:
     assert any("time limit" in run.failure for run in short.runs)
 
 
+COARSE = lf.MoreauJean(step=1e-4)  # far too long a step for the strip: contacts create energy with rich bodies
+
+
 def test_runs_that_cannot_be_trusted_are_shown_and_not_chosen() -> None:
-    """A step far too long for the pendulum: contacts create energy with rich bodies."""
-    coarse = right_size(gallery.scenes()["smooth_pendulum"], tolerance=0.01, progress=False)
+    coarse = right_size(strip, "motion", 0.05, duration=0.03, stepper=COARSE, progress=False)
     assert not coarse.within
     failed = [run for run in coarse.runs if run.failure]
     assert failed
     assert not any(run.within or run.errors for run in failed)
     assert "failed: contact impulses created energy" in coarse.table()
-    assert any("cannot be trusted" in note for note in coarse.notes)
+    (note,) = coarse.notes
+    assert "full mesh cannot be trusted" in note
+    assert coarse.full_was_run  # for its time
+    assert coarse.full >= max(run.wall_time for run in coarse.runs)
+    assert type(coarse.better).__name__ == "GeneralizedAlpha"
+    assert coarse.sentence().endswith("use that, or give none.")
+    whole = strip().body("pendulum").source.ladder()[-1].make()
+    assert not lf.simulate(strip().with_bodies({"pendulum": whole}), 0.03, coarse.better, progress=False).warnings
+
+
+def test_the_stepper_of_a_case_is_exchanged_where_it_cannot_be_trusted() -> None:
+    case = gallery.Case("strip", "a strip", strip, 0.03, COARSE)
+    found = right_size(case, "motion", 0.05, progress=False)
+    assert found.within
+    assert type(found.stepper).__name__ == "GeneralizedAlpha"
+    assert found.better is None
+    assert found.notes[0].startswith("MoreauJean(step=0.0001) was given up: pendulum: full mesh cannot be trusted")
+    kept = right_size(gallery.Case("bar", "a bar", wall, 1.5, STEP), tolerance=0.05, progress=False)
+    assert kept.stepper is STEP
+    assert not kept.notes
+
+
+def test_the_full_mesh_proves_where_it_is_as_cheap_as_to_do_without() -> None:
+    """To do without takes the richest rung below and two more, and proves nothing at small tolerances."""
+    whole = right_size(wall, tolerance=0.01, duration=1.5, stepper=STEP, progress=False)
+    assert whole.reference == {"bar": "full mesh"}
+    assert whole.within
+    assert whole.rungs["bar"] != "full mesh"
+    assert len(whole.runs) <= 6
+    assert whole.runs[-1].estimate == 0.0
+    without = right_size(wall, tolerance=0.01, duration=1.5, stepper=STEP, verify=False, progress=False)
+    assert not without.full_was_run
+
+
+def stretched() -> Scene:
+    """A bar, welded to a wall on its right, that is pulled to the left end: a rigid one cannot start so."""
+    scene = Scene(gravity=(0.0, 0.0))
+    bar = lf.Bar(length=1.0, area=1e-4, density=7800.0, youngs_modulus=2.1e11, elements=20).reduce(12)
+    body = scene.add(bar, "bar", modal=[1e-3, -2e-4, 1e-4] + [0.0] * 9)
+    scene.join(lf.Weld(body.point("right"), scene.ground.at(1.0, 0.0)))
+    return settled(scene)
+
+
+def test_poor_bodies_start_on_their_joints() -> None:
+    scene = stretched()
+    with pytest.raises(ModelError, match="initial position violates"):
+        scene.with_bodies({"bar": scene.body("bar").source.ladder()[0].make()}).compile()
+    found = right_size(scene, "motion", 0.2, duration=1e-3, stepper=lf.GeneralizedAlpha(step=1e-6), progress=False)
+    assert not any(run.failure for run in found.runs)
+    assert found.within
+    assert found.runs[0].estimate > 0.5  # rigid: it does not move
+    found.scene.compile()
 
 
 def test_outputs_of_the_users_own() -> None:
