@@ -5,7 +5,8 @@ With q_m = q + theta h u and A = M(q_m) + theta h C + (theta h)^2 K,
     A (u+ - u) = h f(t_m, q_m, u) + J^T p_J + W p,     q+ = q + h (theta u+ + (1 - theta) u)
 
 and the unilateral law of :mod:`lcpflex.dynamics.impulse` on every pair whose gap at q + activation h u is closed.
-Order 1 across impacts; theta = 1/2 conserves the energy of linear elasticity.
+Order 1 across impacts; theta = 1/2 conserves the energy of linear elasticity. Of bodies stiffened by spin, f takes the
+torque 2 omega q^T G qdot at q, where its mean is zero as it should be, and not at q_m.
 Sources: Moreau 1988; Jean 1999; Acary & Brogliato 2008.
 """
 

@@ -15,6 +15,7 @@ from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -72,6 +73,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
             refresh(model, work.middle, work.table, k)
     supply(model, t + lean, work.middle, u, work)
     forces(model, t + lean, work.middle, u, work)
+    spare_spin(model, lean, u, work)
     factorise(model, work.middle, lean, lean * lean, work)
     for i in range(len(q)):
         work.free_u[i] = h * work.total[i]
@@ -89,6 +91,20 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     work.step_size[2] = n_tangent
     pose(model, work, u, (1.0 - settings.theta) * h, 0.0)
     return n
+
+
+@kernel
+def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> None:
+    """Take the mean of a ringing body's torque 2 omega q^T G qdot, which has none, off the total force.
+
+    With q + lean qdot and qdot it has 2 omega lean qdot^T G qdot, and would spin up a stiffened body step by step.
+    """
+    bodies = model.bodies
+    for b in range(len(bodies.mass)):
+        if bodies.geometric_start[b + 1] > bodies.geometric_start[b]:
+            d = bodies.dof[b]
+            rates = u[d + 3 : bodies.dof[b + 1]]
+            work.total[d + 2] -= 2.0 * lean * u[d + 2] * stiffened(bodies, b, rates, rates)
 
 
 @kernel
