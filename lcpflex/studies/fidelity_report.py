@@ -140,12 +140,18 @@ class RightSize:
 
     def sentence(self) -> str:
         """What to do, how wrong it is, and what it saves."""
-        if self.better is None:
-            return self._verdict()
-        return (
-            f"{self._verdict()} Richer bodies cannot be trusted with {brief(self.stepper)}, but with "
-            f"{brief(self.better)}: use that, or give none."
-        )
+        said = [self._verdict()]
+        if self.step_error > self.tolerance:
+            said.append(
+                f"But half the step changes the outputs by {_percent(self.step_error)}: at this tolerance the step "
+                "decides more than the bodies do. Shorten it, or allow more."
+            )
+        if self.better is not None:
+            said.append(
+                f"Richer bodies cannot be trusted with {brief(self.stepper)}, but with {brief(self.better)}: use that, "
+                "or give none."
+            )
+        return " ".join(said)
 
     def _verdict(self) -> str:
         if self.chosen is None:
@@ -198,7 +204,6 @@ class RightSize:
             lines.append(
                 f"Half the step changes the outputs by {_percent(self.step_error)}: that error is not one of "
                 "the bodies, and adds to theirs."
-                + (" It exceeds the tolerance: shorten the step." if self.step_error > self.tolerance else "")
             )
         if math.isfinite(self.full):
             known = "" if self.full_was_run else ", predicted"

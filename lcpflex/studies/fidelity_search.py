@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,10 +11,9 @@ from lcpflex.energy import EnergyGrowth
 from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking
 from lcpflex.studies.fidelity_scenes import Ladders, State
 from lcpflex.studies.outputs import Output, error_between, is_nothing
-from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
 
-__all__ = ["Search", "remedy"]
+__all__ = ["Search", "as_rich"]
 
 INSTANTS = 2000  # at which outputs are compared
 UNTRUSTED = "cannot be trusted"
@@ -277,7 +276,7 @@ class Search:
     def _in_vain(self, state: State) -> bool:
         """Whether a state that is at least as rich in every body is known not to be good."""
         return state not in self.trials and any(
-            s != self.reference and _all_above(s, state) and not self.good(s) for s in self.trials
+            s != self.reference and as_rich(s, state) and not self.good(s) for s in self.trials
         )
 
     def _over_budget(self, state: State) -> bool:
@@ -364,28 +363,12 @@ class Search:
         return max(error_between(one, own[one.name], found[one.name], self.duration) for one in self.used())
 
 
-def remedy(search: Search, makers: Sequence[Callable[[Any], Any]]) -> Any:
-    """Where rich bodies could not be trusted with the stepper, one of others with which the richest can; or None."""
-    trials = search.trials
-    failed = [s for s, one in trials.items() if one.failure and one.steps and TOO_LATE not in one.failure]
-    if not search.untrusted or not failed:
-        return None
-    state = max(failed, key=search.ladders.coordinates)
-    each = trials[state].wall_time / trials[state].steps
-    for make in makers:
-        stepper = make(search.ladders.at(state))
-        if each * search.duration / stepper.step > search.limit:
-            return None
-        if not search.trial(state, stepper).failure:
-            return stepper
-    return None
-
-
 def _with(state: State, body: int, rung: int) -> State:
     return (*state[:body], rung, *state[body + 1 :])
 
 
-def _all_above(a: State, b: State) -> bool:
+def as_rich(a: State, b: State) -> bool:
+    """Whether ``a`` is at least as rich as ``b`` in every body."""
     return all(x >= y for x, y in zip(a, b, strict=True))
 
 

@@ -11,7 +11,7 @@ result = lf.simulate(found.scene, 0.5, lf.MoreauJean(step=1e-4))
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,8 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
-from lcpflex.studies.fidelity_search import Search, remedy
+from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.fidelity_verdict import remedy, scatter
 from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]
@@ -30,6 +31,7 @@ MOST = 500_000  # steps of such a run
 SHORTER = 4.0  # factor by which the step is shortened where rich bodies cannot be trusted with it
 ATTEMPTS = 3
 LIMIT = 60.0  # [s]
+QUICK = 0.25  # part of the limit that a run may take with a step that was shortened for accuracy alone
 
 
 def right_size(
@@ -73,7 +75,8 @@ def right_size(
         trusted with it, one with which they can is looked for and named. By default the one of the case; without one,
         or if the result with rich bodies warns, ``GeneralizedAlpha``, which damps modes too fast for its step, with
         the smaller of a 2000th of the duration and a 2000th of the longest period of the stiffest body, then a quarter
-        of that step and again of it; but at most 500 000 steps.
+        of that step and again of it, also if half the step changes the outputs by more than the tolerance and runs are
+        quick; but at most 500 000 steps.
     limit
         Wall time [s] of a run: what is predicted to take longer is not run.
     verify
@@ -105,48 +108,55 @@ def right_size(
     span = in_range("duration", span, 0.0, math.inf, open_ends=True)
     ladders = of_scene(scene)
     used = comparable(ladders, outputs)
-    attempts = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
+    attempts, own = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
     bar: Any = tqdm(
         unit="run", leave=False,
         delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
     )  # fmt: skip
     spent = 0.0
     given_up: list[str] = []
-    better = None
     with bar:
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, bar.update)
-            found, step_error, complete = _measured(search)
-            if complete and last and stepper is not None:
-                better = remedy(search, _defaults(ladders, span))
+            others = [] if stepper is None else _defaults(ladders, span)
+            found, step_error, better, complete = _measured(search, others)
             spent += search.spent
-            if not search.untrusted or not complete:
+            used_step = brief(make(ladders.scene))
+            if last or not complete:
                 break
-            given_up += [f"{brief(make(ladders.scene))} was given up: {note}" for note in search.notes if not last]
+            if search.untrusted:
+                given_up += [f"{used_step} was given up: {note}" for note in search.notes]
+            elif k >= own and step_error > tolerance and SHORTER * search.cost(ladders.top) < QUICK * limit:
+                given_up.append(
+                    f"{used_step} was given up: half the step changes the outputs by {100.0 * step_error:.2g} %"
+                )
+            else:
+                break
     search.notes[:0] = given_up
     return replace(_report(search, found, step_error, spent, complete), better=better)
 
 
-def _measured(search: Search) -> tuple[State | None, float, bool]:
-    """What was found, what half the step changes of it, and whether it was not interrupted by Ctrl-C."""
+def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[State | None, float, Any, bool]:
+    """What was found, what half the step changes of it, a better one of other steppers, and whether Ctrl-C was not."""
     found, step_error = None, math.nan
     try:
         found = search.find()
         if found is not None:
             step_error = search.step_error(found)
+        return found, step_error, remedy(search, others), True
     except KeyboardInterrupt:
         if not search.trials:
             raise
-        return found, step_error, False
-    return found, step_error, True
+        return found, step_error, None, False
 
 
-def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> list[Callable[[Any], Any]]:
-    """Steppers to be tried while rich bodies cannot be trusted: that of the user alone, or that of a case first."""
+def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> tuple[list[Callable[[Any], Any]], int]:
+    """Steppers to be tried in turn, and how many of them others have chosen: that of the user alone, or of a case."""
     if given is not None:
-        return [_stepper(given)]
-    return [*([] if own is None else [_stepper(own)]), *_defaults(ladders, duration)]
+        return [_stepper(given)], 1
+    chosen = [] if own is None else [_stepper(own)]
+    return [*chosen, *_defaults(ladders, duration)], len(chosen)
 
 
 def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
@@ -198,7 +208,7 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
         full=search.cost(top) if whole else math.nan,
         full_was_run=whole and top in search.trials and search.trials[top].complete,
         step_error=step_error,
-        notes=tuple(search.notes),
+        notes=(*search.notes, *scatter(search, found)),
         complete=complete,
     )
 

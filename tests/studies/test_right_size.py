@@ -21,6 +21,7 @@ from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at,
 from lcpflex.studies.fidelity_report import FidelityRun, RightSize
 from lcpflex.studies.fidelity_scenes import comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.fidelity_verdict import scatter
 from tests.studies.fidelity_scenes import strip
 
 STEP = lf.MoreauJean(step=2e-3)
@@ -108,7 +109,10 @@ def test_a_smaller_tolerance_climbs_to_the_full_mesh() -> None:
     assert whole.within
     assert whole.rungs == {"bar": "full mesh"}
     assert whole.full_was_run
-    assert whole.sentence() == "The full mesh is needed: nothing less is within 0.01 % of it."
+    assert whole.step_error > 1e-4
+    needed, step = whole.sentence().split(" But ")
+    assert needed == "The full mesh is needed: nothing less is within 0.01 % of it."
+    assert "at this tolerance the step decides more than the bodies do" in step
 
 
 def test_what_is_not_proved_is_said_to_be_so() -> None:
@@ -176,6 +180,27 @@ def test_the_stepper_of_a_case_is_exchanged_where_it_cannot_be_trusted() -> None
     kept = right_size(gallery.Case("bar", "a bar", wall, 1.5, STEP), tolerance=0.05, progress=False)
     assert kept.stepper is STEP
     assert not kept.notes
+
+
+def test_a_default_step_is_shortened_until_it_decides_less_than_the_bodies() -> None:
+    found = right_size(strip, "motion", 2e-4, duration=0.004, progress=False)
+    assert "was given up: half the step changes the outputs by" in found.notes[0]
+    assert found.step_error <= 2e-4
+    assert "the step decides" not in found.sentence()
+
+
+def test_a_choice_by_chance_is_said_to_be_one(found) -> None:
+    """Errors that do not fall: a rung in the middle that is good where richer ones are not."""
+    ladders = of_scene(wall)
+    search = Search(ladders, comparable(ladders, "motion"), 0.0, 1.5, lambda scene: STEP, 60.0)
+    for rung in (0, 2, 3, ladders.top[0]):
+        search.run((rung,))
+    search.reference = ladders.top
+    search.tolerance = search.estimate((3,)) * 0.99
+    assert "off by up to" in scatter(search, (2,))[0]
+    search.tolerance = search.estimate((3,)) * 1.01
+    assert scatter(search, (2,)) == []
+    assert not found.notes
 
 
 def test_the_full_mesh_proves_where_it_is_as_cheap_as_to_do_without() -> None:

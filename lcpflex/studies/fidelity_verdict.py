@@ -1,0 +1,42 @@
+"""What is said beside the choice: a stepper that would do where the given one does not, and chance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from lcpflex.studies.fidelity_scenes import State
+from lcpflex.studies.fidelity_search import Search, as_rich
+from lcpflex.studies.time_limit import TOO_LATE
+
+__all__ = ["remedy", "scatter"]
+
+
+def remedy(search: Search, makers: Sequence[Callable[[Any], Any]]) -> Any:
+    """Where rich bodies could not be trusted with the stepper, one of others with which the richest can; or None."""
+    trials = search.trials
+    failed = [s for s, one in trials.items() if one.failure and one.steps and TOO_LATE not in one.failure]
+    if not search.untrusted or not failed:
+        return None
+    state = max(failed, key=search.ladders.coordinates)
+    each = trials[state].wall_time / trials[state].steps
+    for make in makers:
+        stepper = make(search.ladders.at(state))
+        if each * search.duration / stepper.step > search.limit:
+            return None
+        if not search.trial(state, stepper).failure:
+            return stepper
+    return None
+
+
+def scatter(search: Search, found: State | None) -> list[str]:
+    """A warning where richer bodies than those that were found are not within the tolerance."""
+    if found is None:
+        return []
+    richer = [s for s in search.trials if s != found and search.sound(s) and as_rich(s, found)]
+    worst = max((search.estimate(s) for s in richer if s != search.reference), default=0.0)
+    if worst <= search.tolerance:
+        return []
+    return [
+        f"richer bodies were off by up to {100.0 * worst:.2g} %: the choice is within the tolerance by chance as well"
+    ]
