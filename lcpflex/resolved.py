@@ -41,19 +41,20 @@ def unresolved(result: Result) -> tuple[str, ...]:
 
 
 def _few_pairs(result: Result, law: int, name: str) -> str:
-    """Where nodes of a mesh touch, and fewer than 9 of them at the greatest force."""
+    """Where nodes of a mesh touch, or a disc touches a mesh, and fewer than 9 pairs carry the greatest force."""
     assert result.compiled is not None
-    slaves = _meshed_slaves(result.compiled, law)
+    slaves, masters = _meshed_slaves(result.compiled, law), _masters_of_discs(result.compiled, law)
     history = result.contact(name)
-    if not slaves or not history.peak_force > 0.0:
+    if not (slaves or masters) or not history.peak_force > 0.0:
         return ""
     pairs = int(history.pairs[history.force[:, 0] >= NEAR_PEAK * history.peak_force].max())
     if pairs == 0 or pairs >= PAIRS:
         return ""
+    choice = "" if slaves else ", and choose that surface as the slave of the contact: nodes share a force more evenly"
     return (
         f"contact {name!r}: {pairs} pair{'' if pairs == 1 else 's'} of touching points carried its peak force of "
-        f"{history.peak_force:.4g} N, expected at least {PAIRS}: make the elements of {' and '.join(slaves)} "
-        f"{PAIRS / pairs:.2g} times as fine where they touch"
+        f"{history.peak_force:.4g} N, expected at least {PAIRS}: make the elements of "
+        f"{' and '.join(slaves or masters)} {PAIRS / pairs:.2g} times as fine where they touch{choice}"
     )
 
 
@@ -116,6 +117,16 @@ def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
     slaves = contacts.pass_slave[contacts.pass_law == law]
     several = slaves[contacts.slave_start[slaves + 1] - contacts.slave_start[slaves] > 1]
     return [repr(layout.bodies[b]) for b in _owners(compiled, several)]
+
+
+def _masters_of_discs(compiled: Compiled, law: int) -> list[str]:
+    """Names of meshed bodies of which a disc or arc may touch several segments in a contact."""
+    contacts, layout = compiled.model.contacts, compiled.layout
+    of_law = contacts.pass_law == law
+    slaves, masters = contacts.pass_slave[of_law], contacts.pass_feature[of_law]
+    segments = contacts.feature_start[masters + 1] - contacts.feature_start[masters]
+    touched = masters[(contacts.slave_radius[contacts.slave_start[slaves]] > 0.0) & (segments > 1)]
+    return [repr(layout.bodies[b]) for b in _owners(compiled, touched)]
 
 
 def _owners(compiled: Compiled, surfaces: IntArray) -> list[int]:
