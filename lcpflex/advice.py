@@ -72,6 +72,9 @@ def wave_speed(youngs_modulus: float, density: float) -> float:
 def element_size(frequency: float, wave_speed: float, per_wavelength: float = PER_WAVELENGTH) -> float:
     """Longest element h = c / (n f) [m] with n elements a wavelength at the frequency f [Hz] and wave speed c [m/s].
 
+    With c of :func:`wave_speed`, waves of shear and of surfaces, 0.55 to 0.65 times as fast, get 11 to 13 elements; for
+    the bending of thin parts, which is slower still, give c = sqrt(2 pi f) (E I / (rho A))^(1/4).
+
     Source: Chen, Liu & Hong 2015; Seifried 2003 (n = 20).
     """
     n = in_range("per_wavelength", per_wavelength, 1.0, math.inf)
