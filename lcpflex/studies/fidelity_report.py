@@ -281,6 +281,7 @@ def _advice(rungs: Mapping[str, str]) -> str:
     rigid = [name for name, rung in rungs.items() if rung == "rigid"]
     parts = [_listed(flexible)] if flexible else []
     if rigid:
-        parts.append(f"the {' and the '.join(rigid)} may be rigid")
+        few, last = [f"the {name}" for name in rigid[:-1]], f"the {rigid[-1]}"
+        parts.append(f"{', '.join(few)} and {last} may be rigid" if few else f"{last} may be rigid")
     text = ", ".join(parts)
     return text[0].upper() + text[1:]

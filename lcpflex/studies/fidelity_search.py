@@ -180,7 +180,8 @@ class Search:
         if not self.verify or not all(self.ladders.whole(b) for b in range(len(top))):
             return False
         lower = [tuple(max(rung - k, 0) for rung in state) for k in range(WITNESSES + 1)]
-        return self.cost(top) <= min(self.limit, sum(self.cost(one) for one in lower))
+        cheap = self._usual_cost(top) <= sum(self._usual_cost(one) for one in lower)
+        return cheap and self.cost(top) <= self.limit
 
     def _look_ahead(self, state: State) -> None:
         """Run the richest state that can be afforded and trusted: what all others are compared with."""
@@ -283,13 +284,12 @@ class Search:
         """Whether to run this state, and the one that is found with half the step, would cost too much."""
         if state in self.trials:
             return False
-        known = self._measured_costs()
+        return self._exceeds(BUDGET, self._usual_cost(state))
 
-        def cost(one: State) -> float:
-            coordinates = self.ladders.coordinates(one)
-            return USUAL + coordinates if self.spent < SHORT else cost_of(known, coordinates)
-
-        return sum(cost(one) for one in self.trials) + cost(state) > BUDGET * cost(self.ladders.top)
+    def _exceeds(self, budget: float, cost: float) -> bool:
+        """Whether ``cost``, with all that was run, is more than so many runs of the full mesh."""
+        spent = sum(self._usual_cost(one) for one in self.trials)
+        return spent + cost > budget * self._usual_cost(self.ladders.top)
 
     def _spent_up(self) -> State | None:
         """The cheapest of what is known to be good, without looking for something cheaper."""
@@ -333,13 +333,14 @@ class Search:
         """Of the good states that raise no body in vain; of those that cost about the same the smallest, then best."""
         others = [b for b in range(len(found)) if b not in self.needing]
         good = [s for s in self.trials if self.good(s) and not any(s[b] for b in others)] or [found]
-        costs = {state: self._usual_cost(state) for state in good}
+        costs = {state: self._usual_cost(state) for state in good}  # single runs are timed too badly to compare
         near = [state for state in good if costs[state] <= EQUAL * min(costs.values())]
         return min(near, key=lambda s: (self.ladders.coordinates(s), self.estimate(s)))
 
     def _usual_cost(self, state: State) -> float:
-        """Between what was measured once and what runs of that size take: the clock is noisy."""
-        return math.sqrt(self.cost(state) * cost_of(self._measured_costs(), self.ladders.coordinates(state)))
+        """What runs of that size take by all that were timed [s]; without the clock where that is too noisy."""
+        coordinates = self.ladders.coordinates(state)
+        return USUAL + coordinates if self.spent < SHORT else cost_of(self._measured_costs(), coordinates)
 
     def _measured_costs(self) -> list[tuple[int, float]]:
         return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if t.complete]
@@ -355,7 +356,7 @@ class Search:
     def step_error(self, state: State) -> float:
         """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""
         finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
-        if finer is None or self.spent + 2.0 * self.cost(state) > MOST * self.cost(self.ladders.top):
+        if finer is None or self._exceeds(MOST, 2.0 * self._usual_cost(state)):
             return math.nan
         found, own = self.trial(state, finer).measured, self.trials[state].measured
         if found is None or own is None:

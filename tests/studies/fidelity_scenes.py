@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,21 @@ def striker() -> Scene:
     return scene
 
 
+def chain() -> Scene:
+    """Two slender beams and a stout one, hinged to each other and to a wall; the first falls onto a stop."""
+    scene = Scene()
+    where, placed = 0.0, []
+    for name, length, thickness in (("first", 0.5, 0.008), ("second", 0.4, 0.006), ("third", 0.1, 0.03)):
+        beam = lf.Beam(length=length, width=0.03, thickness=thickness, elements=int(30 * length), **STEEL)
+        placed.append(scene.add(beam.reduce(2, damping=0.02), name, (where, 0.0)))
+        where += length
+    for before, after in pairwise([None, *placed]):
+        hinge = scene.ground.at(0.0, 0.0) if before is None else before.point("right")
+        scene.join(lf.Revolute(after.point("left"), hinge))
+    scene.contact(placed[0].node(0.25, -0.004), scene.ground.circle((0.25, -0.0141), 0.01))
+    return scene
+
+
 def block() -> Scene:
     """A block, meshed, flies end on against a wall: of its lowest modes, which bend it, the wall excites none."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -93,6 +109,7 @@ QUESTIONS = {
     "strip": Question(strip, 0.03, lf.GeneralizedAlpha(step=1e-5), 0.03, outputs=("motion",)),
     "hung": Question(hung, 0.1, lf.GeneralizedAlpha(step=2e-5), 0.03, rigid=("stout",)),
     "striker": Question(striker, 0.02, lf.GeneralizedAlpha(step=4e-6), 0.07, rigid=("stout",)),
+    "chain": Question(chain, 0.05, lf.GeneralizedAlpha(step=2e-5), 0.01, rigid=("third",)),
     "block": Question(block, 3e-4, lf.GeneralizedAlpha(step=1e-7), 0.03),
     "bar": Question(bar, 1.5, lf.MoreauJean(step=5e-4), 0.01),
 }

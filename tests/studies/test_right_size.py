@@ -323,6 +323,24 @@ def test_table_chart_and_file(found, tmp_path) -> None:
     assert (tmp_path / "chart.png").stat().st_size > 10_000
 
 
+def test_the_chart_draws_no_error_where_there_is_none() -> None:
+    whole = right_size(wall, tolerance=0.01, duration=1.5, stepper=STEP, progress=False)
+    (ax,) = whole.plot().axes
+    lines = {line.get_label(): line for line in ax.get_lines()}
+    for name in ("motion", "impulses"):
+        assert len(lines[name].get_ydata()) == len(whole.runs) - 1  # all but the full mesh
+        assert min(lines[name].get_ydata()) > ax.get_ylim()[0]
+    assert "no error, by definition or in effect" in lines
+    names = {text.get_text() for text in ax.texts}
+    assert {"full", whole.rungs["bar"].split()[0]} <= names
+
+
+def test_names_do_not_lie_on_each_other_in_the_chart(found) -> None:
+    same = [replace(run, wall_time=1.0, errors={"motion": 0.01}) for run in found.runs]
+    (ax,) = replace(found, runs=tuple(same)).plot().axes
+    assert len(ax.texts) == 2  # one of them, and the tolerance
+
+
 def test_the_command(tmp_path, capsys) -> None:
     parser = argparse.ArgumentParser()
     add_right_size(parser.add_subparsers(), lambda text: (wall(), 1.5, STEP))
@@ -354,3 +372,9 @@ def test_a_sentence_names_what_may_be_rigid() -> None:
         "4 modes for the pendulum, the rod may be rigid: peak force within 0.8 % of the full mesh, 30 times cheaper."
     )
     assert np.isclose(study.speedup, 30.0)
+    rigid = replace(study, rungs=dict.fromkeys(("pendulum", "rod", "stop"), "rigid"))
+    assert (
+        replace(rigid, runs=(replace(run, rungs=rigid.rungs),))
+        .sentence()
+        .startswith("The pendulum, the rod and the stop may be rigid: ")
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,17 +55,16 @@ def counted(steps: int, coordinates: int) -> int:
     return steps * (OF_A_STEP + coordinates)
 
 
-def answered(name: str):
-    question = QUESTIONS[name]
-    found = right_size(
+def asked(question):
+    return right_size(
         question.build, question.outputs, question.tolerance, duration=question.duration, stepper=question.stepper,
         progress=False,
     )  # fmt: skip
-    return question, found
 
 
 def check(name: str) -> None:
-    question, found = answered(name)
+    question = QUESTIONS[name]
+    found = asked(question)
     print(f"\n{found}")
     assert found.within
     truth = Truth(question)
@@ -108,6 +108,18 @@ def test_modes_that_nothing_excites_prove_nothing() -> None:
     assert two == pytest.approx(rigid, rel=1e-3)
     assert rigid > 0.3 > many
     check("block")
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 1e-5])
+def test_a_study_of_three_bodies_costs_less_than_five_runs_of_the_full_mesh(tolerance: float) -> None:
+    question = replace(QUESTIONS["chain"], tolerance=tolerance)
+    found = asked(question)
+    truth = Truth(question)
+    assert found.within
+    true = max(truth.errors(truth.state(found.rungs)).values())
+    print(f"{tolerance:g}: {found.sentence()} {spent_on(found) / truth.cost(truth.top):.2f} runs, true {true:.2e}")
+    assert true <= tolerance
+    assert spent_on(found) < 5.0 * truth.cost(truth.top)
 
 
 @pytest.mark.slow
