@@ -224,6 +224,12 @@ class Scene:
         determines. One pass lets nodes of the master into the slave between its nodes, and the pressure is uneven where
         the meshes do not match: let the finer one be the slave (measured with 8 and 5 elements pressed together: the
         blocks are 0.04 % too short, with the coarser one as slave 1.3 %).
+
+        A disc that strikes a mesh finer than the patch where they touch: let the mesh be the slave. As the slave, the
+        disc passes from segment to segment of the bent mesh, each time with a small jump of energy that no shorter step
+        removes (measured with elements of a third of the patch's half width and massless boundary: 1 % of the energy is
+        unexplained for a while, 0.002 % with the mesh as slave). On a mesh coarser than the patch, the disc would sink
+        in between nodes: let it be the slave, as it is by default.
         """
         for argument, surface in (("a", a), ("b", b)):
             if not isinstance(surface, PlacedSurface):
