@@ -36,7 +36,7 @@ def unresolved(result: Result) -> tuple[str, ...]:
         if duration > 0.0:
             for b in _meshed(result.compiled, law):
                 found.append(_long_elements(result.compiled, name, b, duration))
-                found.append(_few_modes(result.compiled, name, b, duration))
+                found.append(_few_modes(result, result.compiled, name, b, duration))
     return tuple(text for text in found if text)
 
 
@@ -74,17 +74,21 @@ def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> st
     )
 
 
-def _few_modes(compiled: Compiled, name: str, b: int, duration: float) -> str:
-    """Where body b deforms, but its modes end below what was excited."""
+def _few_modes(result: Result, compiled: Compiled, name: str, b: int, duration: float) -> str:
+    """Where body b deforms, but its modes end below what was excited; static ones hold no waves and do not count."""
     bodies = compiled.model.bodies
-    own = bodies.stiffness[int(bodies.dof[b]) - 3 * b : int(bodies.dof[b + 1]) - 3 * (b + 1)]
-    highest = math.sqrt(float(own.max(initial=0.0))) / (2.0 * math.pi)
+    first, last = int(bodies.dof[b]) + 3, int(bodies.dof[b + 1])
+    own = bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
+    # those of a massless boundary have displacements, but no velocity
+    static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, first:last] != 0.0).any(axis=0)
+    highest = math.sqrt(float(own[~static].max(initial=0.0))) / (2.0 * math.pi)
     frequency = excited_frequency(duration)
     if not own.size or highest >= frequency:
         return ""
+    dynamic = "dynamic " if static.any() else ""
     return (
-        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the modes of "
-        f"{compiled.layout.bodies[b]!r} ({own.size}) end at {highest:.3g} Hz: keep more"
+        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the {dynamic}modes of "
+        f"{compiled.layout.bodies[b]!r} ({np.count_nonzero(~static)}) end at {highest:.3g} Hz: keep more"
     )
 
 

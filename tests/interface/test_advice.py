@@ -194,6 +194,21 @@ def test_too_long_elements_and_too_few_modes_are_said():
     assert "modes of 'block' (2) end at" in text
 
 
+def test_static_modes_do_not_count():
+    """The free modes of a block that falls on its residual compliance: 3 dynamic ones end below what is excited."""
+    mesh = meshes.rectangle(0.04, 0.02, 10, 4)
+    body = lf.residual_compliance(Continuum(mesh, poissons_ratio=0.3, **STEEL), "bottom", modes=30)
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    block = scene.add(body, "block", velocity=(0.0, -0.1))
+    scene.contact(block.surface("bottom"), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="ground")
+    for modes, warned in ((3, True), (30, False)):
+        result = lf.simulate(scene, 3e-5, lf.MasslessBoundary(dynamic_modes=modes), record=3e-8)
+        texts = [text for text in result.warnings if "keep more" in text]
+        assert len(texts) == warned
+        if warned:
+            assert f"dynamic modes of 'block' ({modes}) end at" in texts[0]
+
+
 def test_nothing_is_said_of_what_is_not_known():
     """A push that had not ended with the run, or that the stored instants do not resolve."""
     assert not any("20 to a wave" in text for text in run(pressed(11), duration=4e-6).warnings)
