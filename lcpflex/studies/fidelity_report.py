@@ -100,9 +100,12 @@ class RightSize:
     full, full_was_run
         Wall time of a run of the full mesh [s], measured or predicted; NaN where a ladder does not reach it.
     step_error
-        Change of the outputs with half the step, which no choice of bodies can take away; NaN where it is not known.
+        Change of the outputs with half the step, which no choice of bodies can take away: of the choice, or of one with
+        about 8 modes where that would cost too much; NaN where it is not known.
     better
         A stepper with which rich bodies can be trusted, where they cannot with the one that was given.
+    exhausted
+        Whether cheaper bodies that would do may have been left out, as to look for them would have cost too much.
     notes
         What a reader must know.
     complete
@@ -124,6 +127,7 @@ class RightSize:
     full_was_run: bool
     step_error: float = math.nan
     better: Any = None
+    exhausted: bool = False
     notes: tuple[str, ...] = field(default=())
     complete: bool = True
 
@@ -162,11 +166,17 @@ class RightSize:
         if not self.within:
             return (
                 f"No rung is proved to be within {_percent(self.tolerance)} of the full mesh: the best that was run, "
-                f"{bodies}, has estimated errors of {self._listed()}."
+                f"{bodies[0].lower() + bodies[1:]}, has estimated errors of {self._listed()}."
+            )
+        if self.chosen.full and self.exhausted:
+            return (
+                f"The full mesh, as nothing less that was run is within {_percent(self.tolerance)} of it; to look for "
+                "more would have cost more than it saves."
             )
         if self.chosen.full:
             return f"The full mesh is needed: nothing less is within {_percent(self.tolerance)} of it."
-        return f"{bodies}: {errors} of the full mesh, {self._cheaper()}."
+        more = " Less may do, but to look for it would have cost more than it saves." if self.exhausted else ""
+        return f"{bodies}: {errors} of the full mesh, {self._cheaper()}.{more}"
 
     def _listed(self) -> str:
         return ", ".join(f"{_percent(error)} in {name}" for name, error in self.errors.items())

@@ -44,10 +44,12 @@ class Search:
     demanding: bool = False  # end at the first rich run that cannot be trusted: another stepper is to be tried
     done: Callable[[], object] = lambda: None
     trials: dict[State, Trial] = field(default_factory=dict)
+    middle: State = ()
     reference: State | None = None
     needing: tuple[int, ...] = ()  # bodies whose refinement changes the outputs
     changes: dict[int, float] = field(default_factory=dict)  # by how much
     untrusted: bool = False  # a rich run failed
+    exhausted: bool = False  # the climb was ended to save cost
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
     _differences: dict[tuple[State, State, State, str], float] = field(default_factory=dict)
@@ -157,7 +159,7 @@ class Search:
         self.run(self.ladders.bottom)
         top = self.ladders.top
         richest = tuple(max(k - 1, min(k, 1)) if self.ladders.whole(b) else k for b, k in enumerate(top))
-        middle = tuple(
+        self.middle = middle = tuple(
             min(limit, max(k for k, rung in enumerate(rungs) if rung.modes <= MIDDLE))
             for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
         )
@@ -240,7 +242,8 @@ class Search:
         count = len(self.reference)
         if count == 1:
             return {0: 1.0}
-        background = self.reference if count == 2 or not self.sound(middle) else middle
+        exact = self.reference == self.ladders.top and self.verify
+        background = middle if self.sound(middle) and (count > 2 or exact) else self.reference
         share = self.tolerance / (2.0 * count)
         found = {}
         for b in range(count):
@@ -281,10 +284,12 @@ class Search:
         )
 
     def _over_budget(self, state: State) -> bool:
-        """Whether to run this state, and the one that is found with half the step, would cost too much."""
+        """Whether to run this state would cost too much; with anything good, half the step is to be told from it."""
         if state in self.trials:
             return False
-        return self._exceeds(BUDGET, self._usual_cost(state))
+        if any(s != self.reference and self.good(s) for s in self.trials):
+            return self._exceeds(BUDGET, self._usual_cost(state))
+        return self._exceeds(MOST, self._usual_cost(state) + 2.0 * self._usual_cost(self.middle))
 
     def _exceeds(self, budget: float, cost: float) -> bool:
         """Whether ``cost``, with all that was run, is more than so many runs of the full mesh."""
@@ -296,7 +301,7 @@ class Search:
         good = [state for state in self.trials if self.good(state)]
         if not good:
             return None
-        self.notes.append("cheaper bodies may do: to look for them would have cost more than it saves")
+        self.exhausted = True
         return min(good, key=self.ladders.coordinates)
 
     def _raised(self, state: State, changes: dict[int, float]) -> State | None:
@@ -354,11 +359,17 @@ class Search:
         return min(known, key=lambda s: (self.estimate(s), self.ladders.coordinates(s)), default=None)
 
     def step_error(self, state: State) -> float:
-        """Change of the outputs with half the step; NaN where there is no step, or it would cost too much."""
-        finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
-        if finer is None or self._exceeds(MOST, 2.0 * self._usual_cost(state)):
+        """Change of the outputs with half the step, of ``state`` or, if that would cost too much, of a poorer one.
+
+        NaN where there is no step, or even that would cost too much.
+        """
+        at = state
+        if self._exceeds(MOST, 2.0 * self._usual_cost(at)) and self.sound(self.middle):
+            at = self.middle
+        finer = refined(self.stepper_of(self.ladders.at(at)), 2.0)
+        if finer is None or self._exceeds(MOST, 2.0 * self._usual_cost(at)):
             return math.nan
-        found, own = self.trial(state, finer).measured, self.trials[state].measured
+        found, own = self.trial(at, finer).measured, self.trials[at].measured
         if found is None or own is None:
             return math.nan
         return max(error_between(one, own[one.name], found[one.name], self.duration) for one in self.used())

@@ -189,6 +189,25 @@ def test_a_default_step_is_shortened_until_it_decides_less_than_the_bodies() -> 
     assert "the step decides" not in found.sentence()
 
 
+class Flat(Search):
+    """A search that takes every run for as expensive as the next."""
+
+    def _usual_cost(self, state) -> float:
+        return 1.0
+
+
+def test_a_search_ends_where_it_costs_more_than_it_saves(found) -> None:
+    ladders = of_scene(wall)
+    search = Flat(ladders, comparable(ladders, "motion"), 1e-3, 1.5, lambda scene: STEP, 60.0)
+    assert search.find() == ladders.top
+    assert search.exhausted
+    assert len(search.trials) == 3  # half the step costs two more
+    run = replace(found.chosen, rungs={"bar": "full mesh"}, full=True)
+    ended = replace(found, rungs=run.rungs, runs=(run,), exhausted=True)
+    assert "to look for more would have cost more than it saves" in ended.sentence()
+    assert "Less may do, but" in replace(found, exhausted=True).sentence()
+
+
 def test_a_choice_by_chance_is_said_to_be_one(found) -> None:
     """Errors that do not fall: a rung in the middle that is good where richer ones are not."""
     ladders = of_scene(wall)
@@ -372,6 +391,10 @@ def test_a_sentence_names_what_may_be_rigid() -> None:
         "4 modes for the pendulum, the rod may be rigid: peak force within 0.8 % of the full mesh, 30 times cheaper."
     )
     assert np.isclose(study.speedup, 30.0)
+    assert (
+        "the best that was run, the rod may be rigid, has estimated errors"
+        in replace(study, within=False, rungs={"rod": "rigid"}, runs=(replace(run, rungs={"rod": "rigid"}),)).sentence()
+    )
     rigid = replace(study, rungs=dict.fromkeys(("pendulum", "rod", "stop"), "rigid"))
     assert (
         replace(rigid, runs=(replace(run, rungs=rigid.rungs),))
