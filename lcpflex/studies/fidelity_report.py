@@ -186,10 +186,10 @@ class RightSize:
         richest = next((run for run in self.runs if run.reference), None)
         assert self.chosen is not None
         if not math.isfinite(self.full) and richest is not None:
-            return f"{richest.wall_time / self.chosen.wall_time:.2g} times cheaper than {_listed(richest.rungs)}"
+            return f"{_plain(richest.wall_time / self.chosen.wall_time)} times cheaper than {_listed(richest.rungs)}"
         if self.speedup < 1.2:
             return "at about the same cost"
-        return f"{about}{self.speedup:.2g} times cheaper"
+        return f"{about}{_plain(self.speedup)} times cheaper"
 
     def table(self) -> str:
         """Markdown: every run, then the next rungs, how the errors were found and what the step adds."""
@@ -278,7 +278,12 @@ def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g} %" if math.isfinite(value) else "unknown"
+    return f"{_plain(100.0 * value)} %" if math.isfinite(value) else "unknown"
+
+
+def _plain(value: float) -> str:
+    """Two digits: 140, not 1.4e+02."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _listed(rungs: Mapping[str, str]) -> str:

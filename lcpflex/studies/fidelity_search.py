@@ -26,6 +26,7 @@ DOUBT = 3.0  # what the reference lacks itself is extrapolated: within the toler
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
 MOST = 5.0  # with the one that tells the error of the step
 SHORT = 0.5  # [s]: of what takes less the clock says little
+STEADY = 1.5  # factor by which the number of steps may grow from rigid to few modes where modes do not shorten them
 USUAL = 25  # coordinates that take as long as all that every step takes however few there are
 EQUAL = 1.2  # ratio of wall times that says nothing
 
@@ -177,9 +178,15 @@ class Search:
         return None if found is None else self._cheapest(self._descend(found))
 
     def _full_is_cheapest(self, state: State) -> bool:
-        """Whether the full mesh, which proves everything, takes no longer than all that it takes to do without."""
+        """Whether the full mesh, which proves everything, takes no longer than all that it takes to do without.
+
+        It does with explicit schemes, whose steps fall with the highest mode.
+        """
         top = self.ladders.top
         if not self.verify or not all(self.ladders.whole(b) for b in range(len(top))):
+            return False
+        few, more = (self.trials[state].steps for state in (self.ladders.bottom, self.middle))
+        if more > STEADY * few > 0:
             return False
         lower = [tuple(max(rung - k, 0) for rung in state) for k in range(WITNESSES + 1)]
         cheap = self._usual_cost(top) <= sum(self._usual_cost(one) for one in lower)

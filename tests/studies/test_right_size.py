@@ -234,6 +234,18 @@ def test_the_full_mesh_proves_where_it_is_as_cheap_as_to_do_without() -> None:
     assert not without.full_was_run
 
 
+def test_explicit_steps_that_fall_with_the_modes_do_without_the_full_mesh() -> None:
+    found = right_size(gallery.scenes()["sphere_on_rod"], progress=False)
+    assert found.within
+    assert not found.full_was_run
+    assert found.runs[-1].steps > 2 * found.runs[0].steps
+    full = {"rod": gallery.sphere_on_rod().body("rod").source.ladder()[-1].make()}
+    result = lf.simulate(gallery.sphere_on_rod().with_bodies(full), found.duration, found.stepper, progress=False)
+    mine = lf.simulate(found.scene, found.duration, found.stepper, progress=False)
+    true = abs(mine.impulse[-1, 0, 0] / result.impulse[-1, 0, 0] - 1.0)
+    assert true <= found.errors["impulses"] <= found.tolerance
+
+
 def stretched() -> Scene:
     """A bar, welded to a wall on its right, that is pulled to the left end: a rigid one cannot start so."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -391,6 +403,7 @@ def test_a_sentence_names_what_may_be_rigid() -> None:
         "4 modes for the pendulum, the rod may be rigid: peak force within 0.8 % of the full mesh, 30 times cheaper."
     )
     assert np.isclose(study.speedup, 30.0)
+    assert replace(study, full=1.38).sentence().endswith(" 140 times cheaper.")
     assert (
         "the best that was run, the rod may be rigid, has estimated errors"
         in replace(study, within=False, rungs={"rod": "rigid"}, runs=(replace(run, rungs={"rod": "rigid"}),)).sentence()
