@@ -1,9 +1,10 @@
 """How few modes will do? A hammer falls onto a strip between two supports: rigid, a few modes, or the full mesh?
 
 Both bodies can be had at any fidelity: rigid, 1, 2, 4, ... modes, the full mesh. ``right_size`` compares them with one
-run far up the ladder, raises only the body whose refinement changes what is asked for, and stops where the error that
-is left, extrapolated to the full mesh, is below the tolerance. The stout hammer (80 x 30 x 30 mm, steel) may be rigid;
-the slender strip (0.8 m x 30 mm x 8 mm), which it strikes at 1 m/s, may not. In the picture: error against cost.
+run of the full meshes (or, where that is dear, one far up the ladder, extrapolated to them), raises only the body whose
+refinement changes what is asked for, and stops where the error that is left is below the tolerance. The stout hammer
+(80 x 30 x 30 mm, steel) may be rigid; the slender strip (0.8 m x 30 mm x 8 mm), which it strikes at 1 m/s, may not. In
+the picture: error against cost.
 """
 
 from pathlib import Path

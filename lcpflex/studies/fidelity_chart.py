@@ -18,7 +18,7 @@ MARKERS = "osD^vP"
 GOOD = "#E3F1E3"
 LEAST = 1e-8  # smallest error drawn
 TURN = 35.0  # of names [degrees]
-LETTER, LINE = 4.5, 9.0  # width and height of a letter [pt]
+LETTER, LINE = 4.0, 8.0  # width and height of a letter [pt]
 
 
 def chart(study: RightSize) -> Figure:
@@ -59,7 +59,6 @@ def chart(study: RightSize) -> Figure:
         ax.plot([], [], "v", color="#666666", markerfacecolor="white", label="no error, by definition or in effect")
     left, right = ax.get_xlim()
     ax.set_xlim(left, right * (right / left) ** 0.1)  # room for the last label
-    _name(ax, study, sound, low)
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
     ax.text(0.01, study.tolerance, f" tolerance {100.0 * study.tolerance:.2g} %", transform=ax.get_yaxis_transform(),
             va="bottom", fontsize="small", color="#3B7A3B")  # fmt: skip
@@ -68,6 +67,8 @@ def chart(study: RightSize) -> Figure:
     for axis in (ax.xaxis.set_major_formatter, ax.xaxis.set_minor_formatter):
         axis(LogFormatter(minor_thresholds=(2.0, 0.5)))
     ax.set_title("\n".join(_wrapped(study.sentence())), fontsize="medium", loc="left")
+    figure.draw_without_rendering()  # lays out: names need their places
+    _name(ax, study, sound, low)
     return figure
 
 
@@ -101,7 +102,7 @@ def _hidden(ax: Axes, at: tuple[float, float], text: str, named: list[tuple[floa
     along, across = cos * x + sin * y, cos * y - sin * x
     for other, beside, length in named:
         ahead = length if along > other else len(text)
-        if abs(across - beside) < LINE and abs(along - other) < ahead * LETTER + LINE:
+        if abs(across - beside) < LINE and abs(along - other) < ahead * LETTER:
             return True
     named.append((along, across, len(text)))
     return False
