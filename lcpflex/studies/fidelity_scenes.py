@@ -17,11 +17,26 @@ from lcpflex.user_system import UserSystem
 if TYPE_CHECKING:
     from lcpflex.result import Result
 
-__all__ = ["FULL", "Ladders", "State", "comparable", "known_outputs", "of_scene"]
+__all__ = ["FULL", "Ladders", "State", "as_rich", "comparable", "known_outputs", "of_scene", "told", "with_rung"]
 
 State: TypeAlias = tuple[int, ...]  # rung of each body that has a ladder
 MOTION = "motion"
 FULL = "full mesh"
+
+
+def with_rung(state: State, body: int, rung: int) -> State:
+    """The state with another rung of one body."""
+    return (*state[:body], rung, *state[body + 1 :])
+
+
+def as_rich(a: State, b: State) -> bool:
+    """Whether ``a`` is at least as rich as ``b`` in every body."""
+    return all(x >= y for x, y in zip(a, b, strict=True))
+
+
+def told(labels: dict[str, str]) -> str:
+    """Names of rungs by body, as a text."""
+    return ", ".join(f"{name}: {rung}" for name, rung in labels.items())
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,11 +9,11 @@ from typing import Any
 
 from lcpflex.energy import EnergyGrowth
 from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking
-from lcpflex.studies.fidelity_scenes import Ladders, State
+from lcpflex.studies.fidelity_scenes import Ladders, State, as_rich, told, with_rung
 from lcpflex.studies.outputs import Output, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
 
-__all__ = ["Search", "as_rich"]
+__all__ = ["Search"]
 
 INSTANTS = 2000  # at which outputs are compared
 UNTRUSTED = "cannot be trusted"
@@ -43,6 +43,7 @@ class Search:
     limit: float
     verify: bool = True
     demanding: bool = False  # end at the first rich run that cannot be trusted: another stepper is to be tried
+    quick: float | None = None  # [s]: if the full mesh takes less, end where the step decides: a shorter one is to come
     done: Callable[[], object] = lambda: None
     trials: dict[State, Trial] = field(default_factory=dict)
     middle: State = ()
@@ -50,6 +51,7 @@ class Search:
     needing: tuple[int, ...] = ()  # bodies whose refinement changes the outputs
     changes: dict[int, float] = field(default_factory=dict)  # by how much
     untrusted: bool = False  # a rich run failed
+    coarse: float = 0.0  # what half the step changes, if that was asked for first
     exhausted: bool = False  # the climb was ended to save cost
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
@@ -165,6 +167,10 @@ class Search:
             for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
         )
         self.run(middle)
+        if self.quick is not None and self.cost(top) < self.quick and self.sound(middle):
+            self.coarse = self._step_error(middle, self.outputs)
+            if self.coarse > self.tolerance:
+                return None
         if self._full_is_cheapest(richest):
             richest = top
         self._look_ahead(richest)
@@ -234,14 +240,14 @@ class Search:
             return True
         self.untrusted = True
         if not any(UNTRUSTED in note for note in self.notes):  # the richest tells, the table has the others
-            self.notes.append(f"{_text(self.ladders.labels(state))} {UNTRUSTED}: {one.failure}")
+            self.notes.append(f"{told(self.ladders.labels(state))} {UNTRUSTED}: {one.failure}")
         return False
 
     def _lowered(self, state: State) -> State:
         """One rung less for the body with most modes."""
         modes = self.ladders.modes(state)
         b = max((b for b in range(len(state)) if state[b]), key=lambda b: modes[b])
-        return _with(state, b, state[b] - 1)
+        return with_rung(state, b, state[b] - 1)
 
     def _screened(self, middle: State) -> dict[int, float]:
         """The bodies that change the outputs when they alone are rigid and the others rich, and by how much."""
@@ -254,7 +260,7 @@ class Search:
         share = self.tolerance / (2.0 * count)
         found = {}
         for b in range(count):
-            alone = _with(background, b, 0)
+            alone = with_rung(background, b, 0)
             self.run(alone)
             change = math.inf
             if self.sound(alone):
@@ -324,14 +330,14 @@ class Search:
         for b, share in blame.items():
             if share >= ALIKE * max(blame.values()):
                 step = 2 if far and state[b] + 2 < self.reference[b] else 1
-                higher = _with(higher, b, state[b] + step)
+                higher = with_rung(higher, b, state[b] + step)
         return higher if blame else None
 
     def _descend(self, state: State) -> State:
         """Rungs that were skipped on the way, while they are good, too."""
         for b in sorted(self.needing, key=lambda b: -self.ladders.modes(state)[b]):
             while state[b]:
-                lower = _with(state, b, state[b] - 1)
+                lower = with_rung(state, b, state[b] - 1)
                 if lower not in self.trials:
                     if self._in_vain(lower) or self._over_budget(lower):
                         break
@@ -373,23 +379,16 @@ class Search:
         at = state
         if self._exceeds(MOST, 2.0 * self._usual_cost(at)) and self.sound(self.middle):
             at = self.middle
-        finer = refined(self.stepper_of(self.ladders.at(at)), 2.0)
-        if finer is None or self._exceeds(MOST, 2.0 * self._usual_cost(at)):
+        if self._exceeds(MOST, 2.0 * self._usual_cost(at)):
             return math.nan
-        found, own = self.trial(at, finer).measured, self.trials[at].measured
+        return self._step_error(at, self.used())
+
+    def _step_error(self, state: State, outputs: tuple[Output, ...]) -> float:
+        finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
+        if finer is None:
+            return math.nan
+        found, own = self.trial(state, finer).measured, self.trials[state].measured
         if found is None or own is None:
             return math.nan
-        return max(error_between(one, own[one.name], found[one.name], self.duration) for one in self.used())
-
-
-def _with(state: State, body: int, rung: int) -> State:
-    return (*state[:body], rung, *state[body + 1 :])
-
-
-def as_rich(a: State, b: State) -> bool:
-    """Whether ``a`` is at least as rich as ``b`` in every body."""
-    return all(x >= y for x, y in zip(a, b, strict=True))
-
-
-def _text(labels: dict[str, str]) -> str:
-    return ", ".join(f"{name}: {rung}" for name, rung in labels.items())
+        real = [one for one in outputs if not is_nothing(found[one.name])]
+        return max((error_between(one, own[one.name], found[one.name], self.duration) for one in real), default=0.0)

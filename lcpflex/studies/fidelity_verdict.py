@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lcpflex.studies.fidelity_scenes import State
-from lcpflex.studies.fidelity_search import Search, as_rich
+from lcpflex.studies.fidelity_scenes import State, as_rich
+from lcpflex.studies.fidelity_search import Search
 from lcpflex.studies.time_limit import TOO_LATE
 
 __all__ = ["remedy", "scatter"]

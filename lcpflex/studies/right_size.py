@@ -52,7 +52,7 @@ def right_size(
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
     The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
     do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
-    together took as long as two to four of the full mesh (``tests/studies/test_right_size_scenes.py``).
+    together took as long as two to five of the full mesh (``tests/studies/test_right_size_scenes.py``).
 
     All rungs are run with the same step, so that their differences measure the model and not the step. What the step
     does to the scene that was found is measured by one more run with half of it, and told apart.
@@ -118,7 +118,8 @@ def right_size(
     with bar:
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
-            search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, bar.update)
+            quick = QUICK * limit / SHORTER if k >= own and not last else None
+            search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, quick, bar.update)
             others = [] if stepper is None else _defaults(ladders, span)
             found, step_error, better, complete = _measured(search, others)
             spent += search.spent
