@@ -120,9 +120,7 @@ def pendulum_and_rod(
     return scene
 
 
-def strip_with_patch(
-    fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.665, patch: float = 1e-3
-) -> Continuum:
+def strip_with_patch(fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.665, patch: float = 1e-3) -> Continuum:
     """The strip of Shi, Hong & Liu 2013 (0.7 x 0.028 x 0.005 m, aluminium), hung at its left end, "hinge".
 
     Quadratic elements, ``fine`` [m] within ``patch`` [m] of its lower face at ``reach`` [m] from the hinge, the surface
