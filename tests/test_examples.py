@@ -10,13 +10,17 @@ import pytest
 from lcpflex import Result
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
+STUDIES = ("flexible_pendulum_micro_collisions", "where_methods_fail", "work_precision")  # many runs each
 
 
 def test_there_are_examples() -> None:
     assert len(EXAMPLES) >= 10
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in STUDIES)) for path in EXAMPLES],
+)
 def test_example(path: Path, tmp_path: Path) -> None:
     specification = importlib.util.spec_from_file_location(path.stem, path)
     assert specification is not None

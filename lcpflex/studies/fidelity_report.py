@@ -215,6 +215,8 @@ class RightSize:
                 f"Half the step changes the outputs by {_percent(self.step_error)}: that error is not one of "
                 "the bodies, and adds to theirs."
             )
+        elif self.exhausted:
+            lines.append("What half the step changes was not measured: it would have cost too much.")
         if math.isfinite(self.full):
             known = "" if self.full_was_run else ", predicted"
             lines.append(
