@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError
+from lcpflex.studies.command_line import add_files, check_files, duration_of, shown
 
 __all__ = ["add_right_size"]
 
 TOLERANCE = 1e-2
 LIMIT = 60.0  # wall time of a run [s]
-PICTURES = (".png", ".pdf", ".svg")
 
 
 def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]]) -> None:
@@ -32,9 +30,7 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
                          help=f"largest error of each quantity, relative to its range ({TOLERANCE:g})")  # fmt: skip
     command.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated: motion, impulses, "
                          "trajectory, peak force or energy (default: motion and impulses)")  # fmt: skip
-    command.add_argument("--output", type=Path, metavar="FILE", help="write the chart to this png, pdf or svg file")
-    command.add_argument("--csv", type=Path, metavar="FILE", help="write every run to this csv file")
-    command.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
+    add_files(command)
     command.add_argument("--step", type=float, metavar="SECONDS",
                          help="of Moreau-Jean steps; default: the stepper of the scene, another where rich bodies "
                          "cannot be trusted with it")  # fmt: skip
@@ -49,30 +45,13 @@ def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, fl
     from lcpflex.studies.fidelity_scenes import known_outputs
     from lcpflex.studies.right_size import right_size
 
-    for name in ("output", "csv"):
-        path = getattr(request, name)
-        if path is not None:
-            writable_path(f"--{name}", path)
-    if request.output is not None and request.output.suffix.lower() not in PICTURES:
-        raise ModelError(f"--output: {str(request.output)!r}; expected a name that ends in {', '.join(PICTURES)}")
+    check_files(request)
     for quantity in request.quantity or ():
         if quantity not in known_outputs():
             raise ModelError(f"--quantity: {quantity!r}; expected one of {', '.join(known_outputs())}")
     scene, duration, stepper = load(request.scene)
-    duration = duration if request.duration is None else request.duration
-    if duration is None:
-        raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
+    duration = duration_of(request, duration)
     case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
     given = None if request.step is None else MoreauJean(step=request.step)
     found = right_size(case, request.quantity, request.tolerance, duration=duration, stepper=given, limit=request.limit)
-    print(found)
-    if request.csv is not None:
-        found.csv(request.csv)
-        print(f"\ntable: {request.csv.resolve()}")
-    if request.output is not None:
-        found.plot().savefig(request.output, dpi=150)
-        print(f"\nchart: {request.output.resolve()}")
-    if not found.complete:
-        print("lcpflex: interrupted", file=sys.stderr)
-        return 130
-    return 0 if found.within else 1
+    return shown(request, found, found.within)
