@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.penalty import Penalty
 from lcpflex.errors import ModelError, in_range
 from lcpflex.steppers.smooth_explicit import SmoothSettings
@@ -113,6 +114,7 @@ class Verlet:
 
 
 Integrator = ExplicitRungeKutta | Stiff | Verlet
+Law = ContactLaw | Penalty
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +127,7 @@ class Smooth:
     Attributes
     ----------
     law
-        Force law of every declared contact, such as ``Penalty(stiffness=1e6)``.
+        Force law of every declared contact: ``Penalty(stiffness=1e6)``, or a :class:`ContactLaw`.
     laws
         Other laws for some of them, by the name of the declared contact.
     integrator
@@ -137,16 +139,18 @@ class Smooth:
         For what is no law or integrator; when started, for a name that no declared contact has.
     """
 
-    law: Penalty
-    laws: Mapping[str, Penalty] = field(default_factory=dict)
+    law: Law
+    laws: Mapping[str, Law] = field(default_factory=dict)
     integrator: Integrator = field(default_factory=ExplicitRungeKutta)
 
     def __post_init__(self) -> None:
         if not isinstance(self.laws, Mapping):
             raise ModelError(f"laws: {self.laws!r} was given, expected a dict of laws by names of contacts")
         for name, law in (("law", self.law), *((f"laws[{key!r}]", value) for key, value in self.laws.items())):
-            if not isinstance(law, Penalty):
-                raise ModelError(f"{name}: {law!r} was given, expected a force law such as Penalty(stiffness=1e6)")
+            if not isinstance(law, Law):
+                raise ModelError(
+                    f"{name}: {law!r} was given, expected a force law such as Penalty(stiffness=1e6) or ContactLaw(...)"
+                )
         if not isinstance(self.integrator, Integrator):
             raise ModelError(
                 f"integrator: {self.integrator!r} was given, expected ExplicitRungeKutta(), Stiff() or Verlet(step)"
@@ -159,7 +163,7 @@ class Smooth:
             if name not in system.names:
                 known = ", ".join(system.names) or "none"
                 raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
-        laws = [self.laws.get(name, self.law) for name in system.names]
+        laws = [self.laws.get(name, self.law).row() for name in system.names]
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))

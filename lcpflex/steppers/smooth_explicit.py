@@ -9,24 +9,32 @@ import numpy as np
 
 from lcpflex.compiled import kernel
 from lcpflex.dynamics.acceleration import project
+from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
-from lcpflex.steppers.smooth_slope import (
+from lcpflex.steppers.smooth_memory import (
     DETAIL,
-    DONE,
     ERROR,
     FREQUENCY,
-    GROW,
-    NOT_FINITE,
+    LENGTH,
     PHASE,
     STEP,
-    STEP_TOO_SHORT,
     STEPS,
     STORED,
     TAKEN,
     TIME,
     SmoothMemory,
+    early,
+    look,
+    note,
+)
+from lcpflex.steppers.smooth_slope import (
+    DONE,
+    GROW,
+    NOT_FINITE,
+    OUT_OF_RANGE,
+    STEP_TOO_SHORT,
     horizon,
     natural_frequency,
     record,
@@ -34,9 +42,20 @@ from lcpflex.steppers.smooth_slope import (
 )
 from lcpflex.steppers.tape import Tape
 
-__all__ = ["SmoothSettings", "advance", "advance_fixed", "close_step", "step", "step_fixed"]
+__all__ = [
+    "SmoothSettings",
+    "advance",
+    "advance_fixed",
+    "close_step",
+    "share_before",
+    "step",
+    "step_fixed",
+    "take_note",
+]
 
-STARTING, STEPPING, EMITTING, CLOSING = range(4)  # number[PHASE]
+BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING = range(6)  # number[PHASE]
+HALVINGS = 45  # of a step, to find where a contact begins
+ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
 
 
 class SmoothSettings(NamedTuple):
@@ -52,6 +71,36 @@ class SmoothSettings(NamedTuple):
 
 
 @kernel
+def share_before(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> float:
+    """Share of the accepted step h [s] at which the first contact that is to be remembered begins, or turns back.
+
+    After ``slope`` at its end. 1 where there is none; negative: the table must hold as many entries.
+    """
+    n_joint = work.step_size[0]
+    ndof = len(work.free_u)
+    if len(memory.contacts.feature) == 0:
+        return 1.0
+    for k in range(work.step_size[1]):
+        r = n_joint + k
+        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, memory.end[ndof : 2 * ndof])
+    if not early(model, work, memory):
+        return 1.0
+    low = 0.0
+    high = 1.0
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        interpolate(memory.y, memory.slopes, h, share, memory.at)
+        n = look(model, memory.at[:ndof], memory.at[ndof : 2 * ndof], work, memory)
+        if n > len(work.table.key):
+            return -float(n)
+        if early(model, work, memory):
+            high = share
+        else:
+            low = share
+    return high
+
+
+@kernel
 def step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
     """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. DONE, GROW or STEP_TOO_SHORT."""
     clock = memory.clock
@@ -60,6 +109,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
     n = 2 * len(work.free_u)
     h = clock[STEP]
     rejected = False
+    shortened = False
     longest = settings.max_step
     stage = 0
     while True:
@@ -90,9 +140,24 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 factor = step_factor(error, clock[ERROR])
                 if rejected:
                     factor = min(factor, 1.0)
-                clock[STEP] = max(clock[STEP], h) if h == rest else h * factor
+                share = share_before(model, h, work, memory)
+                if share < 0.0:
+                    clock[DETAIL] = -share
+                    return GROW
+                if share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
+                    shortened = True
+                    clock[STEP] = h
+                    h *= share
+                    stage = 1
+                    continue
+                if share < 1.0:
+                    interpolate(memory.y, memory.slopes, h, share, memory.at)
+                    copy_state(memory.at, memory.end)
+                if not shortened:
+                    clock[STEP] = max(clock[STEP], h) if h == rest else h * factor
                 clock[ERROR] = error
-                clock[TAKEN] = h
+                clock[LENGTH] = h
+                clock[TAKEN] = share * h
                 return DONE
             rejected = True
             h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
@@ -110,7 +175,8 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
     t = min(stored * settings.interval, settings.duration) if settings.interval > 0.0 else end
     if stored < 0 or t > end + 1e-12 * settings.duration:
         return -1.0
-    interpolate(memory.y, memory.slopes, clock[TAKEN], min((t - clock[TIME]) / clock[TAKEN], 1.0), memory.at)
+    share = min(t - clock[TIME], clock[TAKEN]) / clock[LENGTH]
+    interpolate(memory.y, memory.slopes, clock[LENGTH], share, memory.at)
     return min(t, end)
 
 
@@ -137,6 +203,21 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
 
 
 @kernel
+def take_note(model: Model, work: Workspace, memory: SmoothMemory) -> int:
+    """Let contacts take note of the state y, where a law asks for it; DONE, GROW or OUT_OF_RANGE."""
+    if memory.contacts.watched[0] == 0:
+        return DONE
+    found, outside = note(model, memory.clock[TIME], memory.y, work, memory)
+    if found > len(work.table.key):
+        memory.clock[DETAIL] = found
+        return GROW
+    if outside >= 0:
+        memory.clock[DETAIL] = outside
+        return OUT_OF_RANGE
+    return DONE
+
+
+@kernel
 def advance(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape, last_step: int
 ) -> int:
@@ -153,7 +234,11 @@ def advance(
             number[PHASE] = EMITTING if status == DONE else STEPPING
         elif phase == CLOSING:
             status = close_step(model, settings, work, memory, tape)
-            number[PHASE] = STEPPING
+            number[PHASE] = NOTING
+        elif phase in (NOTING, BEFORE):
+            status = take_note(model, work, memory)
+            if status == DONE:
+                number[PHASE] = STEPPING if phase == NOTING else STARTING
         else:
             t = 0.0
             if phase == STARTING:
@@ -209,17 +294,22 @@ def advance_fixed(
     number = memory.number
     clock = memory.clock
     while True:
+        if number[PHASE] != STEPPING:
+            status = take_note(model, work, memory)
+            if status != DONE:
+                return status
+            number[PHASE] = STEPPING
         ended = clock[TIME] >= settings.duration
         if number[STORED] != number[STEPS] + 1 and (ended or number[STEPS] % settings.stride == 0):
             status = record(model, clock[TIME], memory.y, work, memory, tape)
             if status != DONE:
                 return status
             number[STORED] = number[STEPS] + 1
-        number[PHASE] = STEPPING
         if ended or number[STEPS] >= last_step:
             return DONE
         status = step_fixed(model, settings, work, memory)
         if status == DONE:
             status = close_step(model, settings, work, memory, tape)
+            number[PHASE] = NOTING
         if status != DONE:
             return status

@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
-from lcpflex.contact.penalty import Penalty
+from lcpflex.contact.laws.layout import LawRow
 from lcpflex.dynamics.acceleration import project
 from lcpflex.steppers.smooth_explicit import STEPPING, SmoothSettings
+from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME
 from lcpflex.steppers.smooth_run import SmoothRun
-from lcpflex.steppers.smooth_slope import (
-    DETAIL,
-    DONE,
-    GROW,
-    PHASE,
-    STEP_TOO_SHORT,
-    STEPS,
-    STORED,
-    TIME,
-    horizon,
-    record,
-    slope,
-)
+from lcpflex.steppers.smooth_slope import DONE, GROW, STEP_TOO_SHORT, horizon, record, slope
 from lcpflex.steppers.system import System
 
 __all__ = ["StiffRun"]
@@ -36,7 +26,7 @@ LEAST = 1e-2  # magnitude below which it is no longer relative
 class StiffRun(SmoothRun):
     """A run of implicit steps of an ``OdeSolver`` of SciPy, the quadratures carried along outside its error control."""
 
-    def __init__(self, system: System, laws: list[Penalty], settings: SmoothSettings, method: type[Any]) -> None:
+    def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, method: type[Any]) -> None:
         super().__init__(system, laws, settings)
         self._method = method
         self._slope, self._horizon, self._record = self._link(slope), self._link(horizon), self._link(record)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from lcpflex.contact.penalty import Penalty
+from lcpflex.contact.laws.layout import LIMIT, LawRow
 from lcpflex.dynamics.acceleration import lay_rows, position_errors, project
 from lcpflex.steppers.driver import link
 from lcpflex.steppers.run import Records
@@ -16,26 +15,33 @@ from lcpflex.steppers.smooth_explicit import (
     advance,
     advance_fixed,
     close_step,
+    share_before,
     step,
     step_fixed,
+    take_note,
 )
-from lcpflex.steppers.smooth_slope import (
+from lcpflex.steppers.smooth_memory import (
     DETAIL,
-    DONE,
     FREQUENCY,
-    GROW,
-    GROW_TAPE,
-    NOT_FINITE,
     PHASE,
     STEP,
     STEPS,
-    TAPE_FULL,
     TIME,
+    look,
+    note,
+    smooth_memory,
+)
+from lcpflex.steppers.smooth_slope import (
+    DONE,
+    GROW,
+    GROW_TAPE,
+    NOT_FINITE,
+    OUT_OF_RANGE,
+    TAPE_FULL,
     horizon,
     natural_frequency,
     record,
     slope,
-    smooth_memory,
 )
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import store_contacts
@@ -52,16 +58,22 @@ PARTS: list[Callable[..., Any]] = [
     horizon,
     store_contacts,
     record,
+    look,
+    note,
+    share_before,
     step,
     step_fixed,
     close_step,
+    take_note,
 ]  # those that call what may be replaced, callees first
 
 
 class SmoothRun:
     """A run of adaptive Runge-Kutta steps; the parts that other integrators share."""
 
-    def __init__(self, system: System, laws: list[Penalty], settings: SmoothSettings, first_step: float = 0.0) -> None:
+    def __init__(
+        self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, first_step: float = 0.0
+    ) -> None:
         self.system = system
         self.records = Records(system)
         self.duration = settings.duration
@@ -78,6 +90,8 @@ class SmoothRun:
                 f"the restitution of contacts {', '.join(bouncing)} is not used: under continuous contact forces a "
                 "rebound follows from the damping of the force law"
             )
+        self._own = list(self.records.warnings)
+        self._outside: dict[str, str] = {}
 
     def _link(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """``function`` for this system: compiled, or in Python with the hooks of the system."""
@@ -117,10 +131,23 @@ class SmoothRun:
                 self.system.model, self._settings, self._work, self._memory, self.records.tape, target
             )
             if status == DONE:
+                self._warn_of_range()
                 return ""
             message = self._handle(status)
             if message:
                 return message
+
+    def _warn_of_range(self) -> None:
+        """Keep a warning for each contact that has left the range of its law with the consent of the user."""
+        contacts = self._memory.contacts
+        for law, name in enumerate(self.system.names):
+            limit = float(contacts.parameters[law, LIMIT])
+            if contacts.worst[law] > limit:
+                self._outside[name] = (
+                    f"the indentation of contact {name!r} has reached {contacts.worst[law]:.4g} m, beyond the "
+                    f"{limit:.4g} m up to which its law is valid"
+                )
+        self.records.warnings[:] = [*self._own, *self._outside.values()]
 
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
@@ -131,31 +158,37 @@ class SmoothRun:
             self.records.grow(detail)
         elif status == GROW:
             self._work = self.system.workspace(2 * detail)
+        elif status == OUT_OF_RANGE:
+            return self._out_of_range(detail)
         elif status == NOT_FINITE:
             return "the state is no longer finite: the step is too long for the forces of this scene"
         else:
             return "no step is short enough: the forces are not smooth, or the state grows without bound"
         return ""
 
+    def _out_of_range(self, law: int) -> str:
+        """That a contact is deeper than its law is valid, or exists."""
+        contacts = self._memory.contacts
+        return (
+            f"the indentation of contact {self.system.names[law]!r} is {contacts.worst[law]:.4g} m, its law is "
+            f"valid up to {contacts.stop[law]:.4g} m: see the range of validity of its elastic law"
+        )
+
 
 class FixedRun(SmoothRun):
     """A run of explicit steps of fixed length, which warns where contacts are too stiff for it."""
 
-    def __init__(self, system: System, laws: list[Penalty], settings: SmoothSettings) -> None:
+    def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings) -> None:
         super().__init__(system, laws, settings)
         self._advance = self._link(advance_fixed)
-        self._warned = 0.0
-        self._own = list(self.records.warnings)
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps; empty, or why the run cannot go on."""
         message = super().advance(n_steps)
         product = float(self._memory.clock[FREQUENCY]) * self._settings.max_step
-        if not product <= max(STABLE, self._warned):
-            self._warned = product if math.isfinite(product) else math.inf
-            self.records.warnings[:] = [
-                *self._own,
+        if not product <= STABLE:
+            self.records.warnings.append(
                 f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
-                f"unstable there (highest contact frequency {float(self._memory.clock[FREQUENCY]):.4g} rad/s)",
-            ]
+                f"unstable there (highest contact frequency {float(self._memory.clock[FREQUENCY]):.4g} rad/s)"
+            )
         return message

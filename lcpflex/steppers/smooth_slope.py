@@ -10,24 +10,16 @@ drives [J], and the normal and tangential impulse of each declared contact [N s]
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import SEGMENT, ContactTable, detect
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect
 from lcpflex.contact.kinematics import contact_point
-from lcpflex.contact.penalty import (
-    PARAMETERS,
-    Penalty,
-    elastic_force,
-    indentation_of,
-    normal_force,
-    stiffness_at,
-    stored_energy,
-)
-from lcpflex.dynamics.acceleration import ContactSets, contact_sets
+from lcpflex.contact.laws.elastic_kernels import indentation_of
+from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.contact_memory import pair_energy, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, dot, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (
     energies,
@@ -40,14 +32,19 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
-from lcpflex.packed import pack
-from lcpflex.steppers.runge_kutta import STAGES
-from lcpflex.steppers.system import System
+from lcpflex.steppers.smooth_memory import (
+    CONTACT_DAMPING,
+    DAMPING,
+    DETAIL,
+    FRICTION,
+    IMPULSES,
+    WORK,
+    SmoothMemory,
+    yield_to_deeper,
+)
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
-__all__ = ["SmoothMemory", "horizon", "natural_frequency", "record", "slope", "smooth_memory"]
-
-FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y behind q and u
+__all__ = ["horizon", "natural_frequency", "record", "slope"]
 
 # what compiled loops return
 DONE = 0
@@ -56,81 +53,10 @@ GROW = 2
 GROW_TAPE = 3
 NOT_FINITE = 4
 STEP_TOO_SHORT = 5
+OUT_OF_RANGE = 6
 
 TURN = 0.25  # [rad] in a step
-SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a slave at a time
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
-
-
-class SmoothMemory(NamedTuple):
-    """State, stages and laws of a run; ny = 2 ndof + 4 + 2 laws."""
-
-    y: FloatArray  # (ny,) state at the start of the step
-    end: FloatArray  # (ny,) at its end
-    slopes: FloatArray  # (7, ny)
-    at: FloatArray  # (ny,) state on the dense output
-    slope: FloatArray  # (ny,)
-    sets: ContactSets  # of no contacts, for the projection onto joints
-    kind: IntArray  # (laws,) of force
-    parameters: FloatArray  # (laws, PARAMETERS)
-    slip_speed: FloatArray  # (laws,) [m/s]
-    number: IntArray  # (3,) see the names below
-    clock: FloatArray  # (6,) see the names below
-
-
-# number
-PHASE, STEPS, STORED = range(3)
-# clock
-TIME, STEP, TAKEN, ERROR, DETAIL, FREQUENCY = range(6)  # FREQUENCY: highest of a contact so far [rad/s]
-
-
-def smooth_memory(system: System, laws: list[Penalty]) -> SmoothMemory:
-    """Allocate for ``system`` at its initial state, with the law of each declared contact."""
-    ndof = len(system.q)
-    ny = 2 * ndof + IMPULSES + 2 * len(laws)
-    parameters = np.zeros((len(laws), PARAMETERS))
-    for row, law in zip(parameters, laws, strict=True):
-        row[: len(law.parameters)] = law.parameters
-    arrays = SmoothMemory(
-        y=np.zeros(ny),
-        end=np.zeros(ny),
-        slopes=np.zeros((STAGES, ny)),
-        at=np.zeros(ny),
-        slope=np.zeros(ny),
-        sets=contact_sets(1),
-        kind=np.array([law.kind for law in laws], dtype=np.int64),
-        parameters=parameters,
-        slip_speed=np.array([law.slip_speed for law in laws], dtype=float),
-        number=np.zeros(3, dtype=np.int64),
-        clock=np.zeros(6),
-    )
-    arrays.y[:ndof] = system.q
-    arrays.y[ndof : 2 * ndof] = system.u
-    return pack(arrays)
-
-
-@kernel
-def yield_to_deeper(table: ContactTable, n: int) -> None:
-    """In a shallow hollow of two segments, leave a slave the deeper of its two indentations: the other becomes 0.
-
-    A slave comes over the second segment when it is already below it. Both forces together would begin there with a
-    jump, and the second spring would be found compressed by nobody. The deeper of two indentations has no jumps.
-    """
-    deepest = 0
-    for k in range(1, n):
-        one_hollow = (
-            table.slave[k] == table.slave[deepest]
-            and table.law[k] == table.law[deepest]
-            and table.kind[k] == SEGMENT
-            and table.kind[deepest] == SEGMENT
-            and table.normal[k, 0] * table.normal[deepest, 0] + table.normal[k, 1] * table.normal[deepest, 1] > SHALLOW
-        )
-        if one_hollow and table.gap[k] >= table.gap[deepest]:
-            table.gap[k] = max(table.gap[k], 0.0)
-            continue
-        if one_hollow:
-            table.gap[deepest] = max(table.gap[deepest], 0.0)
-        deepest = k
 
 
 @kernel
@@ -158,11 +84,14 @@ def share_place(work: Workspace) -> None:
 
 
 @kernel
-def press(u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: FloatArray) -> None:
-    """Contact forces of the rows laid, to ``work.p`` and ``work.free_u``; what they do to the quadratures of y."""
+def press(
+    model: Model, y: FloatArray, u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: FloatArray
+) -> None:
+    """Contact forces of the rows laid, to ``work.p`` and ``work.free_u``; what they do to the rest of y."""
     n_joint = work.step_size[0]
     n = work.step_size[1]
     table = work.table
+    contacts = memory.contacts
     impulses = base + IMPULSES
     for k in range(n):
         r = n_joint + k
@@ -171,18 +100,33 @@ def press(u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: 
         rate = -row_velocity(work.rows, work.row_body, r, work.dof, u)
         force = 0.0
         if depth > 0.0:
-            force = normal_force(memory.kind[law], depth, rate, memory.parameters[law])
-            elastic = elastic_force(memory.kind[law], depth, memory.parameters[law])
+            place = pair_place(model, contacts, table, k)
+            force, elastic = pair_force(contacts, law, place, depth, rate)
             out[base + CONTACT_DAMPING] += (force - elastic) * rate
         work.p[r] = force
         add_row(work, r, force)
         out[impulses + 2 * law] += force
+    states = memory.states[0]
     for j in range(work.step_size[2]):
         r = n_joint + n + j
         k = work.tangent[j]
         law = table.law[k]
         slip = row_velocity(work.rows, work.row_body, r, work.dof, u)
-        force = -work.mu[k] * work.p[n_joint + k] * math.tanh(slip / memory.slip_speed[law])
+        normal = work.p[n_joint + k]
+        bristle = 0.0
+        dwell = 0.0
+        if states < len(y):
+            place = pair_place(model, contacts, table, k)
+            if place >= 0 and normal > 0.0:
+                at = states + 2 * place
+                bristle = y[at]
+                dwell = y[at + 1]
+                rates = bristle_rates(
+                    contacts.kinds[law], contacts.parameters[law], slip, normal, work.mu[k], bristle, dwell
+                )
+                out[at] = rates[0]
+                out[at + 1] = rates[1]
+        force = friction_force(contacts.kinds[law], contacts.parameters[law], slip, normal, work.mu[k], bristle, dwell)
         work.p[r] = force
         add_row(work, r, force)
         out[impulses + 2 * law + 1] += force
@@ -221,7 +165,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
         out[i] = u[i]
         out[base + DAMPING] -= work.dissipative[i] * u[i]
         out[base + WORK] += work.driving[i] * u[i]
-    press(u, work, memory, base, out)
+    press(model, y, u, work, memory, base, out)
     solve_vector(model, work, work.free_u)
     if n_joint > 0:
         first = int(np.int64(0))  # a literal would have kernels compiled once more
@@ -261,7 +205,8 @@ def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> fl
     for k in range(n):
         law = work.table.law[k]
         if work.table.gap[k] < 0.0:
-            stiffness = stiffness_at(memory.kind[law], -work.table.gap[k], memory.parameters[law])
+            place = pair_place(model, memory.contacts, work.table, k)
+            stiffness = pair_stiffness(memory.contacts, law, place, -work.table.gap[k])
             highest = max(highest, stiffness * mobility(work, n_joint + k))
     return math.sqrt(highest)
 
@@ -314,7 +259,7 @@ def horizon(
             inverse = mobility(work, n_joint + k)
             if inverse > 0.0:
                 energy = 0.5 * approach * approach / inverse
-                gap += ONSET * indentation_of(memory.kind[law], energy, memory.parameters[law])
+                gap += ONSET * indentation_of(memory.contacts.kinds[law], memory.contacts.parameters[law], energy)
             longest = min(longest, gap / approach)
     return longest
 
@@ -352,13 +297,13 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
         law = work.table.law[k]
         depth = max(-work.table.gap[k], 0.0)
         tape.worst[1] = max(tape.worst[1], depth)
-        stored += stored_energy(memory.kind[law], depth, memory.parameters[law])
+        stored += pair_energy(memory.contacts, law, pair_place(model, memory.contacts, work.table, k), depth)
         force_t = 0.0
         state = SLIP
         if tangent < work.step_size[2] and work.tangent[tangent] == k:
             r = n_joint + n + tangent
             force_t = work.p[r]
-            if abs(row_velocity(work.rows, work.row_body, r, work.dof, u)) < memory.slip_speed[law]:
+            if abs(row_velocity(work.rows, work.row_body, r, work.dof, u)) < memory.contacts.slip_speed[law]:
                 state = STICK
             tangent += 1
         place = contact_point(model, q, work.table, k)

@@ -1,0 +1,1 @@
+"""Continuous contact-force laws: elastic, dissipative and friction laws, and what a contact under them remembers."""

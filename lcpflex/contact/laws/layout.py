@@ -1,0 +1,138 @@
+"""How laws are told to kernels: numbers of their kinds, and where their parameters stand in one row.
+
+A contact law is an elastic law, a damping and a friction law; ``kinds`` (4,) holds the numbers of the three and, for a
+user's own law, the address of its compiled function. ``p`` (PARAMETERS,) holds all their parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+__all__ = [
+    "ADDRESS",
+    "DAMPING",
+    "DAMPING_KIND",
+    "ELASTIC",
+    "ELASTIC_KIND",
+    "END",
+    "FRICTION",
+    "FRICTION_KIND",
+    "GUARD",
+    "LIMIT",
+    "PARAMETERS",
+    "Damping",
+    "ElasticLaw",
+    "FrictionLaw",
+    "LawRow",
+]
+
+# columns of kinds
+ELASTIC_KIND, DAMPING_KIND, FRICTION_KIND, ADDRESS = range(4)
+
+# where the parameters of each part begin in p
+ELASTIC = 0  # six at most
+DAMPING = 6  # four at most
+FRICTION = 10  # seven at most
+GUARD = 17  # least impact speed [m/s]
+LIMIT = 18  # indentation up to which the elastic law is valid [m]
+END = 19  # indentation at which it ends, to be extended by its tangent for trial states of a step [m]
+PARAMETERS = 20
+
+# kinds of elastic laws
+POWER, LOGARITHMIC, LIU, PERSSON, OWN = range(5)
+
+# kinds of damping
+NONE, PROPORTIONAL, HYSTERESIS, VISCOUS, TSUJI, KUWABARA_KONO, RISTOW, JANKOWSKI, PERMANENT, OWN_DAMPING = range(10)
+
+# kinds of friction
+(
+    TANH,
+    ARCTANGENT,
+    RAMP,
+    THRELFALL,
+    AMBROSIO,
+    BENGISU_AKAY,
+    BROWN_MCPHEE,
+    LUGRE,
+    BRISTLE,
+) = range(9)
+
+
+@dataclass(frozen=True, slots=True)
+class LawRow:
+    """One law of a declared contact as kernels take it."""
+
+    kinds: tuple[int, int, int, int]
+    parameters: tuple[float, ...]  # PARAMETERS of them
+    slip_speed: float  # below which a contact counts as sticking in records [m/s]
+    remembers: bool  # whether its force depends on the impact speed, or on what has been before
+    bristles: bool  # whether its friction has states of its own
+    lenient: bool  # whether an indentation beyond LIMIT is a warning instead of an error
+
+
+class ElasticLaw(Protocol):
+    """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.contact.laws.elastic_law`."""
+
+    @property
+    def kind(self) -> int:
+        """Number among the elastic kinds."""
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """At most six."""
+
+    @property
+    def limit(self) -> float:
+        """Indentation up to which it is valid [m]."""
+
+    @property
+    def end(self) -> float:
+        """Indentation beyond which it does not exist [m]; infinite for most."""
+
+    @property
+    def lenient(self) -> bool:
+        """Whether leaving the range of validity is a warning instead of an error."""
+
+
+class Damping(Protocol):
+    """What a dissipative law offers to kernels."""
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """At most four."""
+
+    @property
+    def guard_speed(self) -> float:
+        """Least impact speed [m/s] that is divided by."""
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it needs the impact speed, the mass or the largest indentation of a contact."""
+
+    def check(self, elastic: ElasticLaw) -> None:
+        """Raise ModelError where it cannot go with that elastic law."""
+
+
+class FrictionLaw(Protocol):
+    """What a friction law offers to kernels; mu is that of the declared contact."""
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of friction."""
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """At most seven."""
+
+    @property
+    def slip_speed(self) -> float:
+        """Speed [m/s] below which a contact counts as sticking in records."""
+
+    @property
+    def bristles(self) -> bool:
+        """Whether it has states of its own."""

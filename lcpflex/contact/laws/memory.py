@@ -1,0 +1,101 @@
+"""What contacts under continuous laws remember from step to step.
+
+Each slave has two places under each law that needs some, for two features of a surface at a time (a hollow corner). A
+place is taken when the slave touches a feature, and handed on when the slave passes on to the next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
+from lcpflex.model import Contacts
+from lcpflex.packed import pack
+
+__all__ = ["FREE", "PLACES", "ContactMemory", "contact_memory", "first_place", "place_of"]
+
+PLACES = 2  # for one slave under one law
+FREE = -1  # feature of a place that nobody has
+
+
+class ContactMemory(NamedTuple):
+    """Laws of the declared contacts, and the memory of those that touch."""
+
+    kinds: IntArray  # (laws, 4), see layout
+    parameters: FloatArray  # (laws, PARAMETERS)
+    slip_speed: FloatArray  # (laws,) [m/s]
+    stop: FloatArray  # (laws,) indentation beyond which a run must not go on [m]
+    turns: IntArray  # (1,) 1 where a law has an unloading branch of its own, which begins where a contact turns back
+    watched: IntArray  # (1,) 1 where a law remembers something or has a range to stay in
+    worst: FloatArray  # (laws,) largest indentation of an accepted state [m]
+    ranges: IntArray  # (laws, 2, 3) for each pass of a law: its slaves first..last-1, first place; no slaves: no memory
+    feature: IntArray  # (places,) feature that the slave touches, or FREE
+    seen: IntArray  # (places,) work
+    speed: FloatArray  # (places,) impact speed [m/s]
+    mass: FloatArray  # (places,) effective mass at the touch [kg]
+    deepest: FloatArray  # (places,) largest indentation [m]
+    loading: IntArray  # (places,) 1 until the contact turns back from it
+
+
+def contact_memory(contacts: Contacts, rows: Sequence[LawRow]) -> ContactMemory:
+    """Empty memory for the declared contacts with the laws ``rows``."""
+    ranges = np.zeros((len(rows), 2, 3), dtype=np.int64)
+    taken = np.zeros(len(rows), dtype=np.int64)
+    places = 0
+    for surface, law in zip(contacts.pass_slave, contacts.pass_law, strict=True):
+        if rows[law].remembers:
+            first, last = contacts.slave_start[surface], contacts.slave_start[surface + 1]
+            ranges[law, taken[law]] = first, last, places
+            taken[law] += 1
+            places += PLACES * int(last - first)
+    for law, row in enumerate(rows):
+        if row.remembers and taken[law] == 0:  # of a user's own system: one gap, without any surface
+            ranges[law, 0] = law, law + 1, places
+            places += PLACES
+    parameters = np.array([row.parameters for row in rows], dtype=float).reshape(-1, PARAMETERS)
+    memory = ContactMemory(
+        kinds=np.array([row.kinds for row in rows], dtype=np.int64).reshape(-1, 4),
+        parameters=parameters,
+        slip_speed=np.array([row.slip_speed for row in rows], dtype=float),
+        stop=np.array([row.parameters[END if row.lenient else LIMIT] for row in rows], dtype=float),
+        turns=np.array([any(row.kinds[DAMPING_KIND] == PERMANENT for row in rows)], dtype=np.int64),
+        watched=np.array([any(row.remembers or row.parameters[LIMIT] < np.inf for row in rows)], dtype=np.int64),
+        worst=np.zeros(len(rows)),
+        ranges=ranges,
+        feature=np.full(places, FREE),
+        seen=np.zeros(places, dtype=np.int64),
+        speed=np.zeros(places),
+        mass=np.ones(places),
+        deepest=np.zeros(places),
+        loading=np.zeros(places, dtype=np.int64),
+    )
+    return pack(memory)
+
+
+@kernel
+def first_place(memory: ContactMemory, law: int, slave: int) -> int:
+    """First of the places of a slave under a law; -1 if the law remembers nothing."""
+    for w in range(2):
+        first = memory.ranges[law, w, 0]
+        if first <= slave < memory.ranges[law, w, 1]:
+            return memory.ranges[law, w, 2] + PLACES * (slave - first)
+    return -1
+
+
+@kernel
+def place_of(memory: ContactMemory, law: int, slave: int, feature: int) -> int:
+    """Place of a slave on a feature; the one it comes from if it has just passed on to it; -1: none."""
+    place = first_place(memory, law, slave)
+    if place < 0:
+        return -1
+    for i in range(place, place + PLACES):
+        if memory.feature[i] == feature:
+            return i
+    for i in range(place, place + PLACES):
+        if memory.feature[i] != FREE:
+            return i
+    return -1
