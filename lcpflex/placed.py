@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex import slots
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.contact import shapes
@@ -18,6 +19,7 @@ from lcpflex.errors import ModelError, in_range
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
+    from lcpflex.slots import Slot
 
 __all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]
 
@@ -158,6 +160,31 @@ class Placed:
             "chain",
             shapes.chain(points, closed),
             lambda body: body.chain([_on(place, body) for place in places], closed),
+        )
+
+    def curved_slot(self, center: Place, radius: float, width: float, start: float, extent: float) -> Slot:
+        """A slot along an arc about ``center``, counter-clockwise from the angle ``start`` over ``extent`` [rad].
+
+        ``radius`` [m] is that of its middle line, on which a pin of radius width / 2 would run: the inner track is a
+        solid arc of radius - width / 2, the outer one the wall of a hole of radius + width / 2, each end a half circle
+        of width / 2 about the end of the middle line. All is carried rigidly by the material at ``center``. Declare
+        what a pin does in it by ``scene.contact_slot``.
+        """
+        return slots.curved_slot(self, center, radius, width, start, extent)
+
+    def straight_slot(self, first: Place, last: Place, width: float) -> Slot:
+        """A straight slot, its ends half circles of width / 2 [m] about ``first`` and ``last``.
+
+        On a flexible body each end moves with the material at its place, and the tracks run between them.
+        """
+        return slots.straight_slot(self, first, last, width)
+
+    def made_of(self, kind: str, places: Sequence[Place], shape: Callable[..., Surface]) -> PlacedSurface:
+        """The surface ``shape`` makes of the material points at ``places``, here and on another body: a part."""
+        return self._made(
+            kind,
+            shape(*(self._located(place) for place in places)),
+            lambda body: body.made_of(kind, [_on(place, body) for place in places], shape),
         )
 
     def _made(

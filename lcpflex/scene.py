@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, array_of
+from lcpflex.clearances import Clearances
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 from lcpflex.joints import Joint
@@ -106,7 +107,7 @@ class Parts(NamedTuple):
     surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
 
 
-class Scene:
+class Scene(Clearances):
     """A planar scene under construction.
 
     Parameters

@@ -28,6 +28,7 @@ __all__ = [
     "Surface",
     "arc",
     "can_touch",
+    "carried",
     "chain",
     "circle",
     "compile_contacts",
@@ -63,7 +64,8 @@ class Surface:
     half-plane). radius [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends
     where it begins. outline (k, 2): closed outline of the body, which tells how deep the solid is below an open chain
     or behind the wall of a hole; without it, as deep as the chain or hole is large. mirrored: whether the body is the
-    half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0.
+    half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0. goes_over: whether
+    another surface goes on smoothly at both ends of an open chain, so that no corner is there to be touched.
     """
 
     kind: Kind
@@ -74,6 +76,7 @@ class Surface:
     closed: bool = False
     outline: FloatArray | None = None
     mirrored: bool = False
+    goes_over: bool = False
 
     def goes_on(self) -> tuple[bool, bool]:
         """Whether the solid goes on beyond the beginning and the end of an open chain, though the chain does not."""
@@ -105,14 +108,17 @@ def half_plane(point: MaterialPoint, normal: npt.ArrayLike) -> Surface:
     """Everything behind the line through ``point``; ``normal`` (2,) points out of the solid."""
     direction = np.asarray(normal, dtype=float)
     along = np.array([-direction[1], direction[0]]) / np.hypot(*direction)
-    # a second point a metre along the line, carried rigidly by the material at the first
-    turned = np.array([-along[1], along[0]])
-    second = MaterialPoint(point.place + along, point.phi + point.psi[:, None] * turned, point.psi)
-    return Surface(Kind.HALF_PLANE, (point, second))
+    return Surface(Kind.HALF_PLANE, (point, carried(point, along)))  # a second point a metre along the line
 
 
-def chain(points: Sequence[MaterialPoint], closed: bool = False) -> Surface:
-    """Straight pieces from node to node, solid on the left.
+def carried(point: MaterialPoint, offset: FloatArray) -> MaterialPoint:
+    """A point ``offset`` (2,) [m] from ``point``, carried rigidly by the material there."""
+    turned = np.array([-offset[1], offset[0]])
+    return MaterialPoint(point.place + offset, point.phi + point.psi[:, None] * turned, point.psi)
+
+
+def chain(points: Sequence[MaterialPoint], closed: bool = False, goes_over: bool = False) -> Surface:
+    """Straight pieces from node to node, solid on the left; ``goes_over``: its ends are no corners but go over to arcs.
 
     Raises
     ------
@@ -125,7 +131,7 @@ def chain(points: Sequence[MaterialPoint], closed: bool = False) -> Surface:
         raise ModelError(
             f"chain: nodes {places.tolist()} were given, expected no two successive ones at the same place"
         )
-    return Surface(Kind.CHAIN, tuple(points), closed=closed)
+    return Surface(Kind.CHAIN, tuple(points), closed=closed, goes_over=goes_over)
 
 
 def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surface:
@@ -321,6 +327,8 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
                 features[after].span = (-math.inf, features[after].span[1])
             if STRAIGHT - math.pi < turn < -sharp:
                 continue  # hollow: the two segments hold the slave between them
+        elif surface.goes_over:
+            continue
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
         x, y = surface.points[v].place
         corner = Feature(ARC, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))

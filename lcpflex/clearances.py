@@ -1,0 +1,158 @@
+"""Contacts with play, declared in one call: a pin in a slot, a pin in a hole in the place of a revolute joint."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from lcpflex.bodies.placed_point import check_pair
+from lcpflex.contact.shapes import Kind
+from lcpflex.errors import ModelError, in_range
+from lcpflex.placed import Placed, PlacedSurface
+from lcpflex.slots import Slot, SlotParts
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.body import MaterialPoint
+    from lcpflex.bodies.placed_point import PlacedPoint
+    from lcpflex.compiled import FloatArray
+    from lcpflex.scene import Scene
+
+__all__ = ["Clearances"]
+
+
+class Clearances:
+    """Part of :class:`lcpflex.scene.Scene`."""
+
+    def contact_slot(
+        self,
+        pin: PlacedSurface,
+        slot: Slot,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+    ) -> SlotParts[str]:
+        """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
+
+        They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
+        for a name if omitted), with one law, as in :meth:`lcpflex.scene.Scene.contact`. Where the pin rolls or slides
+        over the seam between a track and an end, one contact ends as the other begins: gap and normal go on, but a
+        continuous force does so only if both have the same law.
+
+        Raises
+        ------
+        ModelError
+            For a pin that is no disc, that does not fit (its radius must be less than width / 2), or whose centre is
+            outside of the slot at the start, and as in :meth:`lcpflex.scene.Scene.contact`.
+        """
+        scene = cast("Scene", self)
+        if not isinstance(slot, Slot):
+            raise ModelError(f"slot: {slot!r} was given, expected one made by body.curved_slot or body.straight_slot")
+        if not isinstance(pin, PlacedSurface) or pin.shape.kind is not Kind.CIRCLE:
+            raise ModelError(f"pin: {pin!r} was given, expected a disc such as body.circle((0, 0), 0.01)")
+        if pin.scene is not scene or slot.inner.scene is not scene:
+            raise ModelError(f"pin: {pin!r} and a slot were given, expected both to be parts of this scene")
+        _check_fit("pin", pin.shape.radius, 0.5 * slot.width, "half the width of the slot")
+        stem = _stem("slot", name, scene)
+        outside = slot.outside(_seen(scene, pin.body, pin.shape.points[0], slot.inner.body))
+        if outside > 0.0:
+            raise ModelError(
+                f"pin: the centre of {pin.label!r} is {outside:.6g} m outside of the slot at the start, expected in it"
+            )
+        return SlotParts(
+            *(
+                scene.contact(pin, part, friction, restitution, tangential_restitution, f"{stem}.{which}")
+                for part, which in zip(slot.parts, SlotParts._fields, strict=True)
+            )
+        )
+
+    def revolute_with_clearance(
+        self,
+        P: PlacedPoint,
+        Q: PlacedPoint,
+        pin_radius: float,
+        hole_radius: float,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+    ) -> str:
+        """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
+
+        No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone.
+
+        Raises
+        ------
+        ModelError
+            For pin_radius >= hole_radius, and for a start with the centre of the pin farther from P than the play.
+        """
+        scene = cast("Scene", self)
+        check_pair("revolute_with_clearance", P, Q)
+        if P.scene is not scene or P.body == Q.body:
+            raise ModelError(
+                f"revolute_with_clearance: {P.label} and {Q.label} were given, "
+                "expected points of two bodies of this scene"
+            )
+        size = in_range("hole_radius", hole_radius, 0.0, math.inf, open_ends=True)
+        pin = in_range("pin_radius", pin_radius, 0.0, math.inf, open_ends=True)
+        _check_fit("pin_radius", pin, size, "the radius of the hole")
+        apart = float(np.hypot(*(_world(scene, Q.body, Q.material) - _world(scene, P.body, P.material))))
+        if apart > (size - pin) * (1.0 + ROUNDING) + ROUNDING * size:
+            raise ModelError(
+                f"Q: {Q.label} is {apart:.6g} m from {P.label} at the start, expected at most the play of "
+                f"{size - pin:.6g} m"
+            )
+        return scene.contact(
+            _holder(scene, Q.body).circle(Q, pin),
+            _holder(scene, P.body).hole(P, size),
+            friction,
+            restitution,
+            tangential_restitution,
+            name,
+        )
+
+
+ROUNDING = 1e-12  # relative
+
+
+def _check_fit(argument: str, pin: float, room: float, what: str) -> None:
+    if pin >= room:
+        raise ModelError(f"{argument}: a radius of {pin:g} m was given, expected less than {room:g} m, {what}")
+
+
+def _stem(kind: str, name: str | None, scene: Scene) -> str:
+    """``name``, or the first free of kind1, kind2, ..."""
+    if name is not None:
+        if not isinstance(name, str) or not name:
+            raise ModelError(f"name: {name!r} was given, expected a text")
+        return name
+    taken = {contact.rsplit(".", 1)[0] for contact in scene.parts().contacts}
+    number = 1
+    while f"{kind}{number}" in taken:
+        number += 1
+    return f"{kind}{number}"
+
+
+def _holder(scene: Scene, body: int) -> Placed:
+    return scene.ground if body < 0 else scene.parts().placed[body]
+
+
+def _world(scene: Scene, body: int, point: MaterialPoint) -> FloatArray:
+    """(2,) where a material point is at the start."""
+    q, turn = _frame(scene, body)
+    return q[:2] + turn @ (point.place + q[3:] @ point.phi)
+
+
+def _seen(scene: Scene, body: int, point: MaterialPoint, other: int) -> FloatArray:
+    """(2,) where a material point is at the start, seen from the frame of another body."""
+    q, turn = _frame(scene, other)
+    return np.asarray(turn.T @ (_world(scene, body, point) - q[:2]))
+
+
+def _frame(scene: Scene, body: int) -> tuple[FloatArray, FloatArray]:
+    """Initial configuration of a body, and the turn of its frame."""
+    q = np.zeros(3) if body < 0 else _holder(scene, body).start[0]
+    cos, sin = math.cos(q[2]), math.sin(q[2])
+    return q, np.array([[cos, -sin], [sin, cos]])
