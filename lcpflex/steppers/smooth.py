@@ -163,7 +163,11 @@ class Smooth:
             if name not in system.names:
                 known = ", ".join(system.names) or "none"
                 raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
-        laws = [self.laws.get(name, self.law).row() for name in system.names]
+        chosen = [self.laws.get(name, self.law) for name in system.names]
+        for name, law, mu in zip(system.names, chosen, system.model.contacts.friction.tolist(), strict=True):
+            if isinstance(law, ContactLaw):
+                law.friction.check(mu, name)
+        laws = [law.row() for law in chosen]
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))

@@ -53,7 +53,8 @@ class ContactLaw:
 
     def __post_init__(self) -> None:
         _check_part("elastic", self.elastic, ("kind", "parameters", "limit", "end", "lenient"), "PowerLaw(1e6)")
-        _check_part("friction", self.friction, ("kind", "parameters", "slip_speed", "bristles"), "SmoothedCoulomb()")
+        needed = ("kind", "parameters", "slip_speed", "bristles", "check")
+        _check_part("friction", self.friction, needed, "SmoothedCoulomb()")
         if self.damping is not None:
             expected = "HysteresisDamping(restitution=0.7)"
             _check_part("damping", self.damping, ("kind", "parameters", "guard_speed", "check"), expected)

@@ -136,3 +136,6 @@ class FrictionLaw(Protocol):
     @property
     def bristles(self) -> bool:
         """Whether it has states of its own."""
+
+    def check(self, mu: float, contact: str) -> None:
+        """Raise ModelError where it cannot go with the coefficient mu of a declared contact."""

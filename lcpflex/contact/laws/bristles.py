@@ -1,0 +1,186 @@
+"""Friction laws with states: bristles that bend before they slip, so that contacts hold at rest.
+
+All constants are per unit of normal force, since that varies in a contact: a stiffness sigma_0 of the literature in
+N/m, and a damping in N s/m, hold at a certain load (of a test rig, say) and are divided by it. A usual set of 1e5 N/m,
+316 N s/m and 0.4 N s/m at F_c = 1 N with mu = 0.1, so at a load of 10 N, is 1e4 1/m, 31.6 s/m and 0.04 s/m here.
+
+The bristles of a contact are straight when it begins, and forgotten when it ends. What they store counts as lost to
+friction in the energies of a result, and is given back there as they straighten.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.contact.laws.layout import BRISTLE, LUGRE
+from lcpflex.contact.laws.static_friction import check_static_friction, static_coefficient
+from lcpflex.errors import in_range
+
+__all__ = ["Bristle", "LuGre"]
+
+
+@dataclass(frozen=True, slots=True)
+class LuGre:
+    """Bristles of deflection z (Canudas de Wit, Olsson, Astrom & Lischinsky 1995).
+
+        lambda_T = -lambda_N (sigma_0 z + sigma_1 zdot + sigma_2 gdot_T)
+        zdot = gdot_T - sigma_0 |gdot_T| z / g,   g = mu + (mu_s - mu) exp(-(gdot_T / v_s)^2)
+
+    At constant speed z = g sgn(gdot_T) / sigma_0, so that friction is the Stribeck curve g + sigma_2 |gdot_T|. Before
+    it slips a contact is a spring of stiffness sigma_0 lambda_N. |z| stays below mu_s / sigma_0, the force may pass
+    mu_s by the part of sigma_1. Under a force that oscillates below mu lambda_N it drifts slowly, a known trait.
+
+    Attributes
+    ----------
+    stiffness
+        sigma_0 > 0 [1/m].
+    damping
+        sigma_1 >= 0 [s/m].
+    viscous
+        sigma_2 >= 0 [s/m].
+    stribeck_speed
+        v_s > 0 [m/s]; below it a contact counts as sticking in records.
+    static_friction
+        mu_s >= mu; None: mu.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    stiffness: float = 1e4
+    damping: float = 30.0
+    viscous: float = 0.0
+    stribeck_speed: float = 1e-3
+    static_friction: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("stiffness", self.stiffness, 0.0, math.inf, open_ends=True)
+        in_range("damping", self.damping, 0.0, math.inf)
+        in_range("viscous", self.viscous, 0.0, math.inf)
+        in_range("stribeck_speed", self.stribeck_speed, 0.0, math.inf, open_ends=True)
+        check_static_friction(self.static_friction)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of friction."""
+        return LUGRE
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """sigma_0, sigma_1, sigma_2, v_s, mu_s."""
+        static = static_coefficient(self.static_friction)
+        return (self.stiffness, self.damping, self.viscous, self.stribeck_speed, static)
+
+    @property
+    def slip_speed(self) -> float:
+        """Below it a contact counts as sticking in records [m/s]."""
+        return self.stribeck_speed
+
+    @property
+    def bristles(self) -> bool:
+        """It has states."""
+        return True
+
+    def check(self, mu: float, contact: str) -> None:
+        """Raise ModelError where mu_s is less than the mu of a contact."""
+        check_static_friction(self.static_friction, mu, contact)
+
+    def steady_force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
+        """Tangential force [N] after sliding at constant velocities [m/s] under normal forces [N]; arrays broadcast."""
+        slip, normal, mu = (np.asarray(x, dtype=float) for x in (slip, normal, mu))
+        static = np.maximum(static_coefficient(self.static_friction), mu)
+        sliding = mu + (static - mu) * np.exp(-((slip / self.stribeck_speed) ** 2))
+        return -normal * (np.sign(slip) * sliding + self.viscous * slip)
+
+
+@dataclass(frozen=True, slots=True)
+class Bristle:
+    """Bristles of deflection z that remember how long a contact has been at rest (Gonthier et al. 2004).
+
+        lambda_T = -lambda_N (min(max(sigma_0 z + sigma_1 zdot, -f), f) + sigma_2 gdot_T),   f = mu + (mu_s - mu) s_d
+        zdot = s gdot_T + (1 - s) (mu dir(gdot_T) - sigma_0 z) / sigma_1,   s = exp(-(gdot_T / v_s)^2)
+        ds_d/dt = (s - s_d) / tau,   tau = tau_d where s >= s_d, else sigma_1 / sigma_0
+
+    dir(v) = sgn(v), smoothed by a cubic below ``direction_speed``. At rest z is as the slip has left it: a contact does
+    not drift, and its static friction mu_s is reached after it has dwelt for some tau_d. Unconfirmed: the formula was
+    not compared with its text, and that the limit f does not hold for the viscous part is a reading.
+
+    Attributes
+    ----------
+    stiffness
+        sigma_0 > 0 [1/m].
+    damping
+        sigma_1 > 0 [s/m].
+    viscous
+        sigma_2 >= 0 [s/m].
+    stribeck_speed
+        v_s > 0 [m/s]; below it a contact counts as sticking in records.
+    static_friction
+        mu_s >= mu; None: mu.
+    dwell_time
+        tau_d > 0 [s].
+    direction_speed
+        [m/s], > 0; None: v_s / 100.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    stiffness: float = 1e4
+    damping: float = 30.0
+    viscous: float = 0.0
+    stribeck_speed: float = 1e-3
+    static_friction: float | None = None
+    dwell_time: float = 1.0
+    direction_speed: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("stiffness", self.stiffness, 0.0, math.inf, open_ends=True)
+        in_range("damping", self.damping, 0.0, math.inf, open_ends=True)
+        in_range("viscous", self.viscous, 0.0, math.inf)
+        in_range("stribeck_speed", self.stribeck_speed, 0.0, math.inf, open_ends=True)
+        check_static_friction(self.static_friction)
+        in_range("dwell_time", self.dwell_time, 0.0, math.inf, open_ends=True)
+        if self.direction_speed is not None:
+            in_range("direction_speed", self.direction_speed, 0.0, math.inf, open_ends=True)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of friction."""
+        return BRISTLE
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """sigma_0, sigma_1, sigma_2, v_s, mu_s, tau_d, direction speed."""
+        return (
+            self.stiffness,
+            self.damping,
+            self.viscous,
+            self.stribeck_speed,
+            static_coefficient(self.static_friction),
+            self.dwell_time,
+            0.01 * self.stribeck_speed if self.direction_speed is None else self.direction_speed,
+        )
+
+    @property
+    def slip_speed(self) -> float:
+        """Below it a contact counts as sticking in records [m/s]."""
+        return self.stribeck_speed
+
+    @property
+    def bristles(self) -> bool:
+        """It has states."""
+        return True
+
+    def check(self, mu: float, contact: str) -> None:
+        """Raise ModelError where mu_s is less than the mu of a contact."""
+        check_static_friction(self.static_friction, mu, contact)
