@@ -14,6 +14,7 @@ import math
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.laws.elastic_kernels import stored_energy
 from lcpflex.contact.laws.memory import FREE, PLACES, ContactMemory, first_place, place_of
 from lcpflex.contact.laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.model import Model
@@ -154,7 +155,7 @@ def settle(
             own = holds(memory, place, FREE)
             if own < 0:
                 continue  # a third feature at once: it has the memory of the first
-            energy = contact_energy(memory.kinds[law], memory.parameters[law], depth, 0.0, True)
+            energy = stored_energy(memory.kinds[law], memory.parameters[law], depth)  # work done, given back or not
             memory.speed[own] = math.sqrt(rates[k] * rates[k] + 2.0 * energy * G[k, k])
             memory.mass[own] = 1.0 / G[k, k] if G[k, k] > 0.0 else math.inf
             memory.deepest[own] = 0.0

@@ -6,10 +6,35 @@ mass 1/G_NN. The sum with the elastic part is clipped at zero by the caller: a c
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.laws.layout import DAMPING, DAMPING_KIND, HYSTERESIS, PROPORTIONAL
+import math
 
-__all__ = ["damping_force"]
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.contact.laws.elastic_kernels import elastic_stiffness, stored_energy
+from lcpflex.contact.laws.layout import (
+    DAMPING,
+    DAMPING_KIND,
+    HYSTERESIS,
+    JANKOWSKI,
+    KUWABARA_KONO,
+    PROPORTIONAL,
+    RISTOW,
+    TSUJI,
+    VISCOUS,
+)
+
+__all__ = ["damping_force", "damping_mass"]
+
+
+@kernel
+def damping_mass(p: FloatArray, mass: float) -> float:
+    """Mass in the law of a damping [kg]: the given one, or else ``mass`` that the contact remembers.
+
+    Infinite where nothing can move along the normal: it has no rate then, and no damping.
+    """
+    given = p[DAMPING + 1]
+    if given > 0.0:
+        return given
+    return mass if mass < math.inf else 0.0
 
 
 @kernel
@@ -25,4 +50,15 @@ def damping_force(
         return elastic * p[DAMPING] * rate
     if kind == HYSTERESIS:
         return elastic * p[DAMPING] * rate / speed
+    if kind == KUWABARA_KONO:
+        return p[DAMPING] * elastic_stiffness(kinds, p, depth) * rate
+    if kind == RISTOW:
+        return p[DAMPING] * damping_mass(p, mass) * rate
+    if kind == VISCOUS:  # of linear springs only
+        return 2.0 * p[DAMPING] * math.sqrt(elastic_stiffness(kinds, p, depth) * damping_mass(p, mass)) * rate
+    if kind == TSUJI or (kind == JANKOWSKI and rate > 0.0):
+        # c = 2 zeta sqrt(m) ds/ddelta with s = sqrt(2 E): a linear oscillator in the phase plane of s, for any law
+        energy = stored_energy(kinds, p, depth)
+        if energy > 0.0:  # it is not for the least of indentations
+            return p[DAMPING] * elastic * math.sqrt(2.0 * damping_mass(p, mass) / energy) * rate
     return 0.0
