@@ -12,6 +12,7 @@ import numpy as np
 from lcpflex.bodies.body import Body, Chain, MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.force_law import Law
 from lcpflex.contact.shapes import compile_contacts
 from lcpflex.dynamics.time_functions import Callback, SignalTable, State
 from lcpflex.errors import ModelError
@@ -72,7 +73,7 @@ def compiled_parts(
     rules: Sequence[ContactRule],
     surfaces: Sequence[PlacedSurface],
     project: bool,
-) -> tuple[Model, Layout, FloatArray, FloatArray, float, int, tuple[Callback, ...]]:
+) -> tuple[Model, Layout, FloatArray, FloatArray, float, int, tuple[Callback, ...], tuple[Law | None, ...]]:
     """The fields of :class:`lcpflex.scene.Compiled`. Raises ModelError for a start that cannot be."""
     if not placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
@@ -97,8 +98,9 @@ def compiled_parts(
     model = Model(bodies, assembly.points.compile(), signals, joint_arrays, load_arrays, contact_arrays)
     meshes = [p.source.resolution if p.source else None for p in placed]
     resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
-    names = tuple(p.name for p in placed)
-    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions)
+    layout = Layout(
+        tuple(p.name for p in placed), tuple(declared), tuple(joints), outlines, circles, named, resolutions
+    )
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
@@ -108,7 +110,7 @@ def compiled_parts(
         q, u = _consistent(model, joints, q, u, external, size, project)
     if declared:
         _refuse_penetration(model, q.copy(), tuple(declared), size)
-    return model, layout, frozen(q), frozen(u), size, assembly.signals.n_external, callbacks
+    return model, layout, frozen(q), frozen(u), size, len(external), callbacks, tuple(c.law for c in declared.values())
 
 
 def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: State) -> None:
@@ -269,8 +271,8 @@ def _by_rules(
                 apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
                 if apart and pair not in taken and can_touch(a, b) and not _excluded(rule, a, b):
                     taken.add(pair)
-                    law = (rule.friction, rule.restitution, rule.tangential_restitution)
-                    found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *law)
+                    numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
+                    found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *numbers, law=rule.law)
     return found
 
 

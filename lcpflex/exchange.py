@@ -87,13 +87,13 @@ class _Again:
             self._new.load(replace(load, **self._points(load)))
         for name, contact in parts.contacts.items():
             a, b = (self._surface(surface) for surface in contact.pair)
-            law = (contact.friction, contact.restitution, contact.tangential_restitution)
+            numbers = (contact.friction, contact.restitution, contact.tangential_restitution)
             slave = None if contact.slave is None else self._surface(contact.slave)
-            self._new.contact(a, b, *law, name=name, slave=slave)
+            self._new.contact(a, b, *numbers, name=name, slave=slave, law=contact.law)
         for rule in parts.rules:
             self._new.contact_all(
                 rule.friction, rule.restitution, rule.tangential_restitution,
-                [(self._side(x), self._side(y)) for x, y in rule.exclude],
+                [(self._side(x), self._side(y)) for x, y in rule.exclude], law=rule.law,
             )  # fmt: skip
 
     def _points(self, part: Any) -> dict[str, Any]:

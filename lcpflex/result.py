@@ -202,12 +202,12 @@ class Result:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to one npz file (format: :mod:`lcpflex.archive`), all of it or nothing.
 
-        Python callbacks of the scene are left out: a loaded result can be drawn and measured, not continued.
-        Raises ModelError with the path and the reason.
+        Python callbacks and force laws of the scene are left out: a loaded result can be drawn and measured, not
+        continued. Raises ModelError with the path and the reason.
         """
         from lcpflex.archive import write
 
-        kept = None if self.compiled is None else replace(self.compiled, callbacks=())
+        kept = None if self.compiled is None else replace(self.compiled, callbacks=(), laws=())
         return write(replace(self, compiled=kept), path)
 
     @classmethod

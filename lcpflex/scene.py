@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import Body, array_of
 from lcpflex.clearances import Clearances
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
@@ -52,6 +53,7 @@ class Compiled:
     size: float  # extent of the largest body [m]: what gaps are large or small against
     n_external: int  # slots that callbacks fill
     callbacks: tuple[Callback, ...] = field(default=(), repr=False)
+    laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
 
     def system(self) -> System:
         """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
@@ -72,6 +74,7 @@ class Compiled:
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,
+            laws=self.laws,
         )
 
 
@@ -84,6 +87,7 @@ class DeclaredContact:
     restitution: float
     tangential_restitution: float
     slave: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
+    law: Law | None = None  # continuous contact force; None: complementarity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +98,7 @@ class ContactRule:
     restitution: float
     tangential_restitution: float
     exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
+    law: Law | None = None
 
 
 class Parts(NamedTuple):
@@ -213,6 +218,7 @@ class Scene(Clearances):
         name: str | None = None,
         *,
         slave: PlacedSurface | None = None,
+        law: Law | None = None,
     ) -> str:
         """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
 
@@ -231,6 +237,10 @@ class Scene(Clearances):
         removes (measured with elements of a third of the patch's half width and massless boundary: 1 % of the energy is
         unexplained for a while, 0.002 % with the mesh as slave). On a mesh coarser than the patch, the disc would sink
         in between nodes: let it be the slave, as it is by default.
+
+        ``law``: a continuous contact force, ``ContactLaw(...)`` or ``Penalty(...)``, beside the set-valued law of the
+        others; it knows no restitution: a rebound follows from its damping. Steppers: ``EventDriven``, ``MoreauJean``,
+        and ``Smooth``, whose own ``laws`` go before it.
         """
         for argument, surface in (("a", a), ("b", b)):
             if not isinstance(surface, PlacedSurface):
@@ -252,10 +262,10 @@ class Scene(Clearances):
         for other, declared in self._contacts.items():
             if {a.label, b.label} == {surface.label for surface in declared.pair}:
                 raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {other!r} is between them")
-        law = _law(friction, restitution, tangential_restitution)
+        numbers = _numbers(friction, restitution, tangential_restitution, law)
         _check_slave(slave, a, b)
         name = _name("contact", name, list(self._contacts))
-        self._contacts[name] = DeclaredContact((a, b), *law, slave)
+        self._contacts[name] = DeclaredContact((a, b), *numbers, slave, law)
         return name
 
     def contact_all(
@@ -264,6 +274,8 @@ class Scene(Clearances):
         restitution: float = 0.0,
         tangential_restitution: float = 0.0,
         exclude: Sequence[tuple[Placed | PlacedSurface, Placed | PlacedSurface]] = (),
+        *,
+        law: Law | None = None,
     ) -> None:
         """Everything against everything: the outline of each body and all surfaces made on bodies and on the ground.
 
@@ -281,8 +293,8 @@ class Scene(Clearances):
                 raise ModelError(f"exclude: {pair!r} was given, expected pairs of bodies or surfaces")
             for side in pair:
                 self._own("exclude", side)
-        law = _law(friction, restitution, tangential_restitution)
-        self._rules.append(ContactRule(*law, tuple((x, y) for x, y in exclude)))
+        numbers = _numbers(friction, restitution, tangential_restitution, law)
+        self._rules.append(ContactRule(*numbers, tuple((x, y) for x, y in exclude), law))
 
     def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
         """A new scene like this one with other bodies under the names of ``bodies``; this one is not changed.
@@ -310,13 +322,7 @@ class Scene(Clearances):
         """
         from lcpflex.compilation import compiled_parts
 
-        return Compiled(
-            *compiled_parts(
-                self.gravity,
-                *self.parts(),
-                project,
-            )
-        )
+        return Compiled(*compiled_parts(self.gravity, *self.parts(), project))
 
     def parts(self) -> Parts:
         """What has been declared, in the order in which it was."""
@@ -358,7 +364,15 @@ def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface
         )
 
 
-def _law(friction: float, restitution: float, tangential_restitution: float) -> tuple[float, float, float]:
+def _numbers(
+    friction: float, restitution: float, tangential_restitution: float, law: Law | None
+) -> tuple[float, float, float]:
+    """Friction and restitution, checked, with ``law``."""
+    if not isinstance(law, Law | None):
+        raise ModelError(f"law: {law!r} was given, expected a force law such as Penalty(stiffness=1e6), or None")
+    for name, value in (("restitution", restitution), ("tangential_restitution", tangential_restitution)):
+        if law is not None and value != 0.0:
+            raise ModelError(f"{name}: {value!r} was given with a law, expected 0: its damping makes the rebound")
     return (
         in_range("friction", friction, 0.0, math.inf),
         in_range("restitution", restitution, 0.0, 1.0),

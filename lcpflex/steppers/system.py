@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lcpflex.compiled import FloatArray
+from lcpflex.contact.force_law import Law
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.model import Model
 from lcpflex.packed import pack
@@ -23,6 +24,7 @@ class System:
 
     ``hooks`` maps the names of kernels (supply, forces, detect, ...) to replacements; empty, the run is
     compiled throughout. ``watch`` is told of each contact problem that was solved. ``names``: declared contacts.
+    ``laws``: their continuous contact forces, None for those by complementarity; empty, all are.
     """
 
     model: Model
@@ -34,6 +36,7 @@ class System:
     margin: float
     watch: Callable[[Workspace], None] | None = None
     names: tuple[str, ...] = ()
+    laws: tuple[Law | None, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "model", pack(self.model))
