@@ -90,17 +90,14 @@ def compiled_parts(
         for name in p.source.points
     }
     outlines, circles = _drawn(placed, surfaces, assembly)
-    joint_arrays = _joints(joints, assembly)
-    load_arrays = _loads(gravity, loads, assembly)
     declared = {**contacts, **_by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
-    contact_arrays = _contacts(declared, surfaces, assembly)
+    arrays = (_joints(joints, assembly), _loads(gravity, loads, assembly), _contacts(declared, surfaces, assembly))
     signals, callbacks = assembly.signals.compile()
-    model = Model(bodies, assembly.points.compile(), signals, joint_arrays, load_arrays, contact_arrays)
+    model = Model(bodies, assembly.points.compile(), signals, *arrays)
     meshes = [p.source.resolution if p.source else None for p in placed]
     resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
-    layout = Layout(
-        tuple(p.name for p in placed), tuple(declared), tuple(joints), outlines, circles, named, resolutions
-    )
+    names = tuple(p.name for p in placed)
+    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions)
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
