@@ -1,0 +1,381 @@
+"""Dissipative laws of contact that are no hysteresis damping.
+
+Written for two bodies of effective mass m = 1/G_NN = 1/(1/m_1 + 1/m_2), with delta > 0 the indentation and v its rate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lcpflex.contact.laws.hysteresis import check_linear
+from lcpflex.contact.laws.layout import (
+    JANKOWSKI,
+    KUWABARA_KONO,
+    PERMANENT,
+    RISTOW,
+    TSUJI,
+    VISCOUS,
+    ElasticLaw,
+)
+from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
+from lcpflex.errors import ModelError, in_range
+
+__all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
+
+
+def fractions(name: str, values: ArrayLike, *, zero: bool) -> Any:
+    """Values as an array if they are in [0, 1], or in (0, 1]."""
+    array = np.asarray(values, dtype=float)
+    if not np.all((array <= 1.0) & ((array >= 0.0) if zero else (array > 0.0))):
+        raise ModelError(f"{name}: {values!r} was given, expected numbers in {'[' if zero else '('}0, 1]")
+    return array
+
+
+def plain(values: Any) -> Any:
+    """A float for an array without dimensions."""
+    return float(values) if np.ndim(values) == 0 else values
+
+
+def check_mass(mass: float | None) -> None:
+    """Raise ModelError for a mass that is none."""
+    if mass is not None:
+        in_range("mass", mass, 0.0, math.inf, open_ends=True)
+
+
+def strengths(values: ArrayLike) -> Any:
+    """Values as an array if they are finite and not negative."""
+    array = np.asarray(values, dtype=float)
+    if not np.all((array >= 0.0) & np.isfinite(array)):
+        raise ModelError(f"parameter: {values!r} was given, expected finite numbers >= 0")
+    return array
+
+
+class Speedless:
+    """Damping that divides by no speed; with any elastic law where it does not say otherwise."""
+
+    __slots__ = ()
+
+    @property
+    def guard_speed(self) -> float:
+        """It divides by no speed."""
+        return 0.0
+
+    def check(self, elastic: ElasticLaw) -> None:
+        """Goes with any elastic law."""
+
+
+@dataclass(frozen=True, slots=True)
+class KelvinVoigt(Speedless):
+    """Spring and dashpot, K delta + c v with c = 2 zeta (K m)^(1/2), zeta = -ln e / (pi^2 + ln^2 e)^(1/2).
+
+    Of linear springs only. It jumps to c v_0 at touch, and would pull before the indentation is zero, where the force
+    is zero instead. The prescribed e is that of a contact that may pull; without pulling two free bodies part with
+    e_out = exp(-(2 zeta / q) atan(q / zeta)), q = (1 - zeta^2)^(1/2):
+
+        e      .1     .3     .5     .7     .9
+        e_out  .2527  .3971  .5503  .7182  .9020
+
+    and no less than e^-2 = .1353, at e = 0. ``prescribed_restitution(KelvinVoigt, e_out)`` is the e to give.
+    Sources: Dubowsky & Freudenstein 1971, Anagnostopoulos 1988.
+
+    Attributes
+    ----------
+    restitution
+        Prescribed e in [0, 1].
+    mass
+        m [kg] in c; None: that of the contact, 1/G_NN when it begins.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range; with an elastic law that is no linear spring (when the law is put together).
+    """
+
+    restitution: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("restitution", self.restitution, 0.0, 1.0)
+        check_mass(self.mass)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return VISCOUS
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """zeta; mass, or zero."""
+        return float(damping_ratio(self.restitution)), self.mass or 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """It jumps at touch, where a step is to end, and may need the mass."""
+        return True
+
+    def check(self, elastic: ElasticLaw) -> None:
+        """Raise ModelError unless ``elastic`` is a linear spring."""
+        check_linear("KelvinVoigt", elastic)
+
+    @staticmethod
+    def rebound(restitution: ArrayLike) -> Any:
+        """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
+        return plain(rebound_of_ratio(damping_ratio(fractions("restitution", restitution, zero=True))))
+
+
+@dataclass(frozen=True, slots=True)
+class Tsuji(Speedless):
+    """F(delta) + alpha (m K)^(1/2) delta^((n-1)/2) v for F = K delta^n, alpha = (2 (n+1))^(1/2) zeta.
+
+    zeta as for :class:`KelvinVoigt`, of which this is the counterpart for n other than 1: in the plane of
+    s = (2 E(delta) / m)^(1/2) and v both are one linear oscillator. For elastic laws that are no power that is taken as
+    the law, 2 zeta (m / (2 E))^(1/2) F v with the stored energy E. Zero at touch without a jump for n > 1. It would
+    pull before the indentation is zero, where the force is zero instead: e_out is that of :class:`KelvinVoigt`, for any
+    elastic law, mass and speed. Source: Tsuji, Tanaka & Ishida 1992 (n = 3/2).
+
+    Attributes
+    ----------
+    restitution
+        Prescribed e in [0, 1]; ``prescribed_restitution(Tsuji, e_out)`` is the one to give.
+    mass
+        m [kg]; None: that of the contact, 1/G_NN when it begins.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    restitution: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("restitution", self.restitution, 0.0, 1.0)
+        check_mass(self.mass)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return TSUJI
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """zeta; mass, or zero."""
+        return float(damping_ratio(self.restitution)), self.mass or 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it needs the mass of the contact."""
+        return self.mass is None
+
+    @staticmethod
+    def rebound(restitution: ArrayLike) -> Any:
+        """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
+        return KelvinVoigt.rebound(restitution)
+
+
+@dataclass(frozen=True, slots=True)
+class KuwabaraKono(Speedless):
+    """F(delta) + A F'(delta) v: a viscoelastic material, K (delta^(3/2) + (3/2) A delta^(1/2) v) in Hertz's contact.
+
+    Zero at touch without a jump wherever F'(0) = 0. It would pull before the indentation is zero, where the force is
+    zero instead. In Hertz's point contact e_out of two free bodies depends on A' = A (K/m)^(2/5) v_0^(1/5) only, and
+    falls with the impact speed: e_out = 1 - 1.7301733 A' + ...; ``restitution_of(KuwabaraKono, A')`` gives it.
+    Sources: Kuwabara & Kono 1987, Brilliantov et al. 1996.
+
+    Attributes
+    ----------
+    relaxation
+        A >= 0 [s].
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    relaxation: float
+
+    def __post_init__(self) -> None:
+        in_range("relaxation", self.relaxation, 0.0, math.inf)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return KUWABARA_KONO
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """A."""
+        return (self.relaxation,)
+
+    @property
+    def remembers(self) -> bool:
+        """It needs nothing from the touch."""
+        return False
+
+    @staticmethod
+    def rebound(parameter: ArrayLike) -> Any:
+        """e_out of two free bodies in Hertz's point contact for A' = A (K/m)^(2/5) v_0^(1/5), a number or an array."""
+        return rebound_of_drag(1.5 * 0.8**0.4 * strengths(parameter), 0.2)
+
+
+@dataclass(frozen=True, slots=True)
+class Ristow(Speedless):
+    """F(delta) + gamma m v: the simplest damping beside Hertz's force, constant.
+
+    It jumps to gamma m v_0 at touch, and would pull before the indentation is zero, where the force is zero instead.
+    In Hertz's point contact e_out of two free bodies depends on g' = gamma (m/K)^(2/5) v_0^(-1/5) only, and grows with
+    the impact speed: e_out = 1 - 1.7878141 g' + ...; ``restitution_of(Ristow, g')`` gives it. Without the clip bodies
+    would not part at all from g' = 1.5 on. Sources: Ristow 1992, Lee & Herrmann 1993.
+
+    Attributes
+    ----------
+    rate
+        gamma >= 0 [1/s].
+    mass
+        m [kg]; None: that of the contact, 1/G_NN when it begins.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    rate: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("rate", self.rate, 0.0, math.inf)
+        check_mass(self.mass)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return RISTOW
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """gamma; mass, or zero."""
+        return self.rate, self.mass or 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """It jumps at touch, where a step is to end, and may need the mass."""
+        return True
+
+    @staticmethod
+    def rebound(parameter: ArrayLike) -> Any:
+        """e_out of two free bodies in Hertz's point contact for g' = gamma (m/K)^(2/5) v_0^(-1/5)."""
+        return rebound_of_drag(0.8**0.6 * strengths(parameter), -0.2)
+
+
+@dataclass(frozen=True, slots=True)
+class Jankowski(Speedless):
+    """K delta^(3/2) + c v on the way in, K delta^(3/2) on the way out, with c = 2 xi (m K)^(1/2) delta^(1/4).
+
+        xi = (9 5^(1/2) / 2) (1 - e^2) / (e (e (9 pi - 16) + 16))
+
+    No jump at touch and no attraction; the force drops to the elastic one where the contact turns back, with no jump as
+    v is zero there. |e_out - e| <= 0.009 for two free bodies. The formula is unconfirmed: it has not been checked
+    against the paper. With other elastic laws F the damping is that of :class:`Tsuji` with zeta = 2 xi / 5^(1/2), which
+    is the same for n = 3/2, and e_out is the same. Source: Jankowski 2005.
+
+    Attributes
+    ----------
+    restitution
+        Prescribed e in (0, 1]; xi is infinite at 0.
+    mass
+        m [kg]; None: that of the contact, 1/G_NN when it begins.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    restitution: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        in_range("restitution", self.restitution, 0.0, 1.0)
+        fractions("restitution", self.restitution, zero=False)
+        check_mass(self.mass)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return JANKOWSKI
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """zeta; mass, or zero."""
+        return float(jankowski_ratio(self.restitution)), self.mass or 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it needs the mass of the contact."""
+        return self.mass is None
+
+    @staticmethod
+    def rebound(restitution: ArrayLike) -> Any:
+        """e_out of two free bodies for a prescribed coefficient of restitution in (0, 1], a number or an array."""
+        return plain(half_oscillation(jankowski_ratio(fractions("restitution", restitution, zero=False))))
+
+
+def jankowski_ratio(e: Any) -> Any:
+    """zeta = 2 xi / 5^(1/2)."""
+    return 9.0 * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
+
+
+@dataclass(frozen=True, slots=True)
+class PermanentIndentation(Speedless):
+    """Loading F(delta), unloading F((delta - delta_p) / e^2) from the largest indentation delta_m.
+
+    delta_p = (1 - e^2) delta_m stays; for F = K delta^n unloading is F_m ((delta - delta_p) / (delta_m - delta_p))^n.
+    Quasi-static: nothing depends on speed, a contact that is loaded again goes up the unloading curve, and beyond
+    delta_m on the loading one. No jump and no attraction; the force is zero below delta_p. Two free bodies part with
+    e_out = e exactly, for any elastic law, mass and speed. The indentation is forgotten when the gap opens: the next
+    impact finds surfaces as new. Source: Lankarani & Nikravesh 1994.
+
+    Attributes
+    ----------
+    restitution
+        e in (0, 1]; at 0 the unloading would be infinitely steep.
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
+    """
+
+    restitution: float
+
+    def __post_init__(self) -> None:
+        in_range("restitution", self.restitution, 0.0, 1.0)
+        fractions("restitution", self.restitution, zero=False)
+
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of damping."""
+        return PERMANENT
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """e."""
+        return (self.restitution,)
+
+    @property
+    def remembers(self) -> bool:
+        """It needs the largest indentation."""
+        return True
+
+    @staticmethod
+    def rebound(restitution: ArrayLike) -> Any:
+        """e_out = e, a number or an array."""
+        return plain(fractions("restitution", restitution, zero=False))
