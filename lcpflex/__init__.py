@@ -64,6 +64,7 @@ _HOME = {
     "ExplicitRungeKutta": "lcpflex.steppers.smooth",
     "Stiff": "lcpflex.steppers.smooth",
     "Verlet": "lcpflex.steppers.smooth",
+    "ContactLaw": "lcpflex.contact.laws.contact_law",
     "Penalty": "lcpflex.contact.penalty",
     "admissible_accelerations": "lcpflex.accelerations",
     "Energetic": "lcpflex.contact.impact_laws",
@@ -85,6 +86,7 @@ _HOME = {
 _PACKAGES = {  # loaded when they are first named
     "advice": "lcpflex.advice",
     "gallery": "lcpflex.gallery",
+    "laws": "lcpflex.contact.laws",
     "meshes": "lcpflex.bodies.meshes",
     "solvers": "lcpflex.solvers",
     "studies": "lcpflex.studies",
@@ -96,6 +98,7 @@ __all__ = [
     "Bar",
     "Beam",
     "Box",
+    "ContactLaw",
     "Continuum",
     "Disc",
     "Distance",
@@ -197,6 +200,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
     from lcpflex.bodies.stiffening import Stiffening
     from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
+    from lcpflex.contact.laws.contact_law import ContactLaw
     from lcpflex.contact.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
