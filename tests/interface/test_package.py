@@ -41,6 +41,12 @@ def test_every_public_name_loads_and_is_documented(name: str) -> None:
         assert value.__doc__
 
 
+@pytest.mark.parametrize("name", lcpflex.laws.__all__)
+def test_every_law_loads_and_is_documented(name: str) -> None:
+    assert name in dir(lcpflex.laws)
+    assert getattr(lcpflex.laws, name).__doc__
+
+
 def test_simulate_stays_the_function_after_its_module_is_imported() -> None:
     code = "import lcpflex as lf; import lcpflex.simulate; print(callable(lf.simulate), type(lf.simulate).__name__)"
     assert run(code) == "True function"
