@@ -7,7 +7,7 @@ With the compliance F of the static modes and the gaps of the configuration with
 
 where Delta g_T is the slip of the step. It is the LCP of planar Coulomb friction with F for the Delassus matrix.
 Gaps are measured in the largest of the problem and compliances in the largest of F, so that the residual of the
-solver means the same at every scale.
+solver means the same at every scale. Elastic laws of contacts are in F: :mod:`lcpflex.dynamics.contact_compliance`.
 Source: Monjaraz-Tec, Gross & Krack 2022 (massless boundary).
 """
 
@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
@@ -73,13 +74,20 @@ def spread(work: Workspace, flexibility: FloatArray, first: int, last: int) -> N
 
 @kernel
 def pose_position(
-    model: Model, step: float, n: int, before: FloatArray, flexibility: FloatArray, unit: FloatArray, work: Workspace
+    model: Model,
+    step: float,
+    n: int,
+    before: FloatArray,
+    flexibility: FloatArray,
+    compliance: ContactCompliance,
+    unit: FloatArray,
+    work: Workspace,
 ) -> int:
     """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
 
-    Linearised about the static coordinates there; ``before`` (ndof,) has those before the step. Scaled F and gaps go
-    to work.Gc and work.bc; unit: the unit of force [N], and the largest compliance [m/N]. Returns -1, or the contact
-    that has no compliance.
+    Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (ndof,) has
+    the static coordinates before the step. Scaled F and gaps go to work.Gc and work.bc; unit: the unit of force [N],
+    and the largest compliance [m/N]. Returns -1, or the contact that has no compliance.
     """
     q = work.middle
     n_joint = len(work.residual)
@@ -93,8 +101,6 @@ def pose_position(
         contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
     spread(work, flexibility, n_joint, n_joint + total)
     delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.Gc)
-    softest = 0.0
-    largest = 0.0
     for r in range(total):
         b = 0.0
         if r < n:
@@ -104,7 +110,11 @@ def pose_position(
             b = step * (slip - 0.5 * step * work.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
         work.bc[r] = b
-        largest = max(largest, abs(b))
+    soften(compliance, work, n)
+    softest = 0.0
+    largest = 0.0
+    for r in range(total):
+        largest = max(largest, abs(work.bc[r]))
         softest = max(softest, work.Gc[r, r])
     for r in range(total):
         if not work.Gc[r, r] > RIGID * softest:

@@ -27,25 +27,31 @@ __all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rat
 
 RIGID = 1e-12  # a direction with less than this part of the greatest compliance at the point has none
 
+_OTHERWISE = {
+    "normal": "or give the contact a compliance, ",
+    "tangential": "or no friction (an elastic law, compliance=, gives way along the normal only), ",
+}
+
 T = TypeVar("T")
 
 
-def flexibilities(model: Model, dynamic_modes: int | None) -> FloatArray:
+def flexibilities(model: Model, dynamic_modes: int | None, soft: IntArray) -> FloatArray:
     """(ndof,) 1/omega^2 [s^2] of the coordinates that become static, 0 of all others.
 
     Each body with a contact keeps its ``dynamic_modes`` lowest modes, or half of its modes, rounded down, if that is
-    None. Bodies without a contact keep all: no force would ever move the rest.
+    None. Bodies without a contact keep all: no force would ever move the rest. ``soft`` (laws,) is 1 for contacts that
+    give way by themselves.
 
     Raises
     ------
     ModelError
-        If no body with a contact has more than ``dynamic_modes`` modes.
+        If no body with a contact has more than ``dynamic_modes`` modes, and some contact needs them.
     """
     dof = model.bodies.dof
     modes = np.diff(dof) - 3
     touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts)} - {-1})
     largest = max((int(modes[b]) for b in touched), default=0)
-    if touched and not (dynamic_modes or 0) < largest:
+    if touched and not soft.all() and not (dynamic_modes or 0) < largest:
         given = f"{dynamic_modes} was given, expected less than {largest}" if largest else "no modes to choose from"
         raise ModelError(
             f"dynamic_modes: {given}: of the bodies with a contact, the richest has {largest} modes, and some must be "
@@ -158,8 +164,10 @@ def _compliance(model: Model, flexibility: FloatArray, q: FloatArray, p: int) ->
     return np.asarray(A @ local @ A.T)
 
 
-def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray) -> None:
+def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray, soft: IntArray) -> None:
     """Refuse a contact that has no compliance where it may touch, as its bodies stand at q.
+
+    Along the normal, those of ``soft`` (laws,) have their own.
 
     Raises
     ------
@@ -168,7 +176,7 @@ def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray) -> No
     """
     contacts = model.contacts
     for law in range(len(contacts.friction)):
-        soft = [False, not contacts.friction[law] > 0.0]
+        gives = [soft[law] == 1, not contacts.friction[law] > 0.0]
         for w in np.flatnonzero(contacts.pass_law == law):
             slaves = _span(contacts.slave_start, contacts.pass_slave[w])
             features = _span(contacts.feature_start, contacts.pass_feature[w])
@@ -178,15 +186,16 @@ def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray) -> No
                 other = 0.5 * (_compliance(model, flexibility, q, a) + _compliance(model, flexibility, q, b))
                 for F in own:
                     for i, found in enumerate(_directional(model, q, f, F + other)):
-                        soft[i] = soft[i] or found
-                if all(soft):
+                        gives[i] = gives[i] or found
+                if all(gives):
                     break
-        if not all(soft):
-            which = "normal" if not soft[0] else "tangential"
+        if not all(gives):
+            which = "normal" if not gives[0] else "tangential"
             raise ModelError(
                 f"contact number {law + 1} in the order of declaration: its bodies have no {which} compliance where "
                 "they touch (rigid bodies, or modes that do not move that way), expected some in the modes above "
-                "dynamic_modes; use more modes or bodies that give way there, or MoreauJean or EventDriven"
+                f"dynamic_modes; use more modes or bodies that give way there, {_OTHERWISE[which]}or MoreauJean or "
+                "EventDriven"
             )
 
 
@@ -249,8 +258,10 @@ def spring_rates(model: Model, flexibility: FloatArray) -> tuple[float, float]:
     return square, rate
 
 
-def contact_stiffness(model: Model, flexibility: FloatArray) -> float:
+def contact_stiffness(model: Model, flexibility: FloatArray, give: FloatArray) -> float:
     """Largest G_NN / F_NN [1/s^2] of one closed contact, over the surfaces that may touch.
+
+    ``give`` (passes,) [m/N] is what a law of the contact itself adds to F_NN.
 
     Of the stiffest point of each side that has compliance, be it slave or master: (G_a + G_b) / (F_a + F_b). Normals
     are those of nodes and segments, or the softest direction where there is none. A guess of the step that closed
@@ -260,11 +271,12 @@ def contact_stiffness(model: Model, flexibility: FloatArray) -> float:
     at_rest = np.zeros(int(model.bodies.dof[-1]))
     mass = mass_matrix(model, at_rest)
     contacts, largest = model.contacts, 0.0
-    for a, b in zip(contacts.pass_slave, contacts.pass_feature, strict=True):
+    for a, b, own in zip(contacts.pass_slave, contacts.pass_feature, give, strict=True):
         slaves = [(int(contacts.slave_point[s]), contacts.slave_normal[s]) for s in _span(contacts.slave_start, a)]
         features = [end for f in _span(contacts.feature_start, b) for end in _ends(model, f)]
-        sides = [_stiffest(model, mass, flexibility, side) for side in (slaves, features)]
+        sides = [_stiffest(model, mass, flexibility, side, own) for side in (slaves, features)]
         G, F = (sum(side[i] for side in sides) for i in range(2))
+        F += own
         largest = max(largest, G / F if F > 0.0 else 0.0)
     return largest
 
@@ -279,9 +291,9 @@ def _ends(model: Model, f: int) -> list[tuple[int, FloatArray]]:
 
 
 def _stiffest(
-    model: Model, mass: FloatArray, flexibility: FloatArray, side: list[tuple[int, FloatArray]]
+    model: Model, mass: FloatArray, flexibility: FloatArray, side: list[tuple[int, FloatArray]], give: float
 ) -> tuple[float, float]:
-    """G_NN and F_NN of the point of the greatest ratio; 0, 0 where none has compliance."""
+    """G_NN and F_NN of the point of the greatest ratio G_NN / (F_NN + give); 0, 0 where none has compliance."""
     stiffest = 0.0, 0.0
     at_rest = np.zeros(int(model.bodies.dof[-1]))
     for p, normal in side:
@@ -289,8 +301,8 @@ def _stiffest(
         values, vectors = np.linalg.eigh(F)
         n = normal if normal.any() else vectors[:, 1]
         soft = float(n @ F @ n)
-        if soft > 1e-6 * values[1]:
+        if give > 0.0 or soft > 1e-6 * values[1]:
             push = float(n @ _mobility(model, mass, flexibility, p)[0] @ n)
-            if push * stiffest[1] >= stiffest[0] * soft:
+            if push * (stiffest[1] + give) >= stiffest[0] * (soft + give):
                 stiffest = push, soft
     return stiffest

@@ -14,6 +14,7 @@ Source: Monjaraz-Tec, Gross & Krack 2022.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -21,7 +22,9 @@ import numpy as np
 
 from lcpflex.bodies.body import whole_number
 from lcpflex.compiled import FloatArray
+from lcpflex.contact.laws.layout import ElasticLaw
 from lcpflex.dynamics import start
+from lcpflex.dynamics.contact_compliance import contact_compliance
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.static_modes import (
@@ -37,15 +40,24 @@ from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.massless_compliance import (
+    beyond_range,
+    checked_compliance,
+    compliance_rows,
+    expected_compliance,
+    out_of_range,
+)
 from lcpflex.steppers.massless_memory import Settings, boundary_of
 from lcpflex.steppers.massless_step import (
     BEGUN,
     FINEST,
     MOST_PARTS,
     NUMBER,
+    OUT_OF_RANGE,
     SPLIT,
     STIFF,
     TOO_LONG,
+    UNSETTLED,
     WITHIN,
     advance,
     short_enough,
@@ -60,6 +72,7 @@ __all__ = ["MasslessBoundary"]
 
 SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
 SEVERAL = 0.7  # of the step that one closed contact admits: several that close have higher frequencies
+FINER = 8.0  # steps where a law alone gives way: its contact lasts 4/omega, and no mode has a shorter period
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 
@@ -68,9 +81,11 @@ class MasslessBoundaryScheme:
 
     def __init__(self, system: System, stepper: MasslessBoundary, duration: float) -> None:
         _refuse(system)
-        flexibility = flexibilities(system.model, stepper.dynamic_modes)
+        self._compliance = contact_compliance(compliance_rows(stepper.compliance, system.names, system.n_laws))
+        soft = self._compliance.soft
+        flexibility = flexibilities(system.model, stepper.dynamic_modes, soft)
         model = with_static_modes(system.model, flexibility)
-        check_compliance(model, flexibility, system.q)
+        check_compliance(model, flexibility, system.q, soft)
         self._system = replace(system, model=model, q=system.q.copy(), u=np.where(flexibility > 0.0, 0.0, system.u))
         self.records = Records(self._system)
         self.work = self._system.workspace(16)
@@ -78,8 +93,9 @@ class MasslessBoundaryScheme:
         self._notes = _lost(system, flexibility)
         self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step
-        self._settings = _settings(model, flexibility, stepper, duration / 1000.0)
-        self._boundary = boundary_of(flexibility, system.n_laws)
+        give = expected_compliance(self._system, self._compliance)
+        self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0)
+        self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
@@ -131,6 +147,10 @@ class MasslessBoundaryScheme:
             )
         if status == TOO_LONG:
             return self._limit()
+        if status == OUT_OF_RANGE:
+            return out_of_range(self._compliance, number, self._system.names[number])
+        if status == UNSETTLED:
+            return "the forces of the elastic laws of contacts do not settle to one part in a billion: shorten the step"
         message = contact_trouble(self.work, self._rescue, status, number, self._settings.tolerance, time)
         if message and status == SOLVER_FAILED:
             message += (
@@ -141,7 +161,8 @@ class MasslessBoundaryScheme:
 
     def warn(self, steps: int) -> None:
         """Of what the start lost, and of steps that were divided."""
-        self.records.warnings[:] = [*self._notes, *self._divided(steps)]
+        outside = beyond_range(self._compliance, self._system.names)
+        self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps)]
 
     def _divided(self, steps: int) -> list[str]:
         split, finest = int(self._boundary.tally[SPLIT]), int(self._boundary.tally[FINEST])
@@ -199,12 +220,18 @@ class MasslessBoundary:
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
     solver
         Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+    compliance
+        Elastic laws of contacts that give way by themselves besides what their bodies do, by the name of the declared
+        contact: ``{"ball": Hertz.sphere_on_plane(...)}``. Their energy counts as elastic, and indentations as
+        penetration. Bodies of such contacts need no static mode: they may be rigid, or all their modes dynamic. Along
+        the normal only: friction needs a tangential compliance of the bodies.
 
     Raises
     ------
     ModelError
         For a number out of its range; when a run is started: for a user's own system (it has no modes), a contact with
-        restitution (here it is a result), a contact without compliance, and dynamic_modes that leave no static mode.
+        restitution (here it is a result), a contact without compliance, dynamic_modes that leave no static mode, and a
+        compliance that is no elastic law, or of a name that no declared contact has.
     """
 
     step: float | None = None
@@ -214,6 +241,7 @@ class MasslessBoundary:
     gap_tolerance: float = 1e-9
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
+    compliance: Mapping[str, ElasticLaw] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.step is not None:
@@ -225,6 +253,7 @@ class MasslessBoundary:
         in_range("safety", self.safety, 1e-3, 1.0)
         in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
         in_range("solver_tolerance", self.solver_tolerance, 0.0, math.inf, open_ends=True)
+        object.__setattr__(self, "compliance", checked_compliance(self.compliance))
         if not hasattr(self.solver, "solve"):
             raise ModelError(
                 f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
@@ -282,7 +311,9 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
     return start.project(system.model, q, u, work.external, np.full(system.n_joint, 1e-12 * scale))
 
 
-def _settings(model: Model, flexibility: FloatArray, stepper: MasslessBoundary, longest: float) -> Settings:
+def _settings(
+    model: Model, flexibility: FloatArray, give: FloatArray, stepper: MasslessBoundary, longest: float
+) -> Settings:
     """The numbers of the loop; ``longest``: the step where nothing else limits it."""
     spring, damper = spring_rates(model, flexibility)
     static = flexibility[np.concatenate([np.arange(a + 3, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
@@ -290,7 +321,7 @@ def _settings(model: Model, flexibility: FloatArray, stepper: MasslessBoundary, 
     step = stepper.step
     if step is None:
         step = longest
-        if (square := spring + highest + contact_stiffness(model, flexibility)) > 0.0:
+        if (square := spring + highest + contact_stiffness(model, flexibility, give / FINER**2)) > 0.0:
             step = min(step, SEVERAL * 2.0 * stepper.safety / math.sqrt(square))
         if damper > 0.0:
             step = min(step, stepper.safety / damper)

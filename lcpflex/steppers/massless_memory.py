@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray
+from lcpflex.dynamics.contact_compliance import ContactCompliance
 from lcpflex.packed import pack
 
 __all__ = ["Boundary", "Settings", "boundary_of"]
@@ -36,9 +37,10 @@ class Boundary(NamedTuple):
     power: FloatArray  # (2,) of dissipative forces, and of loads and drives [W]
     force: FloatArray  # (laws, 2) contact forces [N]
     tally: FloatArray  # (3,) steps that were divided, most parts of one, contacts closed
+    compliance: ContactCompliance  # elastic laws of contacts
 
 
-def boundary_of(flexibility: FloatArray, n_laws: int) -> Boundary:
+def boundary_of(flexibility: FloatArray, compliance: ContactCompliance) -> Boundary:
     """At the start: everything at rest, no contact closed."""
     n = len(flexibility)
     return pack(
@@ -49,7 +51,8 @@ def boundary_of(flexibility: FloatArray, n_laws: int) -> Boundary:
             guess=np.zeros(n),
             unit=np.ones(2),
             power=np.zeros(2),
-            force=np.zeros((n_laws, 2)),
+            force=np.zeros((len(compliance.soft), 2)),
             tally=np.zeros(3),
+            compliance=compliance,
         )
     )

@@ -14,6 +14,7 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.contact_compliance import compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
@@ -29,8 +30,11 @@ __all__ = ["advance", "short_enough", "stages"]
 
 TOO_LONG = 6
 STIFF = 7
+UNSETTLED = 8
+OUT_OF_RANGE = 9
 STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
 MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
+MOST_SETTLING = 40  # of them, where elastic laws of contacts are linearised, too
 CURVED = 1e-3  # gap left by the linearisation, relative to the static displacement, that ends them
 MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 MADE, NUMBER, STORED, WITHIN, BEGUN, PARTS, CLOSED_THEN = 0, 1, 2, 3, 4, 5, 6  # entries of the clock
@@ -233,6 +237,7 @@ def record(
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
     kinetic, elastic, potential = energies(model, q, u, work)
+    elastic += compliance_energy(boundary.compliance, work)
     store_state(tape, t, q, u, kinetic, elastic, potential)
     return needed
 
@@ -250,7 +255,7 @@ def part_length(settings: Settings, clock: FloatArray) -> float:
 def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
     """Static coordinates by the solution; gap that the curvature of the geometry leaves in closed contacts.
 
-    Relative to the largest static displacement of them.
+    Relative to the largest static displacement of them. Those with a law of their own have a gap, see ``misfit``.
     """
     split_forces(work, boundary.unit)
     static_response(work, boundary.flexibility, work.middle)
@@ -258,7 +263,7 @@ def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
     displaced = 0.0
     for k in range(work.step_size[1]):
         refresh(model, work.middle, work.table, k)
-        if work.normal[k] > 0.0:
+        if work.normal[k] > 0.0 and boundary.compliance.soft[work.table.law[k]] == 0:
             left = max(left, abs(work.table.gap[k]))
             displaced = max(displaced, boundary.unit[1] * work.Gc[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
@@ -333,8 +338,11 @@ def advance(
         if clock[NUMBER] > len(work.table.key):
             return GROW
         n = int(clock[NUMBER])
-        for _ in range(MOST_PASSES):
-            clock[NUMBER] = pose_position(model, h, n, q, boundary.flexibility, boundary.unit, work)
+        passes = 0
+        while True:
+            clock[NUMBER] = pose_position(
+                model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work
+            )
             if clock[NUMBER] >= 0.0:
                 return STIFF
             recall_basis(work)
@@ -342,14 +350,22 @@ def advance(
             if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
                 return SOLVER_FAILED
             remember_basis(work)
-            if deform(model, boundary, work) <= CURVED:
+            passes += 1
+            curved = deform(model, boundary, work)
+            unsettled = misfit(boundary.compliance, boundary.unit, work) > 1.0
+            if passes >= (MOST_SETTLING if unsettled else MOST_PASSES) or not (unsettled or curved > CURVED):
                 break
-        if h > 0.0 and not short_enough(model, settings, h, boundary, work):
+        if unsettled and (h == 0.0 or clock[PARTS] >= settings.most_parts):
+            return UNSETTLED
+        if unsettled or (h > 0.0 and not short_enough(model, settings, h, boundary, work)):
             if clock[PARTS] >= settings.most_parts:
                 return TOO_LONG
             clock[PARTS] = more(clock[PARTS], settings)
             clock[CLOSED_THEN] = closed(work)
             continue
+        clock[NUMBER] = note_depths(boundary.compliance, work)
+        if clock[NUMBER] >= 0.0:
+            return OUT_OF_RANGE
         ends = h > 0.0 and clock[WITHIN] + h >= settings.step * (1.0 - 1e-9)
         used = clock[PARTS]
         if ends:

@@ -1,0 +1,92 @@
+"""Elastic laws of contacts under the massless-boundary scheme: what is admitted, expected, and told of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.laws.contact_law import law_row
+from lcpflex.contact.laws.elastic_kernels import elastic_stiffness, indentation_of
+from lcpflex.contact.laws.friction import SmoothedCoulomb
+from lcpflex.contact.laws.layout import LIMIT, OWN, ElasticLaw, LawRow
+from lcpflex.dynamics.contact_compliance import ContactCompliance
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.errors import ModelError
+from lcpflex.steppers.system import System
+
+__all__ = ["beyond_range", "checked_compliance", "compliance_rows", "expected_compliance", "out_of_range"]
+
+FALL = 10.0  # times the distance up to which gaps are measured: a height of fall that is hardly exceeded
+
+
+def checked_compliance(compliance: Mapping[str, ElasticLaw]) -> dict[str, ElasticLaw]:
+    """The laws as a dict; ModelError for what is no elastic law."""
+    if not isinstance(compliance, Mapping):
+        raise ModelError(f"compliance: {compliance!r} was given, expected a dict of elastic laws by names of contacts")
+    for name, law in compliance.items():
+        needed = ("kind", "parameters", "limit", "end", "lenient")
+        if isinstance(law, type) or not all(hasattr(law, attribute) for attribute in needed) or law.kind == OWN:
+            raise ModelError(
+                f"compliance[{name!r}]: {law!r} was given, expected an elastic law such as PowerLaw(1e6): at position "
+                "level a contact has the force of its indentation and nothing else; damping, and functions of one's "
+                "own, take Smooth(law)"
+            )
+    return dict(compliance)
+
+
+def compliance_rows(compliance: Mapping[str, ElasticLaw], names: tuple[str, ...], n_laws: int) -> list[LawRow | None]:
+    """The law of each declared contact, None where it has none; ModelError for a name that no contact has."""
+    for name in compliance:
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise ModelError(f"compliance: {name!r} was given, expected names of declared contacts: {known}")
+    laws = [compliance.get(name) for name in names] or [None] * n_laws
+    return [None if law is None else law_row(law, None, SmoothedCoulomb()) for law in laws]
+
+
+def expected_compliance(system: System, compliance: ContactCompliance) -> FloatArray:
+    """(passes,) 1 / stiffness [m/N] at the largest indentation that an impact may cause, 0 where there is no law.
+
+    That which stores the kinetic energy of the two bodies, after a fall over what is a long way in the scene. A guess:
+    the frequency of a contact goes with the tenth root of it, and steps are divided where it was exceeded.
+    """
+    model = system.model
+    contacts = model.contacts
+    mass = mass_matrix(model, system.q)
+    fall = math.sqrt(2.0 * math.hypot(*model.loads.gravity) * FALL * system.margin)
+    give = np.zeros(len(contacts.pass_law))
+    for w, law in enumerate(contacts.pass_law):
+        if compliance.soft[law] == 0:
+            continue
+        energy = 0.0
+        for surface in (contacts.pass_slave[w], contacts.pass_feature[w]):
+            b = int(contacts.surface_body[surface])
+            if b >= 0:
+                own = slice(model.bodies.dof[b], model.bodies.dof[b + 1])
+                speed = math.sqrt(system.u[own] @ mass[own, own] @ system.u[own] / model.bodies.mass[b])
+                energy += 0.5 * model.bodies.mass[b] * (speed + fall) ** 2
+        if energy > 0.0:
+            kinds, p = compliance.kinds[law], compliance.parameters[law]
+            give[w] = 1.0 / elastic_stiffness(kinds, p, indentation_of(kinds, p, energy))
+    return give
+
+
+def out_of_range(compliance: ContactCompliance, law: int, name: str) -> str:
+    """That a contact is deeper than its law is valid, or exists."""
+    return (
+        f"the indentation of contact {name!r} is {compliance.worst[law]:.4g} m, its law is valid up to "
+        f"{compliance.stop[law]:.4g} m: see the range of validity of its elastic law"
+    )
+
+
+def beyond_range(compliance: ContactCompliance, names: tuple[str, ...]) -> list[str]:
+    """A warning for each contact that has left the range of its law with the consent of the user."""
+    return [
+        f"the indentation of contact {name!r} has reached {depth:.4g} m, beyond the {limit:.4g} m up to which its law "
+        "is valid"
+        for name, depth, limit in zip(names, compliance.worst, compliance.parameters[:, LIMIT], strict=True)
+        if depth > limit > 0.0
+    ]
