@@ -15,6 +15,7 @@ from lcpflex.contact.laws.layout import (
     GUARD,
     LIMIT,
     NONE,
+    OWN,
     PARAMETERS,
     Damping,
     ElasticLaw,
@@ -79,9 +80,10 @@ def law_row(elastic: ElasticLaw, damping: Damping | None, friction: FrictionLaw)
         kinds=(elastic.kind, NONE if damping is None else damping.kind, friction.kind, getattr(elastic, "address", 0)),
         parameters=tuple(map(float, p)),
         slip_speed=friction.slip_speed,
-        remembers=friction.bristles or (damping is not None and damping.remembers),
+        remembers=elastic.kind == OWN or friction.bristles or (damping is not None and damping.remembers),
         bristles=friction.bristles,
         lenient=elastic.lenient,
+        own=getattr(elastic, "own", None),
     )
 
 

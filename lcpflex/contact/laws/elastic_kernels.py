@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.laws.layout import ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, PERSSON, POWER
+from lcpflex.contact.laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, OWN, PERSSON, POWER
+from lcpflex.contact.laws.own_call import own_force
 
 __all__ = [
     "LAST_LOGARITHM",
@@ -30,6 +31,9 @@ SQUARED = 1e-9  # relative, of a step of Newton's method after which nothing is 
 LAST_LOGARITHM = 1.01  # u at the end of a logarithmic law: at u = 1, 5e-5 of the indentation on, it has no slope
 FROM_SERIES = 0.25  # of the clearance, below which the closed form of the energy of Liu's law would cancel
 PERSSON_POLE = 0.8346152454776573  # tan^2(eps/2) at which the load of Persson's solution is infinite
+OWN_SPEED = 1.0  # impact speed at which the elastic part of a user's own law is taken [m/s]
+OWN_LEAST = 1e-12  # indentation whose slope is that at the touch [m]
+OWN_DIFFERENCE = 1e-4  # relative, of the indentations between which its slope is taken
 # not more than 1e-13 off up to the end of Persson's law, with the pole moved to infinity
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
@@ -87,6 +91,24 @@ def liu_energy(x: float) -> float:
 
 
 @kernel
+def own_energy(address: int, depth: float) -> float:
+    """Integral of the elastic part of a user's own law, over x with depth x^2: smooth for powers of indentation."""
+    total = 0.0
+    for i in range(len(NODES)):
+        x = 0.5 * (1.0 + NODES[i])
+        total += WEIGHTS[i] * x * own_force(address, depth * x * x, 0.0, OWN_SPEED)
+    return depth * total
+
+
+@kernel
+def own_stiffness(address: int, depth: float) -> float:
+    """Slope of the elastic part of a user's own law, by a central difference."""
+    more = own_force(address, depth * (1.0 + OWN_DIFFERENCE), 0.0, OWN_SPEED)
+    less = own_force(address, depth * (1.0 - OWN_DIFFERENCE), 0.0, OWN_SPEED)
+    return (more - less) / (2.0 * OWN_DIFFERENCE * depth)
+
+
+@kernel
 def force_inside(kinds: IntArray, p: FloatArray, depth: float) -> float:
     """``elastic_force`` up to the end of the law."""
     kind = kinds[ELASTIC_KIND]
@@ -98,6 +120,8 @@ def force_inside(kinds: IntArray, p: FloatArray, depth: float) -> float:
         return p[ELASTIC] * depth * math.sqrt(depth / (2.0 * (p[ELASTIC + 1] + depth)))
     if kind == PERSSON:
         return p[ELASTIC] * persson_load(depth / (2.0 * p[ELASTIC + 1] + depth))[0]
+    if kind == OWN:
+        return own_force(kinds[ADDRESS], depth, 0.0, OWN_SPEED)
     return math.nan
 
 
@@ -115,6 +139,8 @@ def stiffness_inside(kinds: IntArray, p: FloatArray, depth: float) -> float:
     if kind == PERSSON:
         wide = 2.0 * p[ELASTIC + 1] + depth
         return p[ELASTIC] * persson_load(depth / wide)[1] * 2.0 * p[ELASTIC + 1] / (wide * wide)
+    if kind == OWN:
+        return own_stiffness(kinds[ADDRESS], max(depth, OWN_LEAST))
     return math.nan
 
 
@@ -131,6 +157,8 @@ def energy_inside(kinds: IntArray, p: FloatArray, depth: float) -> float:
         return p[ELASTIC] * math.sqrt(0.5) * p[ELASTIC + 1] ** 2 * liu_energy(depth / p[ELASTIC + 1])
     if kind == PERSSON:
         return p[ELASTIC] * p[ELASTIC + 1] * persson_energy(depth / p[ELASTIC + 1])
+    if kind == OWN:
+        return own_energy(kinds[ADDRESS], depth)
     return math.nan
 
 
@@ -176,7 +204,11 @@ def indentation_of(kinds: IntArray, p: FloatArray, energy: float) -> float:
         stored = stored_energy(kinds, p, depth)
         if abs(stored - energy) <= ROUGH * energy:
             break
-        depth *= (energy / stored) ** (stored / (depth * elastic_force(kinds, p, depth)))
+        force = elastic_force(kinds, p, depth)
+        if stored > 0.0 and force > 0.0:
+            depth *= (energy / stored) ** (stored / (depth * force))
+        else:  # a law of a user's, without force up to some indentation
+            depth *= 2.0
     return depth
 
 

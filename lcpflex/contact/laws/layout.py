@@ -25,6 +25,7 @@ __all__ = [
     "ElasticLaw",
     "FrictionLaw",
     "LawRow",
+    "UserLaw",
 ]
 
 # columns of kinds
@@ -59,6 +60,16 @@ NONE, PROPORTIONAL, HYSTERESIS, VISCOUS, TSUJI, KUWABARA_KONO, RISTOW, JANKOWSKI
 ) = range(9)
 
 
+class UserLaw(Protocol):
+    """A user's own function behind an address."""
+
+    def begin(self) -> None:
+        """Forget what went wrong."""
+
+    def complaint(self) -> str:
+        """What went wrong since then, empty if nothing did; raises what the function raised."""
+
+
 @dataclass(frozen=True, slots=True)
 class LawRow:
     """One law of a declared contact as kernels take it."""
@@ -69,6 +80,7 @@ class LawRow:
     remembers: bool  # whether its force depends on the impact speed, or on what has been before
     bristles: bool  # whether its friction has states of its own
     lenient: bool  # whether an indentation beyond LIMIT is a warning instead of an error
+    own: UserLaw | None = None  # a user's own law: what stands at the ADDRESS, and says what went wrong there
 
 
 class ElasticLaw(Protocol):

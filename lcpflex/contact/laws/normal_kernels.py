@@ -12,7 +12,8 @@ from __future__ import annotations
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.damping_kernels import damping_force
 from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, stored_energy
-from lcpflex.contact.laws.layout import DAMPING, DAMPING_KIND, GUARD, PERMANENT
+from lcpflex.contact.laws.layout import ADDRESS, DAMPING, DAMPING_KIND, ELASTIC, ELASTIC_KIND, GUARD, OWN, PERMANENT
+from lcpflex.contact.laws.own_call import own_force
 
 __all__ = ["contact_energy", "contact_stiffness", "normal_force"]
 
@@ -51,6 +52,8 @@ def normal_force(
         return elastic, elastic * (p[DAMPING] * p[DAMPING] if loading or depth >= deepest else 1.0)
     damping = damping_force(kinds, p, depth, rate, elastic, max(speed, p[GUARD]), mass)
     force = elastic + damping
+    if kinds[ELASTIC_KIND] == OWN:
+        force += own_force(kinds[ADDRESS], depth, rate, max(speed, p[ELASTIC])) - elastic
     return (0.0 if force < 0.0 else force), elastic  # not max: what is not a number is to be seen
 
 

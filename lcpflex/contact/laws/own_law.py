@@ -1,0 +1,147 @@
+"""A user's own law of the normal force: one function."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lcpflex.contact.laws.elastic_law import ElasticFace
+from lcpflex.contact.laws.layout import OWN
+from lcpflex.contact.laws.own_call import own_forces
+from lcpflex.contact.laws.own_function import OwnFunction
+from lcpflex.errors import ModelError, in_range
+
+__all__ = ["OwnLaw"]
+
+TRIAL = (1e-6, 0.0, 1.0)  # indentation [m], rate and impact speed [m/s]
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class OwnLaw(ElasticFace):
+    """Normal force by a function of the user's: lambda_N = max(0, F(delta, deltadot, v_0)).
+
+    ``function(indentation, rate, impact_speed, parameters) -> float``, in SI units: delta > 0 [m], deltadot [m/s]
+    positive while it grows, the speed v_0 >= ``guard_speed`` at the touch [m/s], and an array of floats. Friction and a
+    damping of the library go with it as with any elastic law: ``ContactLaw(elastic=OwnLaw(f), friction=LuGre())``.
+
+    The function is compiled with numba where that is possible, or has been by the user (``numba.njit``): then the run
+    is as fast as with a law of the library. Globals and variables around it are taken as they are when it is compiled
+    first. A function that cannot be compiled is called as Python, which the run tells of by its time only.
+
+    For the energy audit F(delta, 0, 1 m/s) counts as elastic: what it stores is its integral, by a quadrature that is
+    good to rounding for smooth laws, and to some 1e-3 for those with kinks; the rest of F is damping. A law that gives
+    back more than it took makes the result warn that the energy grew. F should be 0 at the touch for rate 0: error
+    control shortens steps at jumps, and their energy is not seen.
+
+    What the function raises ends the run, and is the cause of its StepError; so does a number that is not finite.
+
+    Parameters
+    ----------
+    function
+        As above. It must not keep or change ``parameters``.
+    parameters
+        Numbers handed to the function, any number of them; kept as ``values``.
+    guard_speed
+        Least v_0 that the function is told [m/s], > 0: many laws divide by it.
+    compiled
+        False: call the function as Python, even if it could be compiled.
+
+    Raises
+    ------
+    ModelError
+        For what is not callable with such arguments or does not return a finite number, found by a trial call with
+        delta = 1e-6 m, rate 0 and v_0 = 1 m/s; for parameters that are no numbers.
+    """
+
+    function: Callable[..., float]
+    values: tuple[float, ...]
+    guard_speed: float
+    compiled: bool
+    own: OwnFunction = field(repr=False, compare=False)
+
+    def __init__(
+        self,
+        function: Callable[..., float],
+        parameters: Sequence[float] = (),
+        *,
+        guard_speed: float = 1e-4,
+        compiled: bool = True,
+    ) -> None:
+        if isinstance(parameters, str) or not isinstance(parameters, (Sequence, np.ndarray)):
+            raise ModelError(f"parameters: {parameters!r} was given, expected a sequence of numbers")
+        if not isinstance(compiled, bool):
+            raise ModelError(f"compiled: {compiled!r} was given, expected True or False")
+        values = tuple(in_range(f"parameters[{i}]", x, -math.inf, math.inf) for i, x in enumerate(parameters))
+        _try(function, values)
+        object.__setattr__(self, "function", function)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "guard_speed", in_range("guard_speed", guard_speed, 0.0, math.inf, open_ends=True))
+        object.__setattr__(self, "compiled", compiled)
+        object.__setattr__(self, "own", OwnFunction(function, values, compiled))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.function, self.values, self.guard_speed, self.compiled)
+
+    @property
+    def kind(self) -> int:
+        """Number among the elastic kinds."""
+        return OWN
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """What kernels must know beside the function: the least v_0."""
+        return (self.guard_speed,)
+
+    @property
+    def address(self) -> int:
+        """Where kernels find the function."""
+        return self.own.address
+
+    @property
+    def lenient(self) -> bool:  # type: ignore[override]
+        """Its range of validity is not known."""
+        return False
+
+    def force(self, delta: Any, rate: Any = 0.0, impact_speed: Any = 1.0) -> Any:
+        """lambda_N [N] at indentations >= 0 [m] growing with ``rate`` [m/s] after a touch at ``impact_speed`` [m/s].
+
+        Numbers or arrays, which are broadcast.
+
+        Raises
+        ------
+        ModelError
+            For a negative indentation. What the function raises comes out.
+        """
+        shape = np.broadcast_shapes(np.shape(delta), np.shape(rate), np.shape(impact_speed))
+        depth, rates, speed = (
+            np.broadcast_to(np.asarray(x, dtype=float), shape).ravel() for x in (delta, rate, impact_speed)
+        )
+        self._check("delta", depth, math.inf, math.inf)
+        out = np.empty(depth.size)
+        self.own.begin()
+        own_forces(self.address, depth, rates, np.maximum(speed, self.guard_speed), out)
+        self.own.complaint()
+        return out.reshape(shape) if shape else float(out[0])
+
+
+def _again(function: Callable[..., float], values: tuple[float, ...], guard_speed: float, compiled: bool) -> OwnLaw:
+    return OwnLaw(function, values, guard_speed=guard_speed, compiled=compiled)
+
+
+def _try(function: Any, parameters: tuple[float, ...]) -> None:
+    """Raise ModelError where ``function`` cannot be called as a law, or returns no finite number."""
+    expected = "expected a function (indentation, rate, impact_speed, parameters) -> float"
+    if not callable(function):
+        raise ModelError(f"function: {function!r} was given, {expected}")
+    try:
+        force = function(*TRIAL, np.array(parameters))
+    except Exception as error:
+        called = f"called with indentation 1e-6 m, rate 0, impact speed 1 m/s it raised {type(error).__name__}: {error}"
+        raise ModelError(f"function: {function!r} was given, {expected}; {called}") from error
+    if isinstance(force, bool) or not isinstance(force, numbers.Real) or not math.isfinite(force):
+        raise ModelError(f"function: {function!r} was given, which returned {force!r}, {expected} that is finite")
