@@ -10,13 +10,15 @@ of rigid contact as it grows; friction creeps instead of sticking (:mod:`lcpflex
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.contact.laws.contact_law import ContactLaw
+from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.penalty import Penalty
 from lcpflex.errors import ModelError, in_range
+from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.smooth_explicit import SmoothSettings
 from lcpflex.steppers.smooth_run import FixedRun, SmoothRun
 from lcpflex.steppers.system import System
@@ -168,6 +170,10 @@ class Smooth:
             if isinstance(law, ContactLaw):
                 law.friction.check(mu, name)
         laws = [law.row() for law in chosen]
+        return with_own_laws(self._run(system, laws, duration, interval), system.names, laws)
+
+    def _run(self, system: System, laws: Sequence[LawRow], duration: float, interval: float) -> SmoothRun:
+        """A run of the integrator."""
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))
