@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.contact.laws.hysteresis import check_linear
+from lcpflex.contact.laws.hysteresis import check_linear, fractions
 from lcpflex.contact.laws.layout import (
     JANKOWSKI,
     KUWABARA_KONO,
@@ -26,14 +26,6 @@ from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, reboun
 from lcpflex.errors import ModelError, in_range
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
-
-
-def fractions(name: str, values: ArrayLike, *, zero: bool) -> Any:
-    """Values as an array if they are in [0, 1], or in (0, 1]."""
-    array = np.asarray(values, dtype=float)
-    if not np.all((array <= 1.0) & ((array >= 0.0) if zero else (array > 0.0))):
-        raise ModelError(f"{name}: {values!r} was given, expected numbers in {'[' if zero else '('}0, 1]")
-    return array
 
 
 def plain(values: Any) -> Any:
@@ -50,8 +42,9 @@ def check_mass(mass: float | None) -> None:
 def strengths(values: ArrayLike) -> Any:
     """Values as an array if they are finite and not negative."""
     array = np.asarray(values, dtype=float)
-    if not np.all((array >= 0.0) & np.isfinite(array)):
-        raise ModelError(f"parameter: {values!r} was given, expected finite numbers >= 0")
+    wrong = array[~((array >= 0.0) & np.isfinite(array))]
+    if wrong.size > 0:
+        raise ModelError(f"parameter: {wrong[0]} was given, expected a finite number >= 0")
     return array
 
 
@@ -125,7 +118,7 @@ class KelvinVoigt(Speedless):
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
         """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
-        return plain(rebound_of_ratio(damping_ratio(fractions("restitution", restitution, zero=True))))
+        return plain(rebound_of_ratio(damping_ratio(fractions(restitution, zero=True))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,7 +297,7 @@ class Jankowski(Speedless):
 
     def __post_init__(self) -> None:
         in_range("restitution", self.restitution, 0.0, 1.0)
-        fractions("restitution", self.restitution, zero=False)
+        fractions(self.restitution, zero=False)
         check_mass(self.mass)
 
     @property
@@ -325,7 +318,7 @@ class Jankowski(Speedless):
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
         """e_out of two free bodies for a prescribed coefficient of restitution in (0, 1], a number or an array."""
-        return plain(half_oscillation(jankowski_ratio(fractions("restitution", restitution, zero=False))))
+        return plain(half_oscillation(jankowski_ratio(fractions(restitution, zero=False))))
 
 
 def jankowski_ratio(e: Any) -> Any:
@@ -358,7 +351,7 @@ class PermanentIndentation(Speedless):
 
     def __post_init__(self) -> None:
         in_range("restitution", self.restitution, 0.0, 1.0)
-        fractions("restitution", self.restitution, zero=False)
+        fractions(self.restitution, zero=False)
 
     @property
     def kind(self) -> int:
@@ -378,4 +371,4 @@ class PermanentIndentation(Speedless):
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
         """e_out = e, a number or an array."""
-        return plain(fractions("restitution", restitution, zero=False))
+        return plain(fractions(restitution, zero=False))

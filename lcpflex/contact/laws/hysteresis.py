@@ -11,18 +11,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
 from lcpflex.errors import ModelError, in_range
 
-__all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear"]
+__all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
 
 
 class HysteresisFactor(Enum):
     """Factor eta(e) of the force F(delta) (1 + eta v / v_0), as in the literature.
 
-    In the usual form, K delta^n + chi delta^n v, chi = eta K / v_0. Two free bodies part with the restitution e_out that solves
-    ln((1 + eta) / (1 - e_out eta)) = eta (1 + e_out), which is the prescribed e for EXACT only:
+    In the usual form, K delta^n + chi delta^n v, chi = eta K / v_0. Two free bodies part with the restitution e_out
+    that solves ln((1 + eta) / (1 - e_out eta)) = eta (1 + e_out), which is the prescribed e for EXACT only:
 
     =========================  ==============================  ==============================================
     member                     eta(e)                          e_out for e = .1, .3, .5, .7, .9, .99
@@ -85,16 +86,13 @@ class HysteresisFactor(Enum):
         ModelError
             For e outside [0, 1], and for e = 0 where the factor is infinite there.
         """
-        e = np.asarray(restitution, dtype=float)
-        if not np.all((e >= 0.0) & (e <= 1.0)):
-            raise ModelError(f"restitution: {restitution!r} was given, expected numbers in [0, 1]")
+        e = fractions(restitution, zero=True)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            finite = not self.needs_rebound or bool(np.all(np.isfinite(1.0 / e)))
-            factor = FACTORS[self](e) if finite else np.array(math.inf)
-        if not np.all(np.isfinite(factor)):
-            raise ModelError(
-                f"restitution: {restitution!r} was given, expected e > 0 for {self}: eta is infinite at e = 0"
-            )
+            endless = self.needs_rebound & ~np.isfinite(1.0 / e)
+            factor = FACTORS[self](np.where(endless, 1.0, e))
+        endless |= ~np.isfinite(factor)
+        if np.any(endless):
+            raise ModelError(f"restitution: {e[endless][0]} was given, expected e > 0 for {self}: eta is infinite at 0")
         return float(factor) if e.ndim == 0 else factor
 
     def rebound(self, restitution: ArrayLike) -> Any:
@@ -127,6 +125,15 @@ FINITE = (
     HysteresisFactor.ZHIYING_QISHAO,
     HysteresisFactor.CARVALHO_MARTINS,
 )
+
+
+def fractions(restitution: ArrayLike, *, zero: bool) -> FloatArray:
+    """Restitution as an array if all of it is in [0, 1], or in (0, 1]."""
+    e = np.asarray(restitution, dtype=float)
+    wrong = e[~((e <= 1.0) & ((e >= 0.0) if zero else (e > 0.0)))]
+    if wrong.size > 0:
+        raise ModelError(f"restitution: {wrong[0]} was given, expected a number in {'[' if zero else '('}0, 1]")
+    return e
 
 
 def check_linear(name: str, elastic: ElasticLaw) -> None:

@@ -31,6 +31,7 @@ SERIES_UP_TO = 0.02  # of eta: seven terms are exact to 1e-12, W_0 near its bran
 NEARLY_ELASTIC = 0.988  # e above which the root is taken of the series
 PRECISE = 8.9e-16  # relative: the finest that brentq takes
 RTOL, ATOL = 1e-12, 1e-13  # of the integration where there is no closed form
+LAST = (math.pi * (1.0 - 1e-12)) ** 0.2  # tau at which it ends at the latest: bodies part at theta = pi
 
 
 def elementwise(function: Callable[[float], float], values: ArrayLike) -> Any:
@@ -141,9 +142,7 @@ def rebound_of_drag(strength: ArrayLike, power: float) -> Any:
             return _power(tau, -5.0 * power, sine) + smooth * cosine
 
         force.terminal, force.direction = True, -1.0  # type: ignore[attr-defined]
-        path = solve_ivp(
-            slope, (0.0, math.pi**0.2), (0.0,), method="DOP853", rtol=RTOL, atol=ATOL, events=force, dense_output=False
-        )
+        path = solve_ivp(slope, (0.0, LAST), (0.0,), method="DOP853", rtol=RTOL, atol=ATOL, events=force)
         end, log_r = path.t[-1], path.y[0, -1]
         return -math.exp(log_r) * math.cos(end**5)
 

@@ -70,10 +70,12 @@ def prescribed_restitution(law: DissipativeLaw, e_out: ArrayLike) -> Any:
     """
     lowest, highest, first, last = _reach(law)
     wanted = np.asarray(e_out, dtype=float)
-    if not np.all((wanted >= lowest) & (wanted <= highest)):
+    wrong = wanted[~((wanted >= lowest) & (wanted <= highest))]
+    if wrong.size > 0:
+        named = law if isinstance(law, HysteresisFactor) else law.__name__
         raise ModelError(
-            f"e_out: {e_out!r} was given, expected numbers in [{lowest:.6g}, {highest:.6g}]: nothing else comes out of "
-            f"{law if isinstance(law, HysteresisFactor) else law.__name__}"
+            f"e_out: {wrong[0]} was given, expected a number in [{lowest:.6g}, {highest:.6g}]: nothing else comes out "
+            f"of {named}"
         )
     found = np.array([_inverse(law, value, first, last) for value in wanted.ravel().tolist()], dtype=float)
     return float(found[0]) if wanted.ndim == 0 else found.reshape(wanted.shape)
