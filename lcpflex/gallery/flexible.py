@@ -20,7 +20,7 @@ def aluminium_strip(length: float, width: float, thickness: float, elements: int
     return Beam(length, width, thickness, density=2700.0, youngs_modulus=6.9e10, elements=elements)
 
 
-def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40) -> Scene:
+def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40, restitution: float = 0.0) -> Scene:
     """An aluminium strip, hinged and let go horizontally, swings down against a round stop beside its tip.
 
     0.7 m long, bending over its 5 mm side. The stop has a radius of 10 mm and is met when the strip hangs, 10 mm above
@@ -31,7 +31,7 @@ def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40) -> Scene
     bar = scene.add(strip.reduce(modes=modes), name="pendulum")
     scene.join(Revolute(bar.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
     stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
-    scene.contact(bar.surface(), stop, friction=friction, restitution=0.0, name="stop")
+    scene.contact(bar.surface(), stop, friction=friction, restitution=restitution, name="stop")
     return scene
 
 
