@@ -99,7 +99,8 @@ def holds(memory: ContactMemory, place: int, feature: int) -> int:
 
 @kernel
 def unsettled(model: Model, memory: ContactMemory, table: ContactTable, n: int, rates: FloatArray) -> bool:
-    """Whether a step should have ended before: a contact has begun, or turned back from its largest indentation.
+    """Whether a step should have ended before: a contact has begun, turned back from its largest indentation, or
+    come back to it.
 
     ``rates``: of the gaps of the first n entries [m/s].
     """
@@ -113,10 +114,14 @@ def unsettled(model: Model, memory: ContactMemory, table: ContactTable, n: int, 
         if own < 0:
             own = left_place(memory, place)
             if own < 0:
-                return True
+                if holds(memory, place, FREE) >= 0:
+                    return True
+                continue  # a third feature at once: nobody would take note of it
             memory.seen[own] = 1
-        if memory.turns[0] == 1 and memory.loading[own] == 1 and rates[k] > 0.0:
-            return True
+        if memory.turns[table.law[k]] == 1:
+            turned = rates[k] > 0.0 if memory.loading[own] == 1 else -table.gap[k] > memory.deepest[own]
+            if turned:
+                return True
     return False
 
 

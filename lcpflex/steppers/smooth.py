@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
+from lcpflex.contact.force_law import Law
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.layout import LawRow
-from lcpflex.contact.penalty import Penalty
 from lcpflex.errors import ModelError, in_range
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.smooth_explicit import SmoothSettings
@@ -116,7 +116,6 @@ class Verlet:
 
 
 Integrator = ExplicitRungeKutta | Stiff | Verlet
-Law = ContactLaw | Penalty
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,19 +128,21 @@ class Smooth:
     Attributes
     ----------
     law
-        Force law of every declared contact: ``Penalty(stiffness=1e6)``, or a :class:`ContactLaw`.
+        Force law of every declared contact that has no other: ``Penalty(stiffness=1e6)``, or a :class:`ContactLaw`.
+        None: all have one, in ``laws`` or in the scene.
     laws
-        Other laws for some of them, by the name of the declared contact.
+        Other laws for some of them, by the name of the declared contact; they go before those of the scene.
     integrator
         :class:`ExplicitRungeKutta`, :class:`Stiff` or :class:`Verlet`.
 
     Raises
     ------
     ModelError
-        For what is no law or integrator; when started, for a name that no declared contact has.
+        For what is no law or integrator; when started, for a name that no declared contact has, and for a declared
+        contact without a law.
     """
 
-    law: Law
+    law: Law | None = None
     laws: Mapping[str, Law] = field(default_factory=dict)
     integrator: Integrator = field(default_factory=ExplicitRungeKutta)
 
@@ -149,7 +150,7 @@ class Smooth:
         if not isinstance(self.laws, Mapping):
             raise ModelError(f"laws: {self.laws!r} was given, expected a dict of laws by names of contacts")
         for name, law in (("law", self.law), *((f"laws[{key!r}]", value) for key, value in self.laws.items())):
-            if not isinstance(law, Law):
+            if not isinstance(law, Law) and (law is not None or name != "law"):
                 raise ModelError(
                     f"{name}: {law!r} was given, expected a force law such as Penalty(stiffness=1e6) or ContactLaw(...)"
                 )
@@ -161,15 +162,8 @@ class Smooth:
 
     def start(self, system: System, duration: float, interval: float) -> SmoothRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
-        for name in self.laws:
-            if name not in system.names:
-                known = ", ".join(system.names) or "none"
-                raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
-        chosen = [self.laws.get(name, self.law) for name in system.names]
-        for name, law, mu in zip(system.names, chosen, system.model.contacts.friction.tolist(), strict=True):
-            if isinstance(law, ContactLaw):
-                law.friction.check(mu, name)
-        laws = [law.row() for law in chosen]
+        laws = [law.row() for law in self._chosen(system)]
+        system = replace(system, laws=())  # no contact is left out of detection for being by law
         return with_own_laws(self._run(system, laws, duration, interval), system.names, laws)
 
     def _run(self, system: System, laws: Sequence[LawRow], duration: float, interval: float) -> SmoothRun:
@@ -189,6 +183,28 @@ class Smooth:
 
             return StiffRun(system, laws, settings, integrator.method or Radau)
         return SmoothRun(system, laws, settings, integrator.first_step or 0.0)
+
+    def _chosen(self, system: System) -> list[Law]:
+        """The law of each declared contact."""
+        for name in self.laws:
+            if name not in system.names:
+                known = ", ".join(system.names) or "none"
+                raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
+        own = system.laws or (None,) * len(system.names)
+        mus = system.model.contacts.friction.tolist()
+        chosen = []
+        for name, of_scene, mu in zip(system.names, own, mus, strict=True):
+            law = self.laws.get(name, of_scene or self.law)
+            if law is None:
+                raise ModelError(
+                    f"law: None was given, and contact {name!r} has no force law of its own. Smooth has no "
+                    "complementarity: give it a law, or use EventDriven/MoreauJean, which take contacts by law and by "
+                    "complementarity in one scene"
+                )
+            if isinstance(law, ContactLaw):
+                law.friction.check(mu, name)
+            chosen.append(law)
+        return chosen
 
 
 def _check_tolerances(rtol: float, atol: float, max_step: float) -> None:

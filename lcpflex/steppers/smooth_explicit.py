@@ -8,25 +8,28 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import kernel
+from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
+from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
-from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
+from lcpflex.steppers.runge_kutta import STAGES, C, E, copy_state, error_norm, interpolate, stage_state, step_factor
 from lcpflex.steppers.smooth_memory import (
     DETAIL,
     ERROR,
     FREQUENCY,
     LENGTH,
     PHASE,
+    STALLED,
     STEP,
     STEPS,
     STORED,
     TAKEN,
     TIME,
     SmoothMemory,
+    begun,
     early,
-    look,
     note,
 )
 from lcpflex.steppers.smooth_slope import (
@@ -36,6 +39,7 @@ from lcpflex.steppers.smooth_slope import (
     OUT_OF_RANGE,
     STEP_TOO_SHORT,
     horizon,
+    mobility,
     natural_frequency,
     record,
     slope,
@@ -56,6 +60,10 @@ __all__ = [
 BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING = range(6)  # number[PHASE]
 HALVINGS = 45  # of a step, to find where a contact begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
+NONE_OF_IT = 1e-6  # and below: a repeated step might fall short by its rounding, and the next one likewise
+STALL = 1e-13  # of the time, of a step of no length
+MOST_STALLS = 100
+SMALL = 1e-5  # share of a state of friction by which it is moved for a difference
 
 
 class SmoothSettings(NamedTuple):
@@ -90,14 +98,27 @@ def share_before(model: Model, h: float, work: Workspace, memory: SmoothMemory) 
     for _ in range(HALVINGS):
         share = 0.5 * (low + high)
         interpolate(memory.y, memory.slopes, h, share, memory.at)
-        n = look(model, memory.at[:ndof], memory.at[ndof : 2 * ndof], work, memory)
-        if n > len(work.table.key):
-            return -float(n)
-        if early(model, work, memory):
+        found = begun(model, memory.at, work, memory)
+        if found < 0:
+            return float(found)
+        if found == 1:
             high = share
         else:
             low = share
     return high
+
+
+@kernel
+def bristle_error(settings: SmoothSettings, h: float, memory: SmoothMemory) -> float:
+    """Largest error / (atol + rtol |y|) of the states of friction in a step of h [s]: most are of contacts at rest."""
+    largest = 0.0
+    for i in range(memory.states[0], len(memory.y)):
+        error = 0.0
+        for j in range(STAGES):
+            error += E[j] * memory.slopes[j, i]
+        scale = settings.atol + settings.rtol * max(abs(memory.y[i]), abs(memory.end[i]))
+        largest = max(largest, abs(h * error) / scale)
+    return largest
 
 
 @kernel
@@ -136,6 +157,8 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 h = rest
         elif stage == STAGES:
             error = error_norm(memory.y, memory.end, memory.slopes, h, n, settings.rtol, settings.atol)
+            if error < math.inf:  # and not less than no number
+                error = max(error, bristle_error(settings, h, memory))
             if error <= 1.0:
                 factor = step_factor(error, clock[ERROR])
                 if rejected:
@@ -144,7 +167,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 if share < 0.0:
                     clock[DETAIL] = -share
                     return GROW
-                if share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
+                if NONE_OF_IT < share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
                     shortened = True
                     clock[STEP] = h
                     h *= share
@@ -158,7 +181,9 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 clock[ERROR] = error
                 clock[LENGTH] = h
                 clock[TAKEN] = share * h
-                return DONE
+                stalled = clock[TAKEN] < STALL * max(t, 1e-3 * settings.duration)
+                memory.number[STALLED] = memory.number[STALLED] + 1 if stalled else 0
+                return STEP_TOO_SHORT if memory.number[STALLED] > MOST_STALLS else DONE
             rejected = True
             h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
             if h < 1e-14 * max(t, 1e-3 * settings.duration):
@@ -261,6 +286,43 @@ def advance(
 
 
 @kernel
+def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> float:
+    """Let the states of friction go on by h [s], by linearly implicit steps: they relax in a far shorter time.
+
+    After ``natural_frequency`` of the middle of the step. Returns the highest sqrt(|dF/dz| G_tt) [rad/s].
+    """
+    contacts = memory.contacts
+    ndof = len(work.free_u)
+    first = work.step_size[0] + work.step_size[1]
+    highest = 0.0
+    for j in range(work.step_size[2]):
+        k = work.tangent[j]
+        place = pair_place(model, contacts, work.table, k)
+        normal = work.p[work.step_size[0] + k]
+        if place < 0 or not normal > 0.0:
+            continue
+        slip = row_velocity(work.rows, work.row_body, first + j, work.dof, memory.y[ndof : 2 * ndof])
+        law = work.table.law[k]
+        kinds = contacts.kinds[law]
+        p = contacts.parameters[law]
+        at = memory.states[0] + 2 * place
+        z = memory.end[at]
+        w = memory.end[at + 1]
+        for i in range(2):
+            rate = memory.slope[at + i]
+            move = SMALL * (abs(memory.end[at + i]) + h * abs(rate))
+            if move > 0.0:
+                moved = (z + move, w) if i == 0 else (z, w + move)
+                rates = bristle_rates(kinds, p, slip, normal, work.mu[k], moved[0], moved[1])
+                slope_of_rate = ((rates[0] if i == 0 else rates[1]) - rate) / move
+                memory.end[at + i] += h * rate / (1.0 - h * min(slope_of_rate, 0.0))
+                if i == 0:
+                    change = friction_force(kinds, p, slip, normal, work.mu[k], moved[0], w) - work.p[first + j]
+                    highest = max(highest, abs(change) / move * mobility(work, first + j))
+    return math.sqrt(highest)
+
+
+@kernel
 def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
     """One step of Verlet's method from y to end: drift, kick, drift. DONE or GROW."""
     clock = memory.clock
@@ -275,7 +337,9 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         clock[DETAIL] = found
         return GROW
     clock[FREQUENCY] = max(clock[FREQUENCY], natural_frequency(model, work, memory))
-    for i in range(ndof, len(memory.end)):
+    if memory.states[0] < len(memory.end):
+        clock[FREQUENCY] = max(clock[FREQUENCY], relax(model, h, work, memory))
+    for i in range(ndof, memory.states[0]):
         memory.end[i] += h * memory.slope[i]
     for i in range(ndof):
         memory.end[i] += 0.5 * h * memory.end[ndof + i]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,17 +10,19 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import LawRow
+from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
-from lcpflex.steppers.smooth_explicit import STEPPING, SmoothSettings
-from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME
+from lcpflex.steppers.smooth_explicit import ALL_OF_IT, HALVINGS, NONE_OF_IT, STEPPING, SmoothSettings, take_note
+from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
 from lcpflex.steppers.smooth_run import SmoothRun
-from lcpflex.steppers.smooth_slope import DONE, GROW, STEP_TOO_SHORT, horizon, record, slope
+from lcpflex.steppers.smooth_slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
 from lcpflex.steppers.system import System
 
 __all__ = ["StiffRun"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
 LEAST = 1e-2  # magnitude below which it is no longer relative
+Dense = Callable[[float], npt.NDArray[np.float64]]
 
 
 class StiffRun(SmoothRun):
@@ -30,28 +32,34 @@ class StiffRun(SmoothRun):
         super().__init__(system, laws, settings)
         self._method = method
         self._slope, self._horizon, self._record = self._link(slope), self._link(horizon), self._link(record)
-        self._project = self._link(project)
+        self._project, self._begun, self._take_note = self._link(project), self._link(begun), self._link(take_note)
         self._ode: Any = None
-        self._pending: npt.NDArray[np.float64] = np.zeros(0)
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps; empty, or why the run cannot go on."""
-        if self._ode is None:
+        message = "" if self._ode is not None else self._begin()
+        for _ in range(n_steps):
+            if message or self.finished:
+                break
+            message = self._step()
+        self._warn()
+        return message
+
+    def _begin(self) -> str:
+        """Take note of the start and store it."""
+        message, _ = self._note()
+        if not message:
             self._store(0.0, self._memory.y)
             self._start(None)
             self._memory.number[PHASE] = STEPPING
-        for _ in range(n_steps):
-            if self.finished:
-                break
-            message = self._step()
-            if message:
-                return message
-        return ""
+        return message
 
     def _start(self, first_step: float | None) -> None:
+        """Let the method start from the present state."""
         ny, n = len(self._memory.y), 2 * len(self.system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
+        atol[int(self._memory.states[0]) :] = self._settings.atol
         self._ode = self._method(
             self._rate,
             self.time,
@@ -78,30 +86,83 @@ class StiffRun(SmoothRun):
         """d(dy/dt)/dy by forward differences; the quadratures have no influence on anything."""
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
-        for i in range(2 * len(self.system.q)):
+        for i in (*range(2 * len(self.system.q)), *range(int(self._memory.states[0]), len(y))):
             moved = y.copy()
             moved[i] += DIFFERENCE * max(abs(y[i]), LEAST)
             out[:, i] = (self._rate(t, moved) - base) / (moved[i] - y[i])
         return out
 
     def _step(self) -> str:
-        ode, memory = self._ode, self._memory
-        if not np.isfinite(ode.y).all():
+        """One step, to its end or to where a contact begins or turns that is remembered."""
+        memory = self._memory
+        if not np.isfinite(self._ode.y).all():
             return "the state is no longer finite"
-        memory.slopes[0] = self._rate(ode.t, ode.y)
-        memory.y[:] = ode.y
-        ode.max_step = min(self._settings.max_step, self._ahead())
-        ode.step()
-        if ode.status == "failed":
+        begin = self.time
+        memory.slopes[0] = self._rate(begin, self._ode.y)
+        memory.y[:] = self._ode.y
+        longest = min(self._settings.max_step, self._ahead())
+        share, between = self._try(longest)
+        taken = float(self._ode.t) - begin
+        if NONE_OF_IT < share < ALL_OF_IT:  # its stages would mix what is before and behind
+            self._start(share * taken)
+            share, between = self._try(share * taken)
+        if between is None:
             return self._handle(STEP_TOO_SHORT)
-        begun, ended = float(ode.t_old), float(ode.t)
-        self._store_between(ended)
-        memory.y[:] = ode.y
+        length = float(self._ode.t) - begin
+        ended = float(self._ode.t) if share == 1.0 else begin + share * length
+        end = self._ode.y.copy() if share == 1.0 else between(ended)
+        self._store_between(between, ended, end)
+        memory.y[:] = end
         memory.clock[TIME] = ended
         memory.number[STEPS] += 1
-        if self.system.n_joint:
-            self._put_right(ended - begun)
-        return ""
+        off = self._put_right() if self.system.n_joint else False
+        message, changed = self._note()
+        if not message and self.time < self.duration and (off or changed or share < 1.0):
+            self._start(min(taken, self.duration - self.time))
+        return message
+
+    def _try(self, longest: float) -> tuple[float, Dense | None]:
+        """Share of the next step at which a contact begins or turns that is remembered, 1: none; the states in it."""
+        ode = self._ode
+        ode.max_step = longest
+        ode.step()
+        if ode.status == "failed":
+            return 1.0, None
+        between: Dense = ode.dense_output()
+        if len(self._memory.contacts.feature) == 0 or not self._early(ode.y):
+            return 1.0, between
+        low, high = 0.0, 1.0
+        for _ in range(HALVINGS):
+            share = 0.5 * (low + high)
+            if self._early(between(ode.t_old + share * (ode.t - ode.t_old))):
+                high = share
+            else:
+                low = share
+        return high, between
+
+    def _early(self, y: FloatArray) -> bool:
+        """Whether y lies behind the beginning or the turn of a contact that is remembered."""
+        memory = self._memory
+        while True:
+            memory.at[:] = y
+            found = int(self._begun(self.system.model, memory.at, self._work, memory))
+            if found >= 0:
+                return found == 1
+            memory.clock[DETAIL] = -found
+            self._handle(GROW)
+
+    def _note(self) -> tuple[str, bool]:
+        """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
+        contacts = self._memory.contacts
+        feature, loading = contacts.feature.copy(), contacts.loading.copy()
+        while True:
+            status = int(self._take_note(self.system.model, self._work, self._memory))
+            if status != GROW:
+                break
+            self._handle(GROW)
+        begun = ((feature == FREE) & (contacts.feature != FREE)).any()
+        turned = contacts.turns.any() and (loading != contacts.loading).any()
+        return self._handle(OUT_OF_RANGE) if status == OUT_OF_RANGE else "", bool(begun or turned)
 
     def _ahead(self) -> float:
         """Longest step from the present state that passes over no contact."""
@@ -116,16 +177,15 @@ class StiffRun(SmoothRun):
             self._handle(GROW)
             self._rate(self.time, memory.y)  # the larger memory needs the factors of this state
 
-    def _store_between(self, ended: float) -> None:
+    def _store_between(self, between: Dense, ended: float, end: FloatArray) -> None:
         """Store the instants due up to the end of the step."""
         interval, number = self._settings.interval, self._memory.number
-        between = self._ode.dense_output()
         while number[STORED] >= 0:
             t = min(int(number[STORED]) * interval, self.duration) if interval > 0.0 else ended
             if t > ended + 1e-12 * self.duration:
                 return
             t = min(t, ended)
-            self._store(t, self._ode.y if t == ended else between(t))
+            self._store(t, end if t == ended else between(t))
             if t >= self.duration * (1.0 - 1e-12):
                 number[STORED] = -1
             if interval <= 0.0:
@@ -142,8 +202,8 @@ class StiffRun(SmoothRun):
                 return
             self._handle(status)
 
-    def _put_right(self, taken: float) -> None:
-        """Put the state onto the joints where it has drifted by more than the tolerance.
+    def _put_right(self) -> bool:
+        """Put the state onto the joints where it has drifted by more than the tolerance; whether it has.
 
         The method must start anew from there, one of many steps at order 1: so not for any less.
         """
@@ -157,6 +217,7 @@ class StiffRun(SmoothRun):
         worst[2] = max(worst[2], drift)
         off = np.abs(moved[: 2 * n] - memory.y[: 2 * n]).max()
         tolerance = self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()
-        if off > tolerance and self.time < self.duration:
-            memory.y[:] = moved
-            self._start(min(taken, self.duration - self.time))
+        if off <= tolerance:
+            return False
+        memory.y[:] = moved
+        return True

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import SEGMENT, ContactTable, detect
+from lcpflex.contact.detection import detect
+from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import PLACES, ContactMemory, contact_memory
 from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets
@@ -22,16 +23,15 @@ from lcpflex.packed import pack
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
-__all__ = ["SmoothMemory", "look", "note", "smooth_memory", "yield_to_deeper"]
+__all__ = ["SmoothMemory", "begun", "early", "look", "note", "smooth_memory"]
 
 FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y behind q and u
 # number
-PHASE, STEPS, STORED = range(3)
+PHASE, STEPS, STORED, STALLED = range(4)  # STALLED: steps in a row that were of no length
 # clock: LENGTH of the step whose stages these are, TAKEN of it; FREQUENCY: highest of a contact so far [rad/s]
 TIME, STEP, TAKEN, ERROR, DETAIL, FREQUENCY, LENGTH = range(7)
 
-SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a slave at a time
-YIELDED = 1e-300  # [m] gap of the other one: it does not touch
+ROUNDING = 1e-14  # of the largest coordinate, at least of 1: contacts nearer than that are taken note of
 
 
 class SmoothMemory(NamedTuple):
@@ -45,7 +45,7 @@ class SmoothMemory(NamedTuple):
     sets: ContactSets  # of no contacts, for the projection onto joints
     contacts: ContactMemory  # laws, and what contacts remember
     states: IntArray  # (1,) where in y the two states of friction of each place begin; ny if there are none
-    number: IntArray  # (3,) see the names above
+    number: IntArray  # (4,) see the names above
     clock: FloatArray  # (7,) see the names above
 
 
@@ -64,7 +64,7 @@ def smooth_memory(system: System, laws: Sequence[LawRow]) -> SmoothMemory:
         sets=contact_sets(1),
         contacts=contacts,
         states=np.array([states]),
-        number=np.zeros(3, dtype=np.int64),
+        number=np.zeros(4, dtype=np.int64),
         clock=np.zeros(7),
     )
     arrays.y[:ndof] = system.q
@@ -73,35 +73,16 @@ def smooth_memory(system: System, laws: Sequence[LawRow]) -> SmoothMemory:
 
 
 @kernel
-def yield_to_deeper(table: ContactTable, n: int) -> None:
-    """In a shallow hollow of two segments, leave a slave the deeper of its two indentations: the other one ends.
+def look(model: Model, q: FloatArray, u: FloatArray, slack: float, work: Workspace, memory: SmoothMemory) -> int:
+    """Touching pairs at q with their rows and, in ``work.free``, the rates of their gaps; returns as ``detect``.
 
-    A slave comes over the second segment when it is already below it. Both forces together would begin there with a
-    jump, and the second spring would be found compressed by nobody. The deeper of two indentations has no jumps.
+    Gaps count as smaller by ``slack`` [m] than they are.
     """
-    deepest = 0
-    for k in range(1, n):
-        one_hollow = (
-            table.slave[k] == table.slave[deepest]
-            and table.law[k] == table.law[deepest]
-            and table.kind[k] == SEGMENT
-            and table.kind[deepest] == SEGMENT
-            and table.normal[k, 0] * table.normal[deepest, 0] + table.normal[k, 1] * table.normal[deepest, 1] > SHALLOW
-        )
-        if one_hollow and table.gap[k] >= table.gap[deepest]:
-            table.gap[k] = max(table.gap[k], YIELDED)
-            continue
-        if one_hollow:
-            table.gap[deepest] = max(table.gap[deepest], YIELDED)
-        deepest = k
-
-
-@kernel
-def look(model: Model, q: FloatArray, u: FloatArray, work: Workspace, memory: SmoothMemory) -> int:
-    """Touching pairs at q with their rows and, in ``work.free``, the rates of their gaps; returns as ``detect``."""
-    n = detect(model, q, 0.0, work.table)
+    n = detect(model, q, slack, work.table)
     if n > len(work.table.key):
         return n
+    for k in range(n):
+        work.table.gap[k] -= slack
     yield_to_deeper(work.table, n)
     n_joint = len(work.residual)
     work.step_size[0] = n_joint
@@ -121,18 +102,42 @@ def early(model: Model, work: Workspace, memory: SmoothMemory) -> bool:
 
 
 @kernel
+def begun(model: Model, y: FloatArray, work: Workspace, memory: SmoothMemory) -> int:
+    """1 where the state y is ``early``, 0 where not; the number of touching pairs, negative, if that is too large."""
+    ndof = len(work.free_u)
+    n = look(model, y[:ndof], y[ndof : 2 * ndof], 0.0, work, memory)
+    if n > len(work.table.key):
+        return -n
+    return 1 if early(model, work, memory) else 0
+
+
+@kernel
+def roundings(values: FloatArray) -> float:
+    """What may be lost by rounding in a sum of ``values`` and numbers of order 1, amply."""
+    largest = 1.0
+    for value in values:
+        largest = max(largest, abs(value))
+    return ROUNDING * largest
+
+
+@kernel
 def note(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory) -> tuple[int, int]:
     """Let contacts take note of the accepted state y of time t.
 
-    Returns the touching pairs, as ``detect``, and the contact whose indentation is out of the range of its law, or -1.
+    A step ends where a contact begins or turns, up to rounding: what is short of it by no more counts as there, or the
+    next step would end at once, and so for ever. Returns the touching pairs, as ``detect``, and the contact whose
+    indentation is out of the range of its law, or -1.
     """
     ndof = len(work.free_u)
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
-    n = look(model, q, u, work, memory)
+    n = look(model, q, u, roundings(q), work, memory)
     if n > len(work.table.key):
         return n, -1
     n_joint = work.step_size[0]
+    turned = roundings(u)
+    for k in range(n):
+        work.free[n_joint + k] += turned
     contacts = memory.contacts
     if early(model, work, memory):  # one begins: effective masses, with joints
         factorise(model, q, 0.0, 0.0, work)

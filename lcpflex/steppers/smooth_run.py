@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import compress
 from typing import Any
 
 from lcpflex.contact.laws.layout import LIMIT, LawRow
@@ -15,6 +16,7 @@ from lcpflex.steppers.smooth_explicit import (
     advance,
     advance_fixed,
     close_step,
+    relax,
     share_before,
     step,
     step_fixed,
@@ -27,6 +29,7 @@ from lcpflex.steppers.smooth_memory import (
     STEP,
     STEPS,
     TIME,
+    begun,
     look,
     note,
     smooth_memory,
@@ -60,7 +63,9 @@ PARTS: list[Callable[..., Any]] = [
     record,
     look,
     note,
+    begun,
     share_before,
+    relax,
     step,
     step_fixed,
     close_step,
@@ -91,7 +96,6 @@ class SmoothRun:
                 "rebound follows from the damping of the force law"
             )
         self._own = list(self.records.warnings)
-        self._outside: dict[str, str] = {}
 
     def _link(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """``function`` for this system: compiled, or in Python with the hooks of the system."""
@@ -130,24 +134,27 @@ class SmoothRun:
             status = self._advance(
                 self.system.model, self._settings, self._work, self._memory, self.records.tape, target
             )
-            if status == DONE:
-                self._warn_of_range()
-                return ""
-            message = self._handle(status)
-            if message:
+            message = "" if status == DONE else self._handle(status)
+            if message or status == DONE:
+                self._warn()
                 return message
 
-    def _warn_of_range(self) -> None:
-        """Keep a warning for each contact that has left the range of its law with the consent of the user."""
+    def _warn(self) -> None:
+        """Keep in the records what there is to warn of at present, each once."""
+        self.records.warnings[:] = [*self._own, *self._out_of_range()]
+
+    def _out_of_range(self) -> list[str]:
+        """A warning for each contact that has left the range of its law with the consent of the user."""
         contacts = self._memory.contacts
-        for law, name in enumerate(self.system.names):
-            limit = float(contacts.parameters[law, LIMIT])
-            if contacts.worst[law] > limit:
-                self._outside[name] = (
-                    f"the indentation of contact {name!r} has reached {contacts.worst[law]:.4g} m, beyond the "
-                    f"{limit:.4g} m up to which its law is valid"
-                )
-        self.records.warnings[:] = [*self._own, *self._outside.values()]
+        limits = contacts.parameters[:, LIMIT]
+        left = (contacts.worst > limits) & (contacts.stop > limits)
+        return [
+            f"the indentation of contact {name!r} has reached {worst:.4g} m, beyond the {limit:.4g} m up to which its "
+            "law is valid"
+            for name, worst, limit in zip(
+                compress(self.system.names, left), contacts.worst[left], limits[left], strict=True
+            )
+        ]
 
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
@@ -159,14 +166,14 @@ class SmoothRun:
         elif status == GROW:
             self._work = self.system.workspace(2 * detail)
         elif status == OUT_OF_RANGE:
-            return self._out_of_range(detail)
+            return self._too_deep(detail)
         elif status == NOT_FINITE:
             return "the state is no longer finite: the step is too long for the forces of this scene"
         else:
             return "no step is short enough: the forces are not smooth, or the state grows without bound"
         return ""
 
-    def _out_of_range(self, law: int) -> str:
+    def _too_deep(self, law: int) -> str:
         """That a contact is deeper than its law is valid, or exists."""
         contacts = self._memory.contacts
         return (
@@ -182,13 +189,12 @@ class FixedRun(SmoothRun):
         super().__init__(system, laws, settings)
         self._advance = self._link(advance_fixed)
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on."""
-        message = super().advance(n_steps)
+    def _warn(self) -> None:
+        """Keep in the records what there is to warn of at present, each once."""
+        super()._warn()
         product = float(self._memory.clock[FREQUENCY]) * self._settings.max_step
         if not product <= STABLE:
             self.records.warnings.append(
                 f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
                 f"unstable there (highest contact frequency {float(self._memory.clock[FREQUENCY]):.4g} rad/s)"
             )
-        return message

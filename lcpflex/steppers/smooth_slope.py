@@ -15,6 +15,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect
+from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.contact.laws.elastic_kernels import indentation_of
 from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
@@ -40,11 +41,10 @@ from lcpflex.steppers.smooth_memory import (
     IMPULSES,
     WORK,
     SmoothMemory,
-    yield_to_deeper,
 )
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
-__all__ = ["horizon", "natural_frequency", "record", "slope"]
+__all__ = ["horizon", "mobility", "natural_frequency", "record", "slope"]
 
 # what compiled loops return
 DONE = 0
@@ -200,7 +200,8 @@ def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> fl
     """Highest sqrt(k G_nn) of the contacts that ``slope`` found [rad/s], each by itself."""
     n_joint = work.step_size[0]
     n = work.step_size[1]
-    solve_rows(model, work, n_joint, n_joint + n)
+    bristles = memory.states[0] < len(memory.y)
+    solve_rows(model, work, n_joint, n_joint + n + (work.step_size[2] if bristles else 0))
     highest = 0.0
     for k in range(n):
         law = work.table.law[k]

@@ -29,7 +29,7 @@ class ContactMemory(NamedTuple):
     parameters: FloatArray  # (laws, PARAMETERS)
     slip_speed: FloatArray  # (laws,) [m/s]
     stop: FloatArray  # (laws,) indentation beyond which a run must not go on [m]
-    turns: IntArray  # (1,) 1 where a law has an unloading branch of its own, which begins where a contact turns back
+    turns: IntArray  # (laws,) 1 for laws with an unloading branch of its own, which begins where a contact turns back
     watched: IntArray  # (1,) 1 where a law remembers something or has a range to stay in
     worst: FloatArray  # (laws,) largest indentation of an accepted state [m]
     ranges: IntArray  # (laws, 2, 3) for each pass of a law: its slaves first..last-1, first place; no slaves: no memory
@@ -62,7 +62,7 @@ def contact_memory(contacts: Contacts, rows: Sequence[LawRow]) -> ContactMemory:
         parameters=parameters,
         slip_speed=np.array([row.slip_speed for row in rows], dtype=float),
         stop=np.array([row.parameters[END if row.lenient else LIMIT] for row in rows], dtype=float),
-        turns=np.array([any(row.kinds[DAMPING_KIND] == PERMANENT for row in rows)], dtype=np.int64),
+        turns=np.array([row.kinds[DAMPING_KIND] == PERMANENT for row in rows], dtype=np.int64),
         watched=np.array([any(row.remembers or row.parameters[LIMIT] < np.inf for row in rows)], dtype=np.int64),
         worst=np.zeros(len(rows)),
         ranges=ranges,
