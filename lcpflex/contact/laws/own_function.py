@@ -73,7 +73,8 @@ class OwnFunction:
         words = "its law at indentation {:.6g} m, rate {:.6g} m/s, impact speed {:.6g} m/s".format(*state)
         if mishap == NO_NUMBER:
             return words + " is not a finite number"
-        getattr(self._function, "py_func", self._function)(*state, self._data[: self._n].copy())  # raises it again
+        with np.errstate(all="ignore"):
+            getattr(self._function, "py_func", self._function)(*state, self._data[: self._n].copy())  # raises it again
         return words + " has raised an exception in its compiled form"
 
     def _call(self, depth: float, rate: float, speed: float, _: Any) -> float:

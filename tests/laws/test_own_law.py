@@ -1,0 +1,191 @@
+"""A user's own law: the same run as with the laws of the library, its energy, what it raises, and what is refused."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.contact.laws.contact_law import ContactLaw
+from lcpflex.contact.laws.friction import LuGre
+from lcpflex.contact.laws.hysteresis import HysteresisDamping
+from lcpflex.contact.laws.own_law import OwnLaw
+from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+
+K, E = 1e7, 0.6
+FIXED = Verlet(1e-5)  # where rounding chooses no steps
+INTEGRATORS = [ExplicitRungeKutta(), Stiff(), FIXED]
+
+
+def hertz(depth: float, rate: float, speed: float, p: Any) -> float:
+    return p[0] * depth**1.5
+
+
+def hunt_crossley(depth: float, rate: float, speed: float, p: Any) -> float:
+    return p[0] * depth**1.5 * (1.0 + p[1] * rate / speed)
+
+
+def as_python(depth: float, rate: float, speed: float, p: Any) -> float:
+    """Not to be compiled: numba knows no such dictionary."""
+    return {"stiffness": p[0], "law": hunt_crossley}["stiffness"] * depth**1.5 * (1.0 + p[1] * rate / speed)
+
+
+def ball() -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.55), velocity=(1.0, -1.0))
+    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, name="floor")
+    return scene
+
+
+def run(law: ContactLaw, integrator: Any = FIXED, duration: float = 0.5) -> lf.Result:
+    stepper = Smooth(law, integrator=integrator)
+    return lf.simulate(ball(), duration, stepper, record=0.01, progress=False)
+
+
+@pytest.mark.parametrize("own", [hertz, numba.njit(hertz), hunt_crossley, as_python], ids=range(4))
+def test_own_law_is_as_good_as_one_of_the_library(own: Callable[..., float]) -> None:
+    """Several impacts with friction; two laws of one function beside each other, so that no address is baked in."""
+    damping = HysteresisDamping(1.0 if own.__name__ == "hertz" else E)
+    built_in = run(ContactLaw(PowerLaw(K), damping))
+    law = OwnLaw(own, (K, damping.eta))
+    other = OwnLaw(own, (2.0 * K, damping.eta))
+    assert law.own.compiled == (own is not as_python)
+    result = run(ContactLaw(law))
+    assert result.q == pytest.approx(built_in.q, rel=0.0, abs=1e-11)
+    assert result.force == pytest.approx(built_in.force, rel=0.0, abs=1e-9 * built_in.force.max())
+    assert result.energies.elastic == pytest.approx(built_in.energies.elastic, rel=0.0, abs=1e-10)
+    assert np.abs(run(ContactLaw(other)).q - built_in.q).max() > 1e-4
+    assert not result.warnings
+
+
+def test_python_and_compiled_law_are_one() -> None:
+    compiled = run(ContactLaw(OwnLaw(hunt_crossley, (K, 0.5))))
+    python = run(ContactLaw(OwnLaw(hunt_crossley, (K, 0.5), compiled=False)))
+    assert python.q == pytest.approx(compiled.q, rel=0.0, abs=1e-10)
+
+
+def test_own_elastic_law_goes_with_damping_and_friction_of_the_library() -> None:
+    damping, friction = HysteresisDamping(E), LuGre(1e4, 30.0)
+    built_in = run(ContactLaw(PowerLaw(K), damping, friction))
+    result = run(ContactLaw(OwnLaw(hertz, (K,)), damping, friction))
+    assert result.q == pytest.approx(built_in.q, rel=0.0, abs=1e-9)
+
+
+def test_face() -> None:
+    law, power = OwnLaw(hunt_crossley, [K, 0.5]), PowerLaw(K)
+    depth = np.array([[0.0, 1e-6, 1e-4], [1e-3, 1e-2, 0.1]])
+    assert law.force(depth) == pytest.approx(power.force(depth), rel=1e-14)
+    assert law.energy(depth) == pytest.approx(power.energy(depth), rel=1e-13)
+    assert law.stiffness(depth[1]) == pytest.approx(power.stiffness(depth[1]), rel=1e-8)
+    assert law.indentation(power.force(depth)) == pytest.approx(depth, rel=1e-12)
+    assert law.force(1e-3, rate=0.2, impact_speed=2.0) == pytest.approx(1.05 * power.force(1e-3), rel=1e-14)
+    assert law.force(1e-3, rate=-9.0, impact_speed=2.0) == 0.0
+    with pytest.raises(lf.ModelError, match="delta"):
+        law.force(-1e-3)
+    again = pickle.loads(pickle.dumps(law))
+    assert again == law
+    assert again.address != law.address
+    assert again.force(1e-3) == law.force(1e-3)
+
+
+def test_least_impact_speed_is_that_told() -> None:
+    law = OwnLaw(lambda depth, rate, speed, p: speed * depth, guard_speed=0.25)
+    assert law.force(1.0, 0.0, 0.0) == 0.25
+    assert law.force(1.0, 0.0, 3.0) == 3.0
+
+
+def test_law_that_creates_energy_is_told() -> None:
+    """It pushes more in parting than in approach."""
+    result = run(ContactLaw(OwnLaw(hunt_crossley, (K, -0.1))))
+    assert any("energy grew" in warning for warning in result.warnings)
+
+
+def test_law_with_a_gap_of_its_own() -> None:
+    """No force at all up to an indentation: how far a step may go into it is found by other means."""
+
+    def late(depth: float, rate: float, speed: float, p: Any) -> float:
+        return K * max(depth - 1e-3, 0.0) ** 1.5
+
+    result = lf.simulate(ball(), 0.06, Smooth(ContactLaw(OwnLaw(late))), record=0.0)
+    depth = result.penetration.max()
+    assert K / 2.5 * (depth - 1e-3) ** 2.5 == pytest.approx(0.5 + 9.81 * (0.05 + depth), rel=1e-3)
+    assert result.energies.relative_remainder < 0.02
+
+
+def deep(depth: float, rate: float, speed: float, p: Any) -> float:
+    if depth > 1e-5:
+        raise ValueError("too deep")
+    return K * depth**1.5
+
+
+def dividing(depth: float, rate: float, speed: float, p: Any) -> float:
+    return K * depth**1.5 / (0.0 if depth > 1e-5 else 1.0)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
+def test_what_a_law_raises_comes_out(integrator: Any, compiled: bool) -> None:
+    with pytest.raises(lf.StepError, match="too deep") as caught:
+        run(ContactLaw(OwnLaw(deep, compiled=compiled)), integrator)
+    assert isinstance(caught.value.__cause__, ValueError)
+    assert caught.value.result.times[-1] > 0.0
+    with pytest.raises(lf.StepError, match="ZeroDivisionError"):
+        run(ContactLaw(OwnLaw(dividing, compiled=compiled)), integrator)
+
+
+def test_interruption_in_a_python_law_interrupts() -> None:
+    def interrupted(depth: float, rate: float, speed: float, p: Any) -> float:
+        if depth > 1e-5:
+            raise KeyboardInterrupt
+        return K * depth**1.5
+
+    result = run(ContactLaw(OwnLaw(interrupted, compiled=False)))
+    assert not result.complete
+    assert "interrupted" in result.message
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
+def test_law_that_is_no_number_is_named(integrator: Any) -> None:
+    def rooted(depth: float, rate: float, speed: float, p: Any) -> float:
+        return math.nan if depth > 1e-5 else K * depth**1.5
+
+    law = OwnLaw(rooted)
+    for _ in range(2):  # a law serves again after it has failed
+        with pytest.raises(lf.StepError, match=r"contact 'floor': its law at indentation .* is not a finite number"):
+            run(ContactLaw(law), integrator)
+
+
+@pytest.mark.parametrize(
+    ("function", "expected"),
+    [
+        (3, "function: 3 was given"),
+        (lambda depth: depth, "TypeError"),
+        (lambda depth, rate, speed, p: "a", "returned 'a'"),
+        (lambda depth, rate, speed, p: None, "returned None"),
+        (lambda depth, rate, speed, p: depth > 0.0, "returned True"),
+        (lambda depth, rate, speed, p: p, "returned array"),
+        (lambda depth, rate, speed, p: math.inf, "returned inf"),
+        (lambda depth, rate, speed, p: 1.0 / rate, "ZeroDivisionError"),
+        (numba.njit(lambda depth, rate, speed, p: p[0].no_such), "no_such"),
+    ],
+)
+def test_no_law(function: Any, expected: str) -> None:
+    with pytest.raises(lf.ModelError, match=expected):
+        OwnLaw(function)
+
+
+def test_bad_numbers() -> None:
+    for arguments in ({"parameters": "12"}, {"parameters": 3.0}, {"parameters": ["x"]}, {"parameters": [math.nan]}):
+        with pytest.raises(lf.ModelError, match="parameters"):
+            OwnLaw(hertz, **arguments)  # type: ignore[arg-type]
+    with pytest.raises(lf.ModelError, match="guard_speed"):
+        OwnLaw(hertz, (K,), guard_speed=0.0)
+    with pytest.raises(lf.ModelError, match="compiled"):
+        OwnLaw(hertz, (K,), compiled=1)  # type: ignore[arg-type]
