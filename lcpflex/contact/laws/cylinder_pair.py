@@ -91,4 +91,4 @@ class CylinderPair:
 
     def check(self, lenient: bool) -> None:
         """Moduli in Pa and radii in m, as far as can be told."""
-        check_units((self.material, self.other), (self.first_radius, self.second_radius), lenient)
+        check_units((self.material, self.other), (self.first_radius, self.second_radius), lenient, stacklevel=6)

@@ -151,7 +151,8 @@ class Liu(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        _check_internal(self.pair, self.lenient)
+        check_pair(self.pair, self.lenient)
+        _check_internal(self.pair)
 
     @property
     def kind(self) -> int:
@@ -194,7 +195,8 @@ class Persson(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        _check_internal(self.pair, self.lenient)
+        check_pair(self.pair, self.lenient)
+        _check_internal(self.pair)
         if self.pair.other is not None and self.pair.other != self.pair.material:
             text = "pair: two materials were given, expected one"
             if not self.lenient:
@@ -243,8 +245,7 @@ class Persson(ElasticFace):
         return self.pair.clearance * (1.0 / math.cos(eps) - 1.0)
 
 
-def _check_internal(pair: Any, lenient: bool) -> None:
-    check_pair(pair, lenient)
+def _check_internal(pair: CylinderPair) -> None:
     if not pair.is_internal:
         text = "pair: cylinders side by side were given, expected a pin in a hole, CylinderPair.internal(...)"
         raise ModelError(text)

@@ -94,7 +94,7 @@ class Hertz(ElasticFace):
         cls, R: float, radii: tuple[float, ...], material: Material, other: Material | None, lenient: bool
     ) -> Hertz:
         check_materials(material, other)
-        check_units((material, other), radii, lenient)
+        check_units((material, other), radii, lenient, stacklevel=4)
         return cls(R, contact_modulus(material, other), min(radii), lenient=lenient)
 
     @property

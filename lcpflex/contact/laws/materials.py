@@ -24,7 +24,7 @@ class Material:
     Attributes
     ----------
     youngs_modulus
-        E > 0 [Pa].
+        E > 0 [Pa]; infinite: a rigid body.
     poissons_ratio
         nu in (-1, 0.5).
 
@@ -38,7 +38,9 @@ class Material:
     poissons_ratio: float
 
     def __post_init__(self) -> None:
-        modulus = in_range("youngs_modulus", self.youngs_modulus, 0.0, math.inf, open_ends=True)
+        modulus = self.youngs_modulus
+        if modulus != math.inf:
+            modulus = in_range("youngs_modulus", modulus, 0.0, math.inf, open_ends=True)
         ratio = in_range("poissons_ratio", self.poissons_ratio, -1.0, 0.5, open_ends=True)
         object.__setattr__(self, "youngs_modulus", modulus)
         object.__setattr__(self, "poissons_ratio", ratio)
@@ -50,10 +52,12 @@ class Material:
 
 
 def check_materials(material: Any, other: Any) -> None:
-    """Two materials, the second None where it is the same."""
+    """Two materials, the second None where it is the same, not both of them rigid."""
     for name, value in (("material", material), ("other", other)):
         if not isinstance(value, Material) and not (name == "other" and value is None):
             raise ModelError(f"{name}: {value!r} was given, expected a Material(youngs_modulus, poissons_ratio)")
+    if material.compliance + (other or material).compliance == 0.0:
+        raise ModelError("material, other: two rigid ones were given, expected one at least to be elastic")
 
 
 def contact_modulus(material: Material, other: Material | None) -> float:
@@ -61,7 +65,7 @@ def contact_modulus(material: Material, other: Material | None) -> float:
     return 1.0 / (material.compliance + (other or material).compliance)
 
 
-def check_units(materials: Iterable[Material | None], radii: Sequence[float], lenient: bool) -> None:
+def check_units(materials: Iterable[Material | None], radii: Sequence[float], lenient: bool, stacklevel: int) -> None:
     """Moduli in Pa and radii in m, as far as their sizes tell.
 
     Moduli below 1e6 Pa, less than those of rubbers, beside a radius of 1 m or more are taken for N and mm: ModelError,
@@ -76,7 +80,7 @@ def check_units(materials: Iterable[Material | None], radii: Sequence[float], le
         )
         if not lenient:
             raise ModelError(f"{text}; lenient=True if they are what you mean")
-        warnings.warn(text, ModelWarning, stacklevel=5)
+        warnings.warn(text, ModelWarning, stacklevel=stacklevel)
     elif min(radii) >= WIDEST:
         text = f"radius: all radii are {min(radii):g} m or more, which look like mm; expected them in m"
-        warnings.warn(text, ModelWarning, stacklevel=5)
+        warnings.warn(text, ModelWarning, stacklevel=stacklevel)
