@@ -11,6 +11,7 @@ can move a point of either surface, sum_k |q_k| max |Phi_k|.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +22,13 @@ from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_a
 from lcpflex.model import Model
 from lcpflex.packed import pack
 
-__all__ = ["COINCIDENT", "SEGMENT", "ContactTable", "contact_table", "detect", "refresh"]
+__all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
 
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
 SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
 BESIDE = -1  # instead of the law of a candidate
+SET_VALUED, BY_LAW, ALL = range(3)  # contacts that a table collects
 
 
 class ContactTable(NamedTuple):
@@ -48,9 +50,11 @@ class ContactTable(NamedTuple):
     normal: FloatArray  # (., 2) from j to i
     bound: FloatArray  # (surfaces, 5) work: world centre, sway, and cosine and sine of the angle of its body
     frame: FloatArray  # (4,) work: cosine, sine, x, y of the slaves' body in the frame of the features' body
+    by_law: IntArray  # (laws,) 1: has a continuous contact force, 0: is set-valued; (0,): of no matter
+    collects: IntArray  # (1,) which of these two the table is for, or ALL
 
 
-def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
+def contact_table(capacity: int, n_surfaces: int = 0, by_law: Sequence[int] = (), collects: int = ALL) -> ContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with)."""
     ints = np.int64
     table = ContactTable(
@@ -70,6 +74,8 @@ def contact_table(capacity: int, n_surfaces: int = 0) -> ContactTable:
         normal=np.zeros((capacity, 2)),
         bound=np.zeros((n_surfaces, 5)),
         frame=np.zeros(4),
+        by_law=np.array(by_law, ints),
+        collects=np.array([collects]),
     )
     return pack(table)
 
@@ -316,8 +322,7 @@ def detect_pass(model: Model, q: FloatArray, margin: float, table: ContactTable,
     b = c.pass_feature[w]
     i = c.surface_body[a]
     j = c.surface_body[b]
-    ox = 0.0
-    oy = 0.0
+    ox, oy = 0.0, 0.0
     if i >= 0:
         ox = q[model.bodies.dof[i]]
         oy = q[model.bodies.dof[i] + 1]
@@ -331,10 +336,7 @@ def detect_pass(model: Model, q: FloatArray, margin: float, table: ContactTable,
     cos = cj * ci + sj * si
     sin = cj * si - sj * ci
     ox, oy = cj * ox + sj * oy, cj * oy - sj * ox
-    table.frame[0] = cos
-    table.frame[1] = sin
-    table.frame[2] = ox
-    table.frame[3] = oy
+    table.frame[0], table.frame[1], table.frame[2], table.frame[3] = cos, sin, ox, oy
     reach = c.surface_extent[b] + margin + table.bound[a, 2] + table.bound[b, 2]
     bx = c.surface_center[b, 0]
     by = c.surface_center[b, 1]
@@ -370,8 +372,7 @@ def above_half_plane(model: Model, table: ContactTable, a: int, b: int) -> float
 def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
     """All contacts with gap <= margin [m] at q, in the order of passes, slaves and features.
 
-    Returns how many there are, or at least as many as there are if that exceeds the capacity of the table, whose
-    entries then mean nothing: a larger one is needed.
+    Returns how many there are, or at least as many if that exceeds the capacity: entries then mean nothing.
     """
     bound(model, q, table)
     slaves = model.contacts.pass_slave
@@ -380,6 +381,8 @@ def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> i
     at = table.bound
     n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
     for w in range(len(slaves)):
+        if table.collects[0] != ALL and table.by_law[model.contacts.pass_law[w]] != table.collects[0]:
+            continue
         a = slaves[w]
         b = features[w]
         reach = extent[a] + at[a, 2] + at[b, 2] + margin

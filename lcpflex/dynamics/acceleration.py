@@ -31,6 +31,7 @@ from lcpflex.dynamics.delassus import (
     joint_impulses,
     row_velocity,
 )
+from lcpflex.dynamics.law_contacts import law_forces
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -147,6 +148,7 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
     lay_rows(model, t, q, u, n, work, sets)
     forces(model, t, q, u, work)
+    law_forces(model, q, u, work)
     contact_biases(model, q, u, n, work.step_size[2], work.step_size[0], work)
     for i in range(len(q)):
         work.free_u[i] = work.total[i]

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.contact.detection import ContactTable, contact_table
+from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.inertia import Arrow, arrow
+from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.packed import pack
 from lcpflex.solvers.auto import auto_workspace
 
@@ -60,12 +61,20 @@ class Workspace(NamedTuple):
     last_key: IntArray  # (capacity,) keys of the contacts of the last solved problem
     last_basis: IntArray  # (capacity, 3) whether their lambda_N, lambda_R, xi_L were basic
     solving: IntArray  # (3,) method; number of last_key; what is known beforehand: see impulse.solve_lcp
+    laws: LawContacts  # contacts by a continuous force law beside the others, in a table of their own
 
 
 def workspace(
-    dof: IntArray, n_external: int, n_joint: int, n_modes: int, capacity: int, n_surfaces: int = 0, dense: bool = False
+    dof: IntArray,
+    n_external: int,
+    n_joint: int,
+    n_modes: int,
+    table: ContactTable,
+    laws: LawContacts,
+    dense: bool = False,
 ) -> Workspace:
-    """Allocate for bodies with offsets ``dof`` and room for ``capacity`` simultaneous contacts."""
+    """Allocate for bodies with offsets ``dof`` and as many contacts as ``table``, beside those by law."""
+    capacity = len(table.key)
     ndof = int(dof[-1])
     width = int(np.max(np.diff(dof), initial=1))
     n_rows = n_joint + 2 * capacity + 1
@@ -74,7 +83,7 @@ def workspace(
     arrays = Workspace(
         dof=np.array(dof),
         external=zeros((n_external, 3)),
-        table=contact_table(capacity, n_surfaces),
+        table=table,
         arrow=arrow(len(dof) - 1, n_modes),
         dense=zeros((ndof, ndof) if dense else (0, 0)),
         middle=zeros(ndof),
@@ -114,5 +123,6 @@ def workspace(
         last_key=np.zeros(capacity, dtype=np.int64),
         last_basis=np.zeros((capacity, 3), dtype=np.int64),
         solving=np.zeros(3, dtype=np.int64),
+        laws=laws,
     )
     return pack(arrays)

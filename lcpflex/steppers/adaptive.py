@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
@@ -216,12 +216,13 @@ def position_tolerance(limits: Limits, q: FloatArray) -> float:
 
 @kernel
 def deepest(model: Model, q: FloatArray, table: ContactTable) -> float:
-    """Largest penetration at q [m], 0 if there is none."""
+    """Largest penetration of a set-valued contact at q [m], 0 if there is none."""
     touching = 0.0
     count = detect(model, q, touching, table)
     sunk = 0.0
     for k in range(min(count, len(table.key))):
-        sunk = max(sunk, -table.gap[k])
+        if len(table.by_law) == 0 or table.by_law[table.law[k]] == SET_VALUED:
+            sunk = max(sunk, -table.gap[k])
     return sunk
 
 

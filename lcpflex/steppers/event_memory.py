@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import ContactTable, contact_table
+from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact import SEGMENTS
 from lcpflex.packed import pack
@@ -126,8 +126,8 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         order=order,
         recent=zeros(WINDOW),
         sets=contact_sets(capacity),
-        seen=contact_table(capacity, len(system.model.contacts.surface_body)),
-        near=contact_table(near, len(system.model.contacts.surface_body)),
+        seen=system.table(capacity),
+        near=system.table(near),
         dipping=zeros(ny),
         value=zeros((4, capacity)),
         old_value=zeros((4, capacity)),

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import ContactTable, contact_table
+from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.packed import pack
 from lcpflex.steppers.event_memory import copy_entry
@@ -59,7 +59,7 @@ NESTED: dict[str, Any] = {"sets": ContactSets, "resting": Held, "pressed": Held,
 
 def held(system: System, capacity: int) -> Held:
     """An empty list of contacts."""
-    table = contact_table(capacity, len(system.model.contacts.surface_body))
+    table = system.table(capacity)
     filled, mode = np.zeros(1, dtype=np.int64), np.zeros(capacity, dtype=np.int64)
     return pack(Held(table, filled, np.zeros((capacity, 2)), mode))
 

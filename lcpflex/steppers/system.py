@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from lcpflex.compiled import FloatArray
+from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.force_law import Law
+from lcpflex.dynamics.law_memory import LawContacts, law_contacts
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.model import Model
 from lcpflex.packed import pack
@@ -51,20 +53,39 @@ class System:
         """Number of joint rows."""
         return int(self.model.joints.row[-1])
 
-    def workspace(self, capacity: int) -> Workspace:
-        """Work memory for ``capacity`` simultaneous contacts."""
+    @property
+    def by_law(self) -> tuple[int, ...]:
+        """1 for each declared contact with a continuous force law, 0 for the others; empty if all are others."""
+        return tuple(int(law is not None) for law in self.laws) if any(self.laws) else ()
+
+    @property
+    def n_surfaces(self) -> int:
+        """Number of surfaces."""
+        return len(self.model.contacts.surface_body)
+
+    def table(self, capacity: int, collects: int = SET_VALUED) -> ContactTable:
+        """A table for ``capacity`` contacts, for the set-valued ones alone."""
+        return contact_table(capacity, self.n_surfaces, self.by_law, collects if self.by_law else ALL)
+
+    def law_contacts(self) -> LawContacts:
+        """Memory for the contacts by law."""
+        rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws
+        return law_contacts(self.model.contacts, rows, self.model.bodies.dof, self.n_joint, self.n_surfaces)
+
+    def workspace(self, capacity: int, laws: LawContacts | None = None) -> Workspace:
+        """Work memory for ``capacity`` simultaneous contacts; what those by law remember goes on in ``laws``."""
         bodies = self.model.bodies
         return workspace(
             bodies.dof,
             self.n_external,
             self.n_joint,
             len(bodies.stiffness),
-            capacity,
-            len(self.model.contacts.surface_body),
+            self.table(capacity),
+            self.law_contacts() if laws is None else laws,
             self.dense,
         )
 
     def tape(self, table_capacity: int, spots: int) -> Tape:
         """An empty tape."""
-        surfaces = len(self.model.contacts.surface_body)
-        return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table_capacity, surfaces, self.margin)
+        table = self.table(table_capacity, ALL)
+        return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table, self.margin)

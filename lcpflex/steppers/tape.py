@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import ContactTable, contact_table, detect
+from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.model import OPEN, Model
 from lcpflex.packed import pack
 
@@ -44,9 +44,7 @@ class Tape(NamedTuple):
     now_state: IntArray  # (laws,)
 
 
-def tape(
-    ndof: int, n_laws: int, capacity: int, spots: int, table_capacity: int, n_surfaces: int, margin: float
-) -> Tape:
+def tape(ndof: int, n_laws: int, capacity: int, spots: int, table: ContactTable, margin: float) -> Tape:
     """Allocate an empty tape."""
     zeros = np.zeros
     arrays = Tape(
@@ -61,7 +59,7 @@ def tape(
         energies=zeros((capacity, 7)),
         peaks=zeros((capacity, 5)),
         spots=zeros((spots, 9)),
-        table=contact_table(table_capacity, n_surfaces),
+        table=table,
         margin=np.array([margin]),
         sums=zeros(4),
         worst=zeros(5),

@@ -1,0 +1,224 @@
+"""Contacts by a continuous force law beside set-valued ones: they are forces, and memory that is renewed after steps.
+
+    M udot = h + sum W_N lambda_N(delta, deltadot) + W_T lambda_T(lambda_N, gdot_T) + what set-valued contacts do
+
+Detection for set-valued contacts leaves them out (``ContactTable.collects``), and they have a table of their own.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import detect
+from lcpflex.contact.hollow import yield_to_deeper
+from lcpflex.contact.kinematics import contact_rows
+from lcpflex.contact.laws.elastic_kernels import indentation_of
+from lcpflex.contact.laws.friction_kernels import friction_force
+from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.dynamics.contact_memory import (
+    pair_energy,
+    pair_force,
+    pair_place,
+    pair_stiffness,
+    settle,
+    unsettled,
+)
+from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, row_velocity
+from lcpflex.dynamics.inertia import factorise, solve_block
+from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+
+__all__ = ["begun", "law_forces", "law_horizon", "take_note"]
+
+ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
+ROUNDING = 1e-14  # of the largest coordinate, at least of 1: contacts nearer than that have begun
+
+
+@kernel
+def look(model: Model, q: FloatArray, margin: float, laws: LawContacts) -> int:
+    """Contacts by law with gap <= margin [m] into their table; returns how many."""
+    n = detect(model, q, margin, laws.table)
+    if n > len(laws.table.key):
+        laws.count[2] = 1
+        n = 0
+    laws.count[0] = n
+    return n
+
+
+@kernel
+def lay(model: Model, q: FloatArray, k: int, laws: LawContacts) -> int:
+    """Rows of entry k at q; the number of the normal one. The tangential one is that of a place both bodies share."""
+    r = len(laws.joint)
+    contact_rows(model, q, laws.table, k, laws.rows[r], laws.rows[r + 1])
+    for i in range(2):
+        body = laws.table.body[k, i]
+        laws.row_body[r, i] = body
+        laws.row_body[r + 1, i] = body
+        if body >= 0:
+            laws.rows[r + 1, i, 2] += 0.5 * laws.table.gap[k]
+    return r
+
+
+@kernel
+def push(model: Model, laws: LawContacts, r: int, force: float, out: FloatArray) -> None:
+    """out += row r times a force."""
+    dof = model.bodies.dof
+    for i in range(2):
+        b = laws.row_body[r, i]
+        if b >= 0:
+            for k in range(dof[b + 1] - dof[b]):
+                out[dof[b] + k] += laws.rows[r, i, k] * force
+
+
+@kernel
+def mobility(model: Model, laws: LawContacts, r: int, work: Workspace) -> float:
+    """G_NN of row r [1/kg] without joints, with the mass matrix that was factorised last: not less than with them."""
+    total = 0.0
+    dof = model.bodies.dof
+    for i in range(2):
+        b = laws.row_body[r, i]
+        if b >= 0:
+            solve_block(model.bodies, work.arrow, b, laws.rows[r, i], laws.solved[r, i])
+            for k in range(dof[b + 1] - dof[b]):
+                total += laws.rows[r, i, k] * laws.solved[r, i, k]
+    return total
+
+
+@kernel
+def law_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+    """Add the forces of contacts by law to those in ``work``: of springs to conservative, the rest to dissipative."""
+    laws = work.laws
+    if len(laws.friction) == 0:
+        return
+    n = look(model, q, 0.0, laws)
+    yield_to_deeper(laws.table, n)
+    laws.stored[0] = 0.0
+    for i in range(len(q)):
+        laws.friction[i] = 0.0
+    for k in range(n):
+        laws.p[k, 0] = 0.0
+        laws.p[k, 1] = 0.0
+        depth = -laws.table.gap[k]
+        if not depth > 0.0:
+            continue
+        law = laws.table.law[k]
+        memory = laws.memory
+        r = lay(model, q, k, laws)
+        rate = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
+        slip = row_velocity(laws.rows, laws.row_body, r + 1, model.bodies.dof, u)
+        place = pair_place(model, memory, laws.table, k)
+        force, elastic = pair_force(memory, law, place, depth, rate)
+        push(model, laws, r, elastic, work.conservative)
+        push(model, laws, r, force - elastic, work.dissipative)
+        laws.p[k, 0] = force
+        laws.stored[0] += pair_energy(memory, law, place, depth)
+        laws.sticks[k] = 1 if abs(slip) < memory.slip_speed[law] else 0
+        mu = model.contacts.friction[law]
+        if mu > 0.0:
+            laws.p[k, 1] = friction_force(memory.kinds[law], memory.parameters[law], slip, force, mu, 0.0, 0.0)
+            push(model, laws, r + 1, laws.p[k, 1], laws.friction)
+    for i in range(len(q)):
+        work.dissipative[i] += laws.friction[i]
+        work.total[i] = work.conservative[i] + work.dissipative[i] + work.driving[i]
+
+
+@kernel
+def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, work: Workspace) -> float:
+    """Longest step [s] that passes over no contact by law, with M(q) factorised.
+
+    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further.
+    """
+    laws = work.laws
+    longest = math.inf
+    if len(laws.friction) == 0:
+        return longest
+    n = look(model, q, margin, laws)
+    for k in range(n):
+        gap = laws.table.gap[k]
+        if gap > 0.0:
+            r = lay(model, q, k, laws)
+            approach = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
+            if approach > 0.0:
+                law = laws.table.law[k]
+                inverse = mobility(model, laws, r, work)
+                if inverse > 0.0:
+                    energy = 0.5 * approach * approach / inverse
+                    gap += ONSET * indentation_of(laws.memory.kinds[law], laws.memory.parameters[law], energy)
+                longest = min(longest, gap / approach)
+    return longest
+
+
+@kernel
+def roundings(values: FloatArray) -> float:
+    """What may be lost by rounding in a sum of ``values`` and numbers of order 1, amply."""
+    largest = 1.0
+    for value in values:
+        largest = max(largest, abs(value))
+    return ROUNDING * largest
+
+
+@kernel
+def begun(model: Model, q: FloatArray, u: FloatArray, slack: float, work: Workspace) -> bool:
+    """Whether a contact that will be remembered has begun and is not; gaps count as smaller by ``slack`` [m].
+
+    Rates and G_NN without joints of all entries are left in ``work.laws``, the latter with the last factorised M.
+    """
+    laws = work.laws
+    n = look(model, q, slack, laws)
+    for k in range(n):
+        r = lay(model, q, k, laws)
+        laws.table.gap[k] -= slack
+        laws.rate[k] = row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
+        laws.inverse[k, k] = mobility(model, laws, r, work)
+    yield_to_deeper(laws.table, n)
+    return unsettled(model, laws.memory, laws.table, n, laws.rate)
+
+
+@kernel
+def hold_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+    """Take from the G_NN of all entries what joints do not let happen."""
+    laws = work.laws
+    n_joint = len(laws.joint)
+    joint_rows(model, t, q, u, work.external, laws.rows, laws.row_body, laws.bias[0], laws.bias[1])
+    for r in range(n_joint):
+        for i in range(2):
+            b = laws.row_body[r, i]
+            if b >= 0:
+                solve_block(model.bodies, work.arrow, b, laws.rows[r, i], laws.solved[r, i])
+    for k in range(laws.count[0]):
+        r = lay(model, q, k, laws)
+        mobility(model, laws, r, work)
+        delassus(laws.rows, laws.solved, laws.row_body, n_joint + 1, laws.G)
+        cholesky(laws.G, n_joint, laws.lower)
+        for j in range(n_joint):
+            laws.joint[j] = laws.G[j, r]
+        cholesky_solve(laws.lower, n_joint, laws.joint)
+        for j in range(n_joint):
+            laws.inverse[k, k] -= laws.joint[j] * laws.G[j, r]
+
+
+@kernel
+def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> bool:
+    """Let contacts by law take note of the accepted state (q, u) of time t; whether all are in range of their laws.
+
+    What is short of a touch by rounding counts as touching: a step that ended there would not have ended for it.
+    """
+    laws = work.laws
+    if len(laws.friction) == 0:
+        return True
+    factorise(model.bodies, q, 0.0, 0.0, work.arrow)
+    begins = begun(model, q, u, roundings(q), work)
+    n = laws.count[0]
+    highest = 0.0
+    for k in range(n):
+        if laws.table.gap[k] < 0.0:
+            place = pair_place(model, laws.memory, laws.table, k)
+            stiffness = pair_stiffness(laws.memory, laws.table.law[k], place, -laws.table.gap[k])
+            highest = max(highest, stiffness * laws.inverse[k, k])
+    laws.stored[1] = max(laws.stored[1], math.sqrt(highest))
+    if begins and len(laws.joint) > 0:
+        hold_joints(model, t, q, u, work)
+    laws.count[1] = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)
+    return laws.count[1] < 0 and laws.count[2] == 0
