@@ -17,7 +17,6 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.contact.laws.bristles import Bristle, LuGre
-from lcpflex.contact.laws.friction_kernels import friction_forces
 from lcpflex.contact.laws.layout import (
     AMBROSIO,
     ARCTANGENT,
@@ -71,6 +70,8 @@ class MemorylessFriction:
         ModelError
             For a negative normal force or coefficient, and for mu_s < mu.
         """
+        from lcpflex.contact.laws.friction_kernels import friction_forces  # a scene is built without compiling
+
         shape = np.broadcast_shapes(np.shape(slip), np.shape(normal), np.shape(mu))
         flat = [np.broadcast_to(np.asarray(x, dtype=float), shape).ravel() for x in (slip, normal, mu)]
         for name, values in (("normal", flat[1]), ("mu", flat[2])):
