@@ -17,22 +17,33 @@ _HOME = {
     "BrownMcPhee": "lcpflex.contact.laws.friction",
     "ContactLaw": "lcpflex.contact.laws.contact_law",
     "CylinderPair": "lcpflex.contact.laws.cylinder_pair",
+    "DubowskyFreudenstein": "lcpflex.contact.laws.line_contact",
+    "Esdu78035": "lcpflex.contact.laws.line_contact",
+    "Goldsmith": "lcpflex.contact.laws.line_contact",
     "Hertz": "lcpflex.contact.laws.hertz",
     "HysteresisDamping": "lcpflex.contact.laws.hysteresis",
     "HysteresisFactor": "lcpflex.contact.laws.hysteresis",
     "Jankowski": "lcpflex.contact.laws.damping",
+    "Johnson": "lcpflex.contact.laws.line_contact",
     "KelvinVoigt": "lcpflex.contact.laws.damping",
     "KuwabaraKono": "lcpflex.contact.laws.damping",
+    "LankaraniNikraveshCylinder": "lcpflex.contact.laws.explicit_line_laws",
+    "Liu": "lcpflex.contact.laws.explicit_line_laws",
     "LuGre": "lcpflex.contact.laws.bristles",
     "Material": "lcpflex.contact.laws.materials",
     "OwnLaw": "lcpflex.contact.laws.own_law",
+    "Pereira": "lcpflex.contact.laws.explicit_line_laws",
     "PermanentIndentation": "lcpflex.contact.laws.damping",
+    "Persson": "lcpflex.contact.laws.explicit_line_laws",
+    "PowerFit": "lcpflex.contact.laws.power_fit",
     "PowerLaw": "lcpflex.contact.laws.power_law",
+    "Radzimovsky": "lcpflex.contact.laws.line_contact",
     "RampCoulomb": "lcpflex.contact.laws.friction",
     "Ristow": "lcpflex.contact.laws.damping",
     "SmoothedCoulomb": "lcpflex.contact.laws.friction",
     "Threlfall": "lcpflex.contact.laws.friction",
     "Tsuji": "lcpflex.contact.laws.damping",
+    "fit_power_law": "lcpflex.contact.laws.power_fit",
     "prescribed_restitution": "lcpflex.contact.laws.restitution",
     "restitution_of": "lcpflex.contact.laws.restitution",
 }
@@ -45,22 +56,33 @@ __all__ = [
     "BrownMcPhee",
     "ContactLaw",
     "CylinderPair",
+    "DubowskyFreudenstein",
+    "Esdu78035",
+    "Goldsmith",
     "Hertz",
     "HysteresisDamping",
     "HysteresisFactor",
     "Jankowski",
+    "Johnson",
     "KelvinVoigt",
     "KuwabaraKono",
+    "LankaraniNikraveshCylinder",
+    "Liu",
     "LuGre",
     "Material",
     "OwnLaw",
+    "Pereira",
     "PermanentIndentation",
+    "Persson",
+    "PowerFit",
     "PowerLaw",
+    "Radzimovsky",
     "RampCoulomb",
     "Ristow",
     "SmoothedCoulomb",
     "Threlfall",
     "Tsuji",
+    "fit_power_law",
     "prescribed_restitution",
     "restitution_of",
 ]
@@ -84,6 +106,7 @@ if TYPE_CHECKING:
     from lcpflex.contact.laws.contact_law import ContactLaw
     from lcpflex.contact.laws.cylinder_pair import CylinderPair
     from lcpflex.contact.laws.damping import Jankowski, KelvinVoigt, KuwabaraKono, PermanentIndentation, Ristow, Tsuji
+    from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
     from lcpflex.contact.laws.friction import (
         Ambrosio,
         ArctangentCoulomb,
@@ -95,7 +118,9 @@ if TYPE_CHECKING:
     )
     from lcpflex.contact.laws.hertz import Hertz
     from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
+    from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
     from lcpflex.contact.laws.materials import Material
     from lcpflex.contact.laws.own_law import OwnLaw
+    from lcpflex.contact.laws.power_fit import PowerFit, fit_power_law
     from lcpflex.contact.laws.power_law import PowerLaw
     from lcpflex.contact.laws.restitution import prescribed_restitution, restitution_of
