@@ -171,6 +171,16 @@ def test_newton_finds_the_branch_minus_one_of_lambert_over_nine_decades():
         assert np.abs(force / expected - 1.0).max() < 1e-12
 
 
+def test_newton_needs_no_more_steps_from_the_fold_down_to_the_smallest_numbers():
+    for law in LOGARITHMIC.values():
+        a, C, _ = law.parameters
+        kinds, p = row_of(law)
+        delta = law.end * np.concatenate([1.0 - np.geomspace(1e-3, 1e-12, 200), np.geomspace(1e-295, 0.999, 4000)])
+        force = np.array([elastic_force(kinds, p, x) for x in delta])
+        u = np.log(C) - np.log(force)
+        assert np.abs(force * u / (a * delta) - 1.0).max() < 2e-14
+
+
 def test_limits_of_line_contacts_are_at_a_half_width_of_three_tenths():
     for law in (*LOGARITHMIC.values(), LAWS["Lankarani-Nikravesh"]):
         force = law.force(law.limit)

@@ -27,7 +27,7 @@ __all__ = [
 MOST_ITERATIONS = 40
 ROUGH = 1e-2  # relative, of an indentation that only bounds a step
 FINE = 4e-16  # relative
-SQUARED = 1e-9  # relative, of a step of Newton's method after which nothing is left to correct
+NEWTON_STEPS = 3
 LAST_LOGARITHM = 1.01  # u at the end of a logarithmic law: at u = 1, 5e-5 of the indentation on, it has no slope
 FROM_SERIES = 0.25  # of the clearance, below which the closed form of the energy of Liu's law would cancel
 PERSSON_POLE = 0.8346152454776573  # tan^2(eps/2) at which the load of Persson's solution is infinite
@@ -42,16 +42,13 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 def logarithm(p: FloatArray, depth: float) -> float:
     """u = ln(C/F) of a logarithmic law, the root > 1 of u - ln u = Lam = ln(C / (a depth)).
 
-    Newton's method from Lam e/(e-1), which is right of the root for every Lam: the function is convex, so all steps go
-    down to the root. They square the relative error, over 1 - 1/u, which is no less than at the end of the law.
+    Newton's method from a point within 16 % of the root, for any number that a depth can be: three steps bring it to
+    rounding, and a loop of fixed length runs twice as fast as one that asks whether to end.
     """
-    lam = p[ELASTIC + 2] - math.log(depth)
-    u = lam * (math.e / (math.e - 1.0))
-    for _ in range(MOST_ITERATIONS):
-        step = u * (u - math.log(u) - lam) / (u - 1.0)
-        u -= step
-        if step <= SQUARED * u:
-            break
+    beyond = p[ELASTIC + 2] - math.log(depth) - 1.0
+    u = 1.0 + math.sqrt(2.0 * beyond) + 0.8 * beyond  # between the known bounds, with 2/3 and 1 in place of 0.8
+    for _ in range(NEWTON_STEPS):
+        u *= (math.log(u) + beyond) / (u - 1.0)
     return u
 
 
