@@ -39,6 +39,7 @@ from lcpflex.steppers.smooth_memory import (
     DETAIL,
     FRICTION,
     IMPULSES,
+    STEP,
     WORK,
     SmoothMemory,
 )
@@ -57,6 +58,8 @@ OUT_OF_RANGE = 6
 
 TURN = 0.25  # [rad] in a step
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
+LEAVING = 1.001  # times that in which a contact would part at its present rate
+LEAST_SHARE = 1e-3  # of the step before, below which that does not shorten one
 
 
 @kernel
@@ -240,7 +243,8 @@ def horizon(
     """Longest step [s] that passes over no contact: error control does not see what no stage meets.
 
     It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further,
-    so that the pair is met. After ``slope`` at y. Negative: the table must hold as many entries.
+    so that the pair is met, nor far beyond the end of an indentation. After ``slope`` at y. Negative: the table must
+    hold as many entries.
     """
     ndof = len(work.free_u)
     q = y[:ndof]
@@ -262,6 +266,8 @@ def horizon(
                 energy = 0.5 * approach * approach / inverse
                 gap += ONSET * indentation_of(memory.contacts.kinds[law], memory.contacts.parameters[law], energy)
             longest = min(longest, gap / approach)
+        elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
+            longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * memory.clock[STEP]))
     return longest
 
 
