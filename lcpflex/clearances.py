@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.compiled import FloatArray
+    from lcpflex.contact.force_law import Law
     from lcpflex.scene import Scene
 
 __all__ = ["Clearances"]
@@ -33,13 +34,17 @@ class Clearances:
         restitution: float = 0.0,
         tangential_restitution: float = 0.0,
         name: str | None = None,
+        *,
+        law: Law | SlotParts[Law | None] | None = None,
     ) -> SlotParts[str]:
         """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
 
         They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
-        for a name if omitted), with one law, as in :meth:`lcpflex.scene.Scene.contact`. Where the pin rolls or slides
-        over the seam between a track and an end, one contact ends as the other begins: gap and normal go on, but a
-        continuous force does so only if both have the same law.
+        for a name if omitted), and have the same friction and restitution, as in :meth:`lcpflex.scene.Scene.contact`.
+
+        ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
+        as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
+        other begins: gap and normal go on, but the force does so only if both have the same law.
 
         Raises
         ------
@@ -61,10 +66,12 @@ class Clearances:
             raise ModelError(
                 f"pin: the centre of {pin.label!r} is {outside:.6g} m outside of the slot at the start, expected in it"
             )
+        numbers = friction, restitution, tangential_restitution
+        laws = law if isinstance(law, SlotParts) else SlotParts(law, law, law, law)
         return SlotParts(
             *(
-                scene.contact(pin, part, friction, restitution, tangential_restitution, f"{stem}.{which}")
-                for part, which in zip(slot.parts, SlotParts._fields, strict=True)
+                scene.contact(pin, part, *numbers, f"{stem}.{which}", law=own)
+                for part, which, own in zip(slot.parts, SlotParts._fields, laws, strict=True)
             )
         )
 
@@ -78,10 +85,13 @@ class Clearances:
         restitution: float = 0.0,
         tangential_restitution: float = 0.0,
         name: str | None = None,
+        *,
+        law: Law | None = None,
     ) -> str:
         """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
 
-        No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone.
+        No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
+        contact force; the rest as in :meth:`lcpflex.scene.Scene.contact`.
 
         Raises
         ------
@@ -111,6 +121,7 @@ class Clearances:
             restitution,
             tangential_restitution,
             name,
+            law=law,
         )
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
+from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
 from lcpflex.errors import ModelError, in_range
 
 __all__ = ["CylinderPair"]
@@ -67,6 +68,35 @@ class CylinderPair:
     ) -> CylinderPair:
         """Two cylinders side by side. ``other`` is the material of the second if another."""
         return cls(radius, other_radius, length, material, other, is_internal=False)
+
+    @classmethod
+    def between(
+        cls, a: Shaped, b: Shaped, length: float, material: Material, other: Material | None = None
+    ) -> CylinderPair:
+        """The pair of two surfaces of a scene, with their radii: a disc in a hole, or two discs or round parts.
+
+        ``material`` is that of the body of a, ``other`` that of the body of b if another; which of them has the hole
+        does not matter.
+
+        Raises
+        ------
+        ModelError
+            For surfaces without a radius, a disc that does not fit its hole, and half-planes: no law of two cylinders
+            has a limit for DeltaR -> infinity.
+        """
+        first, second = radii_between(a, b)
+        if math.inf in (first, second):
+            argument, plane = ("a", a) if first == math.inf else ("b", b)
+            raise ModelError(
+                f"{argument}: {plane.label!r} (a half-plane) was given, expected a round surface: how far a cylinder "
+                "indents a plane depends on the size of its body; state a radius by CylinderPair.external(...), or a "
+                "law by PowerLaw(...)"
+            )
+        if first < 0.0:
+            return cls.internal(-first, second, length, material, other)
+        if second < 0.0:
+            return cls.internal(-second, first, length, material if other is None else other, other and material)
+        return cls.external(first, second, length, material, other)
 
     @property
     def clearance(self) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import POWER
 from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
+from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
 from lcpflex.errors import ModelError, in_range
 
 __all__ = ["Hertz"]
@@ -19,9 +20,9 @@ FLAT = 0.3  # largest radius of a contact over that of the smaller body for the 
 class Hertz(ElasticFace):
     """Point contact of elastic bodies: F = (4/3) E* sqrt(R) delta^(3/2), energy (2/5) F delta.
 
-    Made by :meth:`spheres`, :meth:`sphere_on_plane` and :meth:`sphere_in_cup`. The radius of the contact is
-    a = sqrt(R delta), the largest pressure 3 F / (2 pi a^2). Valid while a <= 0.3 of the smallest radius of the bodies
-    (``limit``), and for elastic, frictionless bodies whose waves are faster than the contact.
+    Made by :meth:`spheres`, :meth:`sphere_on_plane`, :meth:`sphere_in_cup` and :meth:`between`. The radius of the
+    contact is a = sqrt(R delta), the largest pressure 3 F / (2 pi a^2). Valid while a <= 0.3 of the smallest radius of
+    the bodies (``limit``), and for elastic, frictionless bodies whose waves are faster than the contact.
     Source: Hertz 1881.
 
     Attributes
@@ -88,6 +89,22 @@ class Hertz(ElasticFace):
         if not R1 < R2:
             raise ModelError(f"radius: {R1:g} m was given, expected less than cup_radius, {R2:g} m")
         return cls._of(R1 * R2 / (R2 - R1), (R1, R2), material, other, lenient)
+
+    @classmethod
+    def between(
+        cls, a: Shaped, b: Shaped, material: Material, other: Material | None = None, *, lenient: bool = False
+    ) -> Hertz:
+        """Spheres with the radii of two surfaces of a scene: a disc on another one, in a hole, or on a half-plane.
+
+        ``material`` is that of the body of a, ``other`` that of the body of b if another.
+        """
+        first, second = radii_between(a, b)
+        if math.inf in (first, second):
+            return cls.sphere_on_plane(min(first, second), material, other, lenient=lenient)
+        if first < 0.0 or second < 0.0:
+            sphere, cup = (first, second) if first > 0.0 else (second, first)
+            return cls.sphere_in_cup(sphere, -cup, material, other, lenient=lenient)
+        return cls.spheres(first, second, material, other, lenient=lenient)
 
     @classmethod
     def _of(
