@@ -14,7 +14,13 @@ from scipy.special import gamma, lambertw
 
 from lcpflex.contact.laws.contact_law import law_row
 from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, indentation_at, stored_energy
+from lcpflex.contact.laws.elastic_kernels import (
+    elastic_force,
+    elastic_stiffness,
+    indentation_at,
+    indentation_of,
+    stored_energy,
+)
 from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
 from lcpflex.contact.laws.friction import SmoothedCoulomb
 from lcpflex.contact.laws.hertz import Hertz
@@ -346,6 +352,16 @@ def test_beyond_its_end_a_law_goes_on_along_its_tangent(law):
         assert indentation_at(kinds, p, force) == pytest.approx(x, rel=1e-13)
     near = end * (1.0 - 1e-12)
     assert elastic_force(kinds, p, near) == pytest.approx(elastic_force(kinds, p, end), rel=1e-9)
+
+
+@EVERY
+def test_indentations_of_any_energy_and_force(law):
+    kinds, p = row_of(law)
+    for energy in np.geomspace(1e-25, 1e9, 60):  # beyond the end of the law, too: a trial state may have it
+        assert stored_energy(kinds, p, indentation_of(kinds, p, energy)) == pytest.approx(energy, rel=0.01)
+    for force in np.geomspace(1e-30, 1e15, 60):
+        assert elastic_force(kinds, p, indentation_at(kinds, p, force)) == pytest.approx(force, rel=1e-13)
+    assert indentation_at(kinds, p, 0.0) == indentation_at(kinds, p, -1.0) == 0.0
 
 
 RADII = st.floats(1e-4, 0.9)

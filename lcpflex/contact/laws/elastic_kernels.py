@@ -82,6 +82,8 @@ def liu_energy(x: float) -> float:
         for k in range(1, MOST_ITERATIONS):
             power *= -x * (k - 0.5) / k
             total += power / (k + 2.5)
+            if abs(power) < FINE * total:
+                break
         return total
     root = math.sqrt(x * (1.0 + x))
     return 0.5 * root * (x - 1.5) + 0.75 * math.asinh(math.sqrt(x))
@@ -194,18 +196,39 @@ def stored_energy(kinds: IntArray, p: FloatArray, depth: float) -> float:
 
 
 @kernel
+def kept(low: float, high: float, depth: float, following: float) -> float:
+    """The next iterate: ``following`` where it lies in the bracket, else halfway, in logarithms if it has ends."""
+    if low <= following <= high:
+        return following
+    if low > 0.0 and high < math.inf:
+        return math.sqrt(low * high)
+    return 0.5 * min(high, 4.0 * depth)
+
+
+@kernel
 def indentation_of(kinds: IntArray, p: FloatArray, energy: float) -> float:
-    """Indentation at which about ``energy`` is stored [m], to 1 %: Newton's method in logarithms, exact for powers."""
-    depth = 1e-6
-    for _ in range(MOST_ITERATIONS):
+    """Indentation at which about ``energy`` is stored [m], to 1 %: Newton's method in logarithms, exact for powers.
+
+    Beyond the end of a law, where the energy is a parabola, its root.
+    """
+    low = 0.0
+    high = p[END]
+    depth = min(1e-6, high)
+    if high < math.inf:
+        more = energy - energy_inside(kinds, p, high)
+        if more >= 0.0:
+            last = force_inside(kinds, p, high)
+            return high + 2.0 * more / (last + math.sqrt(last * last + 2.0 * stiffness_inside(kinds, p, high) * more))
+    for _ in range(4 * MOST_ITERATIONS):
         stored = stored_energy(kinds, p, depth)
         if abs(stored - energy) <= ROUGH * energy:
             break
-        force = elastic_force(kinds, p, depth)
-        if stored > 0.0 and force > 0.0:
-            depth *= (energy / stored) ** (stored / (depth * force))
-        else:  # a law of a user's, without force up to some indentation
-            depth *= 2.0
+        if stored < energy:
+            low = depth
+        else:
+            high = depth
+        following = depth * (energy / stored) ** (stored / (depth * elastic_force(kinds, p, depth)))
+        depth = kept(low, high, depth, following)
     return depth
 
 
@@ -238,9 +261,7 @@ def indentation_at(kinds: IntArray, p: FloatArray, force: float) -> float:
         else:
             high = depth
         slope = depth * elastic_stiffness(kinds, p, depth)
-        following = depth * (force / found) ** (found / slope)
-        if not low <= following <= high:  # halfway, in logarithms where there are two ends
-            following = math.sqrt(low * high) if low > 0.0 and high < math.inf else 0.5 * min(high, 4.0 * depth)
+        following = kept(low, high, depth, depth * (force / found) ** (found / slope))
         if abs(following - depth) <= FINE * depth:
             break
         depth = following
