@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 import lcpflex as lf
 from lcpflex.contact.laws.contact_law import ContactLaw
+from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.damping import (
     Jankowski,
     KelvinVoigt,
@@ -24,13 +25,17 @@ from lcpflex.contact.laws.damping import (
 )
 from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
 from lcpflex.contact.laws.layout import DAMPING
+from lcpflex.contact.laws.line_contact import Johnson
+from lcpflex.contact.laws.materials import Material
 from lcpflex.contact.laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.contact.laws.restitution import prescribed_restitution, restitution_of
+from lcpflex.errors import ModelError
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
 
 STIFFNESS, MASS, SPEED = 4e7, 0.8, 1.5
 DEEP = (MASS * SPEED**2 / STIFFNESS) ** 0.4  # the scale of indentations
+PAIR = CylinderPair.external(0.05, 0.08, 0.01, Material(210e9, 0.3))
 LAWS = [
     HysteresisDamping(0.5),
     HysteresisDamping(0.2, HysteresisFactor.FLORES),
@@ -236,3 +241,79 @@ def test_impacts_on_a_wall(damping: Any, n: float, e: float) -> None:
     assert out_of(result) == pytest.approx(e, abs=5e-5)
     assert np.abs(result.energies.remainder).max() < 1e-5 * 0.5 * MASS * SPEED**2
     assert result.force[:, 0, 0].min() >= 0.0
+
+
+@pytest.mark.parametrize("bad", [-0.1, 1.5, math.nan, "half", None])
+@pytest.mark.parametrize("law", [HysteresisDamping, KelvinVoigt, Tsuji, Jankowski, PermanentIndentation])
+def test_restitution_out_of_range(law: Any, bad: Any) -> None:
+    with pytest.raises(ModelError, match="restitution"):
+        law(bad)
+
+
+@pytest.mark.parametrize(
+    ("law", "arguments", "named"),
+    [
+        (HysteresisDamping, {"restitution": 0.0}, "restitution"),
+        (HysteresisDamping, {"restitution": 0.5, "factor": "exact"}, "factor"),
+        (HysteresisDamping, {"restitution": 0.5, "guard_speed": 0.0}, "guard_speed"),
+        (Jankowski, {"restitution": 0.0}, "restitution"),
+        (PermanentIndentation, {"restitution": 0.0}, "restitution"),
+        (KelvinVoigt, {"restitution": 0.5, "mass": 0.0}, "mass"),
+        (Tsuji, {"restitution": 0.5, "mass": -1.0}, "mass"),
+        (Ristow, {"rate": -1.0}, "rate"),
+        (Ristow, {"rate": 1.0, "mass": math.inf}, "mass"),
+        (Jankowski, {"restitution": 0.5, "mass": math.nan}, "mass"),
+        (KuwabaraKono, {"relaxation": -1e-6}, "relaxation"),
+    ],
+)
+def test_what_is_refused(law: Any, arguments: dict[str, Any], named: str) -> None:
+    with pytest.raises(ModelError, match=rf"^{named}: .* was given, expected"):
+        law(**arguments)
+
+
+@pytest.mark.parametrize("factor", [HysteresisFactor.HUNT_CROSSLEY, HysteresisFactor.LANKARANI_NIKRAVESH])
+def test_no_restitution_at_all_where_the_factor_is_finite(factor: HysteresisFactor) -> None:
+    assert HysteresisDamping(0.0, factor).eta == factor.eta(0.0) > 0.0
+
+
+@pytest.mark.parametrize(
+    "damping",
+    [KelvinVoigt(0.5), HysteresisDamping(0.5, HysteresisFactor.YE), HysteresisDamping(0.5, HysteresisFactor.PANT)],
+    ids=("KelvinVoigt", "Ye", "Pant"),
+)
+def test_laws_of_linear_springs(damping: Any) -> None:
+    ContactLaw(PowerLaw(STIFFNESS, 1.0), damping)
+    for elastic in (PowerLaw(STIFFNESS, 1.5), Johnson(PAIR)):
+        with pytest.raises(ModelError, match="expected a linear spring"):
+            ContactLaw(elastic, damping)
+
+
+@pytest.mark.parametrize(
+    "damping", [HysteresisDamping(0.5), Tsuji(0.2), Jankowski(0.4), PermanentIndentation(0.5)], ids=name
+)
+def test_restitution_is_that_of_any_elastic_law(damping: Any) -> None:
+    """In the plane of (2 E)^(1/2) and v these do not know the elastic law: here a logarithmic one."""
+    row = ContactLaw(Johnson(PAIR), damping).row()
+    kinds, p = np.array(row.kinds), np.array(row.parameters)
+    mass, speed, depth, deepest = 2.0, 0.4, 2e-5, [0.0, True]
+
+    def slope(_: float, y: Any) -> tuple[float, float]:
+        d = depth * float(y[0])
+        if d <= 0.0:
+            return float(y[1]), 0.0
+        force = normal_force(kinds, p, d, speed * float(y[1]), speed, mass, *deepest)[0]
+        return float(y[1]), -force * depth / (mass * speed**2)
+
+    def turn(_: float, y: Any) -> float:
+        return float(y[1])
+
+    def parted(_: float, y: Any) -> float:
+        return float(y[0])
+
+    turn.terminal = parted.terminal = True  # type: ignore[attr-defined]
+    parted.direction = -1.0  # type: ignore[attr-defined]
+    way_in = solve_ivp(slope, (0.0, 1e3), (0.0, 1.0), "DOP853", rtol=1e-11, atol=1e-14, events=turn)
+    deepest[:] = depth * float(way_in.y[0, -1]), False
+    way_out = solve_ivp(slope, (0.0, 1e3), way_in.y[:, -1], "DOP853", rtol=1e-11, atol=1e-14, events=parted)
+    law = damping.factor if isinstance(damping, HysteresisDamping) else type(damping)
+    assert -way_out.y[1, -1] == pytest.approx(restitution_of(law, damping.restitution), rel=1e-6)
