@@ -10,7 +10,12 @@ import pytest
 from lcpflex import Result
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
-STUDIES = ("flexible_pendulum_micro_collisions", "where_methods_fail", "work_precision")  # many runs each
+STUDIES = (
+    "flexible_pendulum_micro_collisions",
+    "penalty_against_complementarity",
+    "where_methods_fail",
+    "work_precision",
+)  # many runs each
 
 
 def test_there_are_examples() -> None:
