@@ -16,6 +16,8 @@ from lcpflex.errors import ModelError, ModelWarning
 
 __all__ = ["ElasticFace"]
 
+ROUNDING = 1e-12  # relative: the indentation under the force at the limit may come out beyond the limit
+
 
 class ElasticFace:
     """Elastic force F(delta) of an indentation delta >= 0, per contact.
@@ -115,17 +117,18 @@ class ElasticFace:
             wrong = ~((values >= 0.0) & (values < math.inf))
             raise ModelError(f"{_named(name, values, wrong)}, expected a finite number >= 0")
         last = end if self.lenient else min(limit, end)
+        slack = 1.0 + ROUNDING
         unit = "m" if name == "delta" else "N"
         law = type(self).__name__
-        if most > last:
+        if most > last * slack:
             what = (
                 f"within the range of validity of {law}, up to {last:.6g} {unit}; lenient=True gives a warning instead"
                 if last < end
                 else f"less than {last:.6g} {unit}, where {law} ends"
             )
-            raise ModelError(f"{_named(name, values, values > last)}, expected a number {what}")
-        if most > limit:
-            text = f"{_named(name, values, values > limit)}, {law} is valid up to {limit:.6g} {unit}"
+            raise ModelError(f"{_named(name, values, values > last * slack)}, expected a number {what}")
+        if most > limit * slack:
+            text = f"{_named(name, values, values > limit * slack)}, {law} is valid up to {limit:.6g} {unit}"
             warnings.warn(text, ModelWarning, stacklevel=4)
 
 
