@@ -5,7 +5,7 @@ from __future__ import annotations
 from lcpflex.compiled import kernel
 from lcpflex.contact.detection import SEGMENT, ContactTable
 
-__all__ = ["yield_to_deeper"]
+__all__ = ["YIELDED", "yield_to_deeper"]
 
 SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a slave at a time
 YIELDED = 1e-300  # [m] gap of the other one: it does not touch

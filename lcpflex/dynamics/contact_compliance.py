@@ -16,16 +16,33 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, stored_energy
+from lcpflex.contact.detection import refresh
+from lcpflex.contact.hollow import YIELDED, yield_to_deeper
+from lcpflex.contact.laws.elastic_kernels import (
+    elastic_force,
+    elastic_stiffness,
+    indentation_at,
+    stored_energy,
+)
 from lcpflex.contact.laws.layout import END, LIMIT, PARAMETERS, LawRow
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
 from lcpflex.packed import pack
 
-__all__ = ["ContactCompliance", "compliance_energy", "contact_compliance", "misfit", "note_depths", "soften"]
+__all__ = [
+    "HARD",
+    "ContactCompliance",
+    "choose",
+    "compliance_energy",
+    "contact_compliance",
+    "misfit",
+    "note_depths",
+    "soften",
+]
 
 ACCURATE = 1e-9  # error of a force, relative to the largest of those that laws give, that ends the passes
 ROUNDING = 2e-15  # of an indentation, relative to coordinates
-SHALLOW = 1e-3  # of the largest gap or indentation near: where the law of an open contact is linearised
+HARD, FOLLOWS, YIELDS = 0, 1, 2  # Workspace.closed: no law; follows its law; yields to another pair of one hollow
 
 
 class ContactCompliance(NamedTuple):
@@ -36,6 +53,7 @@ class ContactCompliance(NamedTuple):
     kinds: IntArray  # (laws, 4), see lcpflex.contact.laws.layout
     parameters: FloatArray  # (laws, PARAMETERS)
     stop: FloatArray  # (laws,) indentation beyond which a run must not go on [m]
+    least: FloatArray  # (laws,) force that does not matter, only those smaller by ACCURATE need not be right [N]
     worst: FloatArray  # (laws,) largest indentation of the steps so far [m]
 
 
@@ -48,6 +66,7 @@ def contact_compliance(rows: Sequence[LawRow | None]) -> ContactCompliance:
         kinds=np.zeros((n, 4), dtype=np.int64),
         parameters=np.zeros((n, PARAMETERS)),
         stop=np.full(n, np.inf),
+        least=np.zeros(n),
         worst=np.zeros(n),
     )
     for law, row in enumerate(rows):
@@ -60,33 +79,54 @@ def contact_compliance(rows: Sequence[LawRow | None]) -> ContactCompliance:
 
 
 @kernel
-def extent_of(q: FloatArray) -> float:
-    """What the rounding of a gap is relative to [m]."""
-    largest = 1.0
-    for i in range(len(q)):
-        largest = max(largest, abs(q[i]))
-    return largest
+def law_force(compliance: ContactCompliance, work: Workspace, k: int) -> float:
+    """Force of the law of contact k at its present gap [N]."""
+    law = work.table.law[k]
+    return elastic_force(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
 
 
 @kernel
-def soften(compliance: ContactCompliance, work: Workspace, n: int) -> None:
-    """Add the laws, linearised about the present gaps of the first n contacts, to their Gc and bc [m/N, m]."""
+def choose(model: Model, compliance: ContactCompliance, work: Workspace, n: int) -> None:
+    """work.closed[k] <- whether the first n contacts follow a law: of two in a shallow hollow, the deeper one alone."""
     if compliance.some[0] == 0:
         return
-    shallow = ROUNDING * extent_of(work.middle)
+    yield_to_deeper(work.table, n)
+    for k in range(n):
+        soft = compliance.soft[work.table.law[k]] == 1
+        work.closed[k] = FOLLOWS if soft else HARD
+        if work.table.gap[k] == YIELDED:
+            work.closed[k] = YIELDS if soft else HARD
+            refresh(model, work.middle, work.table, k)
+
+
+@kernel
+def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -> None:
+    """Add the laws, linearised about the present gaps of the first n contacts, to their Gc and bc [m/N, m].
+
+    Not about less than some depth, where a law has next to no stiffness: its force there does not matter any more.
+    """
+    if compliance.some[0] == 0:
+        return
     largest = 0.0
     for k in range(n):
-        largest = max(largest, abs(work.table.gap[k]))
+        if work.closed[k] == FOLLOWS:
+            largest = max(largest, law_force(compliance, work, k))
     for k in range(n):
         law = work.table.law[k]
-        if compliance.soft[law] == 1:
-            depth = -work.table.gap[k]
-            if depth <= shallow:
-                depth = max(shallow, SHALLOW * largest)
-            stiffness = elastic_stiffness(compliance.kinds[law], compliance.parameters[law], depth)
-            force = elastic_force(compliance.kinds[law], compliance.parameters[law], depth)
+        if work.closed[k] == FOLLOWS:
+            kinds = compliance.kinds[law]
+            p = compliance.parameters[law]
+            shallow = indentation_at(kinds, p, 0.5 * ACCURATE * max(largest, compliance.least[law]))
+            depth = max(-work.table.gap[k], shallow)
+            stiffness = elastic_stiffness(kinds, p, depth)
             work.Gc[k, k] += 1.0 / stiffness
-            work.bc[k] += depth - force / stiffness
+            work.bc[k] += depth - elastic_force(kinds, p, depth) / stiffness
+        elif work.closed[k] == YIELDS:
+            for r in range(total):
+                if r != k:
+                    work.Gc[k, r] = 0.0
+                    work.Gc[r, k] = 0.0
+            work.bc[k] = abs(work.table.gap[k])
 
 
 @kernel
@@ -95,21 +135,20 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
     if compliance.some[0] == 0:
         return 0.0
     largest = 0.0
+    extent = 1.0
+    for i in range(len(work.middle)):
+        extent = max(extent, abs(work.middle[i]))
     for k in range(work.step_size[1]):
-        if compliance.soft[work.table.law[k]] == 1:
-            largest = max(largest, work.normal[k])
+        if work.closed[k] == FOLLOWS:
+            largest = max(largest, work.normal[k], compliance.least[work.table.law[k]])
     allowed = ACCURATE * largest + work.certificate[0] * unit[0]
-    rounding = ROUNDING * extent_of(work.middle)
     worst = 0.0
     for k in range(work.step_size[1]):
-        law = work.table.law[k]
-        if compliance.soft[law] == 1:
-            depth = -work.table.gap[k]
-            force = 0.0
-            stiffness = elastic_stiffness(compliance.kinds[law], compliance.parameters[law], max(depth, rounding))
-            if depth > 0.0:
-                force = elastic_force(compliance.kinds[law], compliance.parameters[law], depth)
-            worst = max(worst, abs(work.normal[k] - force) / (allowed + rounding * stiffness))
+        if work.closed[k] == FOLLOWS:
+            law = work.table.law[k]
+            stiffness = elastic_stiffness(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
+            wrong = abs(work.normal[k] - law_force(compliance, work, k))
+            worst = max(worst, wrong / (allowed + ROUNDING * extent * stiffness))
     return worst
 
 
@@ -119,7 +158,7 @@ def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
     if compliance.some[0] == 1:
         for k in range(work.step_size[1]):
             law = work.table.law[k]
-            if compliance.soft[law] == 1 and -work.table.gap[k] > compliance.worst[law]:
+            if work.closed[k] == FOLLOWS and -work.table.gap[k] > compliance.worst[law]:
                 compliance.worst[law] = -work.table.gap[k]
                 if compliance.worst[law] > compliance.stop[law]:
                     return law
@@ -133,6 +172,6 @@ def compliance_energy(compliance: ContactCompliance, work: Workspace) -> float:
     if compliance.some[0] == 1:
         for k in range(work.step_size[1]):
             law = work.table.law[k]
-            if compliance.soft[law] == 1 and work.table.gap[k] < 0.0:
+            if work.closed[k] == FOLLOWS:
                 total += stored_energy(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
     return total

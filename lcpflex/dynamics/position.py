@@ -101,6 +101,7 @@ def pose_position(
         contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
     spread(work, flexibility, n_joint, n_joint + total)
     delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.Gc)
+    softest = 0.0
     for r in range(total):
         b = 0.0
         if r < n:
@@ -110,15 +111,15 @@ def pose_position(
             b = step * (slip - 0.5 * step * work.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
         work.bc[r] = b
-    soften(compliance, work, n)
-    softest = 0.0
+        softest = max(softest, work.Gc[r, r])
+    for r in range(total):
+        if not work.Gc[r, r] > RIGID * softest and (r >= n or compliance.soft[work.table.law[r]] == 0):
+            return r if r < n else work.tangent[r - n]
+    soften(compliance, work, n, total)
     largest = 0.0
     for r in range(total):
         largest = max(largest, abs(work.bc[r]))
         softest = max(softest, work.Gc[r, r])
-    for r in range(total):
-        if not work.Gc[r, r] > RIGID * softest:
-            return r if r < n else work.tangent[r - n]
     if largest == 0.0:
         largest = 1.0
     if total > 0:

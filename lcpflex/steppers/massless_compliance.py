@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.contact_law import law_row
-from lcpflex.contact.laws.elastic_kernels import elastic_stiffness, indentation_of
+from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, indentation_of
 from lcpflex.contact.laws.friction import SmoothedCoulomb
 from lcpflex.contact.laws.layout import LIMIT, OWN, ElasticLaw, LawRow
 from lcpflex.dynamics.contact_compliance import ContactCompliance
@@ -20,6 +20,8 @@ from lcpflex.steppers.system import System
 __all__ = ["beyond_range", "checked_compliance", "compliance_rows", "expected_compliance", "out_of_range"]
 
 FALL = 10.0  # times the distance up to which gaps are measured: a height of fall that is hardly exceeded
+DENT = 1e-6  # times the same, an indentation where nothing tells what to expect
+NEGLIGIBLE = 1e-6  # part of the force of such an indentation
 
 
 def checked_compliance(compliance: Mapping[str, ElasticLaw]) -> dict[str, ElasticLaw]:
@@ -51,7 +53,8 @@ def expected_compliance(system: System, compliance: ContactCompliance) -> FloatA
     """(passes,) 1 / stiffness [m/N] at the largest indentation that an impact may cause, 0 where there is no law.
 
     That which stores the kinetic energy of the two bodies, after a fall over what is a long way in the scene. A guess:
-    the frequency of a contact goes with the tenth root of it, and steps are divided where it was exceeded.
+    the frequency of a contact goes with the tenth root of it, and steps are divided where it was exceeded. The force
+    there tells which ones do not matter.
     """
     model = system.model
     contacts = model.contacts
@@ -68,9 +71,11 @@ def expected_compliance(system: System, compliance: ContactCompliance) -> FloatA
                 own = slice(model.bodies.dof[b], model.bodies.dof[b + 1])
                 speed = math.sqrt(system.u[own] @ mass[own, own] @ system.u[own] / model.bodies.mass[b])
                 energy += 0.5 * model.bodies.mass[b] * (speed + fall) ** 2
+        kinds, p = compliance.kinds[law], compliance.parameters[law]
+        depth = indentation_of(kinds, p, energy) if energy > 0.0 else DENT * system.margin
+        compliance.least[law] = max(compliance.least[law], NEGLIGIBLE * elastic_force(kinds, p, depth))
         if energy > 0.0:
-            kinds, p = compliance.kinds[law], compliance.parameters[law]
-            give[w] = 1.0 / elastic_stiffness(kinds, p, indentation_of(kinds, p, energy))
+            give[w] = 1.0 / elastic_stiffness(kinds, p, depth)
     return give
 
 

@@ -14,7 +14,7 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
-from lcpflex.dynamics.contact_compliance import compliance_energy, misfit, note_depths
+from lcpflex.dynamics.contact_compliance import HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
@@ -263,7 +263,7 @@ def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
     displaced = 0.0
     for k in range(work.step_size[1]):
         refresh(model, work.middle, work.table, k)
-        if work.normal[k] > 0.0 and boundary.compliance.soft[work.table.law[k]] == 0:
+        if work.normal[k] > 0.0 and (boundary.compliance.some[0] == 0 or work.closed[k] == HARD):
             left = max(left, abs(work.table.gap[k]))
             displaced = max(displaced, boundary.unit[1] * work.Gc[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
@@ -338,6 +338,7 @@ def advance(
         if clock[NUMBER] > len(work.table.key):
             return GROW
         n = int(clock[NUMBER])
+        choose(model, boundary.compliance, work, n)
         passes = 0
         while True:
             clock[NUMBER] = pose_position(
