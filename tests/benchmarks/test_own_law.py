@@ -26,7 +26,7 @@ def seconds_per_step(law: ContactLaw, scene: lf.Scene, steps: int) -> float:
     return result.wall_time / result.steps
 
 
-def test_compiled_own_law_costs_as_much_as_one_of_the_library(
+def test_compiled_own_law_costs_little_more_than_one_of_the_library(
     interleave: Callable[..., Mapping[str, float]], resting_strip: Callable[..., lf.Scene]
 ) -> None:
     damping = HysteresisDamping(E)
@@ -41,5 +41,5 @@ def test_compiled_own_law_costs_as_much_as_one_of_the_library(
             "the same as own law in Python": lambda: seconds_per_step(python, scene, 5000),
         }
     )
-    assert medians["the same as own law, compiled"] < 1.3 * medians["Hunt-Crossley of the library"]
+    assert medians["the same as own law, compiled"] < 1.5 * medians["Hunt-Crossley of the library"]
     assert medians["the same as own law in Python"] < 20.0 * medians["Hunt-Crossley of the library"]

@@ -1,0 +1,327 @@
+"""Friction laws: their shapes, the facts known of bristles, and blocks that creep, hold, stick and slip."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import lcpflex as lf
+from lcpflex.contact.laws.contact_law import ContactLaw
+from lcpflex.contact.laws.friction import (
+    Ambrosio,
+    ArctangentCoulomb,
+    BengisuAkay,
+    Bristle,
+    BrownMcPhee,
+    LuGre,
+    RampCoulomb,
+    SmoothedCoulomb,
+    Threlfall,
+)
+from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
+from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
+from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.model import SLIP, STICK
+from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff
+
+MU, STATIC = 0.3, 0.45
+SPEED = 1e-3
+MEMORYLESS = [
+    SmoothedCoulomb(SPEED),
+    ArctangentCoulomb(SPEED),
+    RampCoulomb(SPEED),
+    Threlfall(SPEED),
+    Ambrosio(0.2 * SPEED, SPEED),
+    BengisuAkay(SPEED, 500.0, STATIC),
+    BengisuAkay(SPEED),
+    BrownMcPhee(SPEED, STATIC),
+    BrownMcPhee(SPEED, STATIC, viscous=2.0),
+]
+
+
+def name(law: Any) -> str:
+    return type(law).__name__
+
+
+# --- laws without states
+
+
+@pytest.mark.parametrize("law", MEMORYLESS, ids=name)
+def test_odd_opposing_bounded_and_proportional(law: Any) -> None:
+    slip = np.concatenate([np.linspace(-5.0, 5.0, 4001) * SPEED, [-1.0, 1.0]])
+    force = law.force(slip, 10.0, MU)
+    viscous = getattr(law, "viscous", 0.0) * np.abs(slip)
+    assert (force * slip <= 0.0).all()
+    assert force == pytest.approx(-law.force(-slip, 10.0, MU), rel=1e-15)
+    most = (MU if getattr(law, "static_friction", None) is None else STATIC) + viscous
+    assert (np.abs(force) <= 10.0 * most * (1.0 + 1e-12)).all()
+    assert force == pytest.approx(10.0 * law.force(slip, 1.0, MU), rel=1e-14)
+    assert law.force(0.0, 10.0, MU) == 0.0
+    assert law.force(slip, 0.0, MU) == pytest.approx(np.zeros(len(slip)), abs=0.0)
+
+
+@pytest.mark.parametrize("law", MEMORYLESS, ids=name)
+def test_continuous(law: Any) -> None:
+    """Between neighbours the force changes by no more than the steepest slope of these laws, at 0."""
+    step = SPEED / 1000.0
+    slip = np.arange(-4000, 4001) * step
+    steepest = 4.0 * STATIC / SPEED
+    assert np.abs(np.diff(law.force(slip, 1.0, MU))).max() <= steepest * step
+
+
+@pytest.mark.parametrize(
+    ("law", "at", "expected"),
+    [
+        (SmoothedCoulomb(SPEED), SPEED, MU * math.tanh(1.0)),
+        (ArctangentCoulomb(SPEED), SPEED, MU / 2.0),
+        (RampCoulomb(SPEED), 0.25 * SPEED, 0.25 * MU),
+        (RampCoulomb(SPEED), 3.0 * SPEED, MU),
+        (Threlfall(SPEED), SPEED / 3.0, MU * (1.0 - math.exp(-1.0))),
+        (Threlfall(SPEED), 7.0 * SPEED, MU * 0.950212931632136),
+        (Ambrosio(1e-4, 2e-4), 1e-4, 0.0),
+        (Ambrosio(1e-4, 2e-4), 1.25e-4, 0.25 * MU),
+        (Ambrosio(1e-4, 2e-4), 1.0, MU),
+        (BengisuAkay(SPEED, 500.0, STATIC), SPEED, STATIC),
+        (BengisuAkay(SPEED, 500.0, STATIC), 0.5 * SPEED, 0.75 * STATIC),
+        (BengisuAkay(SPEED, 500.0, STATIC), 3.0 * SPEED, MU + (STATIC - MU) * math.exp(-1.0)),
+        (BrownMcPhee(SPEED, STATIC, 2.0), SPEED, MU * math.tanh(4.0) + (STATIC - MU) + 2.0 * SPEED),
+        (BrownMcPhee(SPEED), 0.5 * SPEED, MU * math.tanh(2.0)),
+    ],
+)
+def test_values(law: Any, at: float, expected: float) -> None:
+    assert law.force(at, 10.0, MU) == pytest.approx(-10.0 * expected, rel=1e-13)
+
+
+def test_arrays_are_broadcast() -> None:
+    force = SmoothedCoulomb(SPEED).force(np.array([[1.0], [-1.0]]), [1.0, 2.0, 3.0], MU)
+    assert force == pytest.approx(np.array([[-1.0, -2.0, -3.0], [1.0, 2.0, 3.0]]) * MU)
+    assert isinstance(SmoothedCoulomb(SPEED).force(1.0, 1.0, MU), float)
+
+
+# --- bristles
+
+
+def row(law: Any) -> tuple[Any, Any]:
+    p = np.zeros(PARAMETERS)
+    p[FRICTION : FRICTION + len(law.parameters)] = law.parameters
+    return np.array([0, 0, law.kind, 0]), p
+
+
+def slide(law: Any, slip: Any, duration: float, normal: float = 10.0) -> tuple[Any, Any, Any]:
+    """Times, states and forces of a contact that slides at slip(t), by the kernels and an integrator of SciPy."""
+    kinds, p = row(law)
+
+    def rates(t: float, y: Any) -> tuple[float, float]:
+        return bristle_rates(kinds, p, slip(t), normal, MU, y[0], y[1])
+
+    found = solve_ivp(rates, (0.0, duration), [0.0, 0.0], "LSODA", rtol=1e-9, atol=1e-14, max_step=duration / 200)
+    forces = [
+        friction_force(kinds, p, slip(t), normal, MU, *y) for t, y in zip(found.t.tolist(), found.y.T, strict=True)
+    ]
+    return found.t, found.y, np.array(forces)
+
+
+@pytest.mark.parametrize("speed", [-0.3, 5e-4, 1e-3, 3e-3, 1.0])
+def test_lugre_comes_to_the_stribeck_curve(speed: float) -> None:
+    law = LuGre(1e4, 30.0, 0.05, SPEED, STATIC)
+    _, states, forces = slide(law, lambda t: speed, 20.0 * STATIC / 1e4 / abs(speed))
+    assert forces[-1] == pytest.approx(law.steady_force(speed, 10.0, MU), rel=1e-7)
+    steady = MU + (STATIC - MU) * math.exp(-((speed / SPEED) ** 2))
+    assert states[0, -1] == pytest.approx(math.copysign(steady / 1e4, speed), rel=1e-7)
+    assert law.steady_force(speed, 10.0, MU) == pytest.approx(-10.0 * (math.copysign(steady, speed) + 0.05 * speed))
+
+
+@pytest.mark.parametrize("law", [LuGre(1e4, 0.0), Bristle(1e4, 1.0)], ids=name)
+def test_presliding_is_a_spring(law: Any) -> None:
+    """Displaced by a hundredth of what it takes to slip: force sigma_0 lambda_N x, given back on the way back."""
+    amplitude, period = 0.01 * MU / 1e4, 10.0
+
+    def slip(t: float) -> float:
+        return amplitude * 2.0 * math.pi / period * math.sin(2.0 * math.pi * t / period)
+
+    times, _, forces = slide(law, slip, period)
+    x = amplitude * (1.0 - np.cos(2.0 * math.pi * times / period))
+    assert forces == pytest.approx(-10.0 * 1e4 * x, abs=0.05 * 10.0 * 1e4 * amplitude)
+    top = int(np.argmax(x))
+    assert forces[top] == pytest.approx(-10.0 * 1e4 * x[top], rel=0.03)
+
+
+@pytest.mark.parametrize("law", [LuGre(1e4, 30.0), Bristle(1e4, 30.0, static_friction=STATIC)], ids=name)
+@pytest.mark.parametrize("amplitude", [1e-5, 1e-4, 1e-2])
+def test_closed_cycles_take_energy(law: Any, amplitude: float) -> None:
+    """From the second cycle on bristles end as they began."""
+    times, _, forces = slide(law, lambda t: amplitude * 2.0 * math.pi * math.sin(2.0 * math.pi * t), 3.0)
+    power = -forces * amplitude * 2.0 * math.pi * np.sin(2.0 * math.pi * times)
+    later = times >= 1.0
+    assert np.trapezoid(power[later], times[later]) > 0.0
+
+
+def test_bristles_stay_below_the_static_deflection() -> None:
+    law = LuGre(1e4, 30.0, 0.0, SPEED, STATIC)
+    _, states, _ = slide(law, lambda t: 0.1 * math.sin(7.0 * t) + 0.05 * math.sin(61.0 * t), 5.0)
+    assert np.abs(states[0]).max() <= STATIC / 1e4 * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("rest", [0.01, 0.1, 0.5, 3.0])
+def test_static_friction_of_bristles_grows_with_the_dwell(rest: float) -> None:
+    """f = mu + (mu_s - mu) (1 - exp(-t/tau)) after a rest of t: the limit of the force as the contact is pulled."""
+    law = Bristle(1e6, 1e3, stribeck_speed=SPEED, static_friction=STATIC, dwell_time=0.5)
+    pull, bending = 0.01 * SPEED, 0.06  # so slow that it is rest to the law, but bends the bristles to their limit
+
+    def slip(t: float) -> float:
+        return 0.0 if t < rest else pull
+
+    _, states, forces = slide(law, slip, rest + bending)
+    limit = MU + (STATIC - MU) * states[1]
+    assert states[1, -1] == pytest.approx(1.0 - math.exp(-(rest + bending) / 0.5), rel=1e-3)
+    assert (np.abs(forces) <= 10.0 * limit * (1.0 + 1e-12)).all()
+    assert abs(forces[-1]) == pytest.approx(10.0 * limit[-1], rel=1e-12)
+
+
+# --- in simulations
+
+WEIGHT, STIFFNESS = 10.0, 2e7
+
+
+def block(mu: float = MU, degrees: float = 0.0) -> tuple[lf.Scene, Any]:
+    """A block of 1 kg that has sunk into the floor by its weight and cannot turn; gravity leans by ``degrees``."""
+    lean = math.radians(degrees)
+    scene = lf.Scene(gravity=(WEIGHT * math.sin(lean), -WEIGHT * math.cos(lean)))
+    sunk = -WEIGHT * math.cos(lean) / STIFFNESS
+    body = scene.add(lf.RigidBody(mass=1.0, inertia=1e9, points={"p": (0.0, 0.0)}), name="block", position=(0.0, sunk))
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.contact(body.node(0.0, 0.0), floor, friction=mu, name="floor")
+    return scene, body
+
+
+def on_floor(friction: Any, integrator: Any = None) -> Smooth:
+    law = ContactLaw(PowerLaw(STIFFNESS, 1.0), friction=friction)
+    return Smooth(law, integrator=integrator or ExplicitRungeKutta())
+
+
+SLOPE = 10.0
+RATIO = math.tan(math.radians(SLOPE)) / MU  # of what must be held to what can be
+
+
+@pytest.mark.parametrize(
+    ("law", "creep"),
+    [
+        (SmoothedCoulomb(SPEED), SPEED * math.atanh(RATIO)),
+        (ArctangentCoulomb(SPEED), SPEED * math.tan(0.5 * math.pi * RATIO)),
+        (RampCoulomb(SPEED), SPEED * RATIO),
+        (Threlfall(SPEED), -SPEED / 3.0 * math.log(1.0 - RATIO)),
+        (Ambrosio(0.2 * SPEED, SPEED), SPEED * (0.2 + 0.8 * RATIO)),
+        (BengisuAkay(SPEED), SPEED * (1.0 - math.sqrt(1.0 - RATIO))),
+        (BrownMcPhee(SPEED), 0.25 * SPEED * math.atanh(RATIO)),
+        (LuGre(1e4, 30.0, stribeck_speed=SPEED), 0.0),
+        (Bristle(1e4, 30.0, stribeck_speed=SPEED), 0.0),
+    ],
+    ids=lambda x: name(x) if not isinstance(x, float) else "",
+)
+def test_on_an_incline_only_bristles_hold(law: Any, creep: float) -> None:
+    """Below the friction angle: laws without states creep at the speed where they balance gravity, bristles rest."""
+    scene, _ = block(degrees=SLOPE)
+    result = lf.simulate(scene, 1.0, on_floor(law), record=0.1)
+    assert result.u[-1, 0] == pytest.approx(creep, rel=1e-5, abs=1e-8)
+    if creep == 0.0:
+        assert 0.0 < result.q[-1, 0] < 2.5 * RATIO * MU / 1e4  # while it settles some of the bristles' bend is lost
+        assert np.ptp(result.q[5:, 0]) < 1e-10
+        assert result.force[-1, 0, 1] == pytest.approx(-WEIGHT * math.sin(math.radians(SLOPE)), rel=1e-6)
+        assert (result.state[1:] == STICK).all()
+    assert not result.warnings
+
+
+def lugre_rhs(t: float, y: Any, pull: float) -> list[float]:
+    s0, s1, s2, vs, mus, mu = *BLOCK_LUGRE.parameters, 0.1
+    x, u, z = y
+    g = mu + (mus - mu) * math.exp(-((u / vs) ** 2))
+    zdot = u - s0 * abs(u) * z / g
+    return [u, 2.0 * (pull * t - x) - WEIGHT * (s0 * z + s1 * zdot + s2 * u), zdot]
+
+
+def bristle_rhs(t: float, y: Any, pull: float) -> list[float]:
+    s0, s1, s2, vs, mus, tau, v_eps = BLOCK_BRISTLE.parameters
+    mu = 0.1
+    x, u, z, dwell = y
+    s = math.exp(-((u / vs) ** 2))
+    sign = math.copysign(1.0, u) if abs(u) > v_eps else 1.5 * u / v_eps - 0.5 * (u / v_eps) ** 3
+    zdot = s * u + (1.0 - s) * (mu * sign / s1 - s0 / s1 * z)
+    most = mu + (mus - mu) * dwell
+    f = max(-most, min(most, s0 * z + s1 * zdot)) + s2 * u
+    return [u, 2.0 * (pull * t - x) - WEIGHT * f, zdot, (s - dwell) / (tau if s >= dwell else s1 / s0)]
+
+
+BLOCK_LUGRE = LuGre(1e4, math.sqrt(1e5) / 10.0, 0.04, SPEED, 0.15)
+BLOCK_BRISTLE = Bristle(1e4, math.sqrt(1e5) / 10.0, 0.04, 1e-2, 0.15, 0.5)
+
+
+@pytest.mark.parametrize("integrator", [ExplicitRungeKutta(1e-9, 1e-11), Stiff(1e-8, 1e-11)], ids=name)
+@pytest.mark.parametrize(
+    ("law", "rhs"), [(BLOCK_LUGRE, lugre_rhs), (BLOCK_BRISTLE, bristle_rhs)], ids=["LuGre", "Bristle"]
+)
+def test_stick_slip_on_a_spring(law: Any, rhs: Any, integrator: Any) -> None:
+    """The usual test of the LuGre law: 1 kg pulled at 0.1 m/s by 2 N/m, against an integration of SciPy."""
+    duration, pull = 13.0, 0.1
+    scene, body = block(mu=0.1)
+    height = -WEIGHT / STIFFNESS
+    scene.load(lf.Spring(body.point("p"), scene.ground.at(-100.0, height), stiffness=2.0, length=100.0))
+    scene.load(lf.Force(body.point("p"), (lf.Table([0.0, duration], [0.0, 2.0 * pull * duration]), 0.0)))
+    result = lf.simulate(scene, duration, on_floor(law, integrator), record=0.1)
+    start = np.zeros(4 if law.kind == BLOCK_BRISTLE.kind else 3)
+    exact = solve_ivp(
+        rhs, (0.0, duration), start, "LSODA", result.times, args=(pull,), rtol=1e-10, atol=1e-13, max_step=0.05
+    ).y
+    assert result.q[:, 0] == pytest.approx(exact[0], rel=0.0, abs=1e-6)
+    assert result.u[:, 0] == pytest.approx(exact[1], rel=0.0, abs=1e-6)
+    held = result.state[:, 0] == STICK
+    assert held[40]
+    assert (result.state[80:90, 0] == SLIP).all()
+    assert result.energies.relative_remainder < 1e-6
+
+
+# --- what is refused
+
+
+@pytest.mark.parametrize("law", [BengisuAkay(static_friction=0.2), LuGre(static_friction=0.2)], ids=name)
+def test_less_static_than_kinetic_friction_is_refused_at_the_start(law: Any) -> None:
+    scene, _ = block()
+    with pytest.raises(
+        lf.ModelError, match=r"static_friction: 0.2 was given, expected at least the friction 0.3 .*floor"
+    ):
+        lf.simulate(scene, 1.0, on_floor(law))
+
+
+@pytest.mark.parametrize(
+    ("law", "argument", "value"),
+    [
+        (SmoothedCoulomb, "slip_speed", 0.0),
+        (Threlfall, "slip_speed", math.nan),
+        (Ambrosio, "slip_speed", 1e-4),
+        (Ambrosio, "rest_speed", -1.0),
+        (BengisuAkay, "decay", -1.0),
+        (BengisuAkay, "static_friction", -0.1),
+        (BrownMcPhee, "viscous", math.inf),
+        (LuGre, "stiffness", 0.0),
+        (LuGre, "damping", -1.0),
+        (LuGre, "static_friction", "x"),
+        (Bristle, "damping", 0.0),
+        (Bristle, "dwell_time", 0.0),
+        (Bristle, "direction_speed", 0.0),
+    ],
+)
+def test_bad_arguments(law: Any, argument: str, value: Any) -> None:
+    with pytest.raises(lf.ModelError, match=argument):
+        law(**{argument: value})
+
+
+def test_bad_arguments_of_the_force() -> None:
+    with pytest.raises(lf.ModelError, match=r"normal: -1\.0"):
+        Threlfall().force(1.0, [1.0, -1.0], MU)
+    with pytest.raises(lf.ModelError, match=r"mu: -0\.1"):
+        Threlfall().force(1.0, 1.0, -0.1)
+    with pytest.raises(lf.ModelError, match="static_friction"):
+        BrownMcPhee(static_friction=0.2).force(1.0, 1.0, 0.3)
