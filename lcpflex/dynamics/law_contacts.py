@@ -33,6 +33,8 @@ from lcpflex.model import Model
 __all__ = ["begun", "law_forces", "law_horizon", "take_note"]
 
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
+LEAVING = 1.001  # times that in which a contact would part at its present rate
+LEAST_SHARE = 1e-3  # of the step before, below which that does not shorten one
 ROUNDING = 1e-14  # of the largest coordinate, at least of 1: contacts nearer than that have begun
 
 
@@ -41,9 +43,9 @@ def look(model: Model, q: FloatArray, margin: float, laws: LawContacts) -> int:
     """Contacts by law with gap <= margin [m] into their table; returns how many."""
     n = detect(model, q, margin, laws.table)
     if n > len(laws.table.key):
-        laws.count[2] = 1
+        laws.found[2] = 1
         n = 0
-    laws.count[0] = n
+    laws.found[0] = n
     return n
 
 
@@ -125,10 +127,11 @@ def law_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> N
 
 
 @kernel
-def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, work: Workspace) -> float:
+def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, last: float, work: Workspace) -> float:
     """Longest step [s] that passes over no contact by law, with M(q) factorised.
 
-    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further.
+    It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further;
+    nor does it go far beyond the end of an indentation, if that is not much less than the ``last`` step [s].
     """
     laws = work.laws
     longest = math.inf
@@ -137,16 +140,17 @@ def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, work:
     n = look(model, q, margin, laws)
     for k in range(n):
         gap = laws.table.gap[k]
-        if gap > 0.0:
-            r = lay(model, q, k, laws)
-            approach = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
-            if approach > 0.0:
-                law = laws.table.law[k]
-                inverse = mobility(model, laws, r, work)
-                if inverse > 0.0:
-                    energy = 0.5 * approach * approach / inverse
-                    gap += ONSET * indentation_of(laws.memory.kinds[law], laws.memory.parameters[law], energy)
-                longest = min(longest, gap / approach)
+        r = lay(model, q, k, laws)
+        approach = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
+        if gap > 0.0 and approach > 0.0:
+            law = laws.table.law[k]
+            inverse = mobility(model, laws, r, work)
+            if inverse > 0.0:
+                energy = 0.5 * approach * approach / inverse
+                gap += ONSET * indentation_of(laws.memory.kinds[law], laws.memory.parameters[law], energy)
+            longest = min(longest, gap / approach)
+        elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
+            longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * last))
     return longest
 
 
@@ -187,7 +191,7 @@ def hold_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Work
             b = laws.row_body[r, i]
             if b >= 0:
                 solve_block(model.bodies, work.arrow, b, laws.rows[r, i], laws.solved[r, i])
-    for k in range(laws.count[0]):
+    for k in range(laws.found[0]):
         r = lay(model, q, k, laws)
         mobility(model, laws, r, work)
         delassus(laws.rows, laws.solved, laws.row_body, n_joint + 1, laws.G)
@@ -210,7 +214,7 @@ def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Worksp
         return True
     factorise(model.bodies, q, 0.0, 0.0, work.arrow)
     begins = begun(model, q, u, roundings(q), work)
-    n = laws.count[0]
+    n = laws.found[0]
     highest = 0.0
     for k in range(n):
         if laws.table.gap[k] < 0.0:
@@ -220,5 +224,5 @@ def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Worksp
     laws.stored[1] = max(laws.stored[1], math.sqrt(highest))
     if begins and len(laws.joint) > 0:
         hold_joints(model, t, q, u, work)
-    laws.count[1] = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)
-    return laws.count[1] < 0 and laws.count[2] == 0
+    laws.found[1] = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)
+    return laws.found[1] < 0 and laws.found[2] == 0

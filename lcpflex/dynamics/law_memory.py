@@ -39,7 +39,7 @@ class LawContacts(NamedTuple):
     friction: FloatArray  # (ndof,) generalised forces of friction
     states: FloatArray  # (0, 2) of friction: laws with states of their own are refused
     stored: FloatArray  # (2,) energy stored [J]; highest sqrt(k G_NN) of an accepted state [rad/s]
-    count: IntArray  # (3,) touching entries; law out of its range, or -1; 1: the table was too small for once
+    found: IntArray  # (3,) touching entries; law out of its range, or -1; 1: the table was too small for once
 
 
 def law_contacts(
@@ -71,7 +71,7 @@ def law_contacts(
         friction=zeros(ndof),
         states=zeros((0, 2)),
         stored=zeros(2),
-        count=np.array([0, -1, 0]),
+        found=np.array([0, -1, 0]),
     )
     return pack(arrays)
 

@@ -22,7 +22,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
 from lcpflex.packed import pack
-from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
@@ -260,10 +259,11 @@ def accept(limits: Limits, clock: FloatArray, h: float, error: float, alone: boo
     clock[SHORTEST] += 1.0 if alone else 0.0
 
 
-def shortest_steps_warning(records: Records, clock: FloatArray, shortest: float) -> None:
-    """Say so if most steps were taken without error control."""
-    if clock[SHORTEST] > MOSTLY * clock[STEPS]:
-        records.warnings[:] = [
-            f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {shortest:g} s, and are "
-            "not error-controlled: a larger tolerance, a shorter `shortest`, or a fixed step suits this scene better"
-        ]
+def shortest_steps_warning(clock: FloatArray, shortest: float) -> list[str]:
+    """A warning if most steps were taken without error control."""
+    if clock[SHORTEST] <= MOSTLY * clock[STEPS]:
+        return []
+    return [
+        f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {shortest:g} s, and are "
+        "not error-controlled: a larger tolerance, a shorter `shortest`, or a fixed step suits this scene better"
+    ]

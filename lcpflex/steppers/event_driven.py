@@ -35,6 +35,7 @@ from lcpflex.steppers.event_loop import (
     GROW_TAPE,
     HIT_TOGETHER,
     MOST_EVENTS,
+    OUT_OF_RANGE,
     SOLVER_FAILED,
     STEP_TOO_SHORT,
     STEPPING,
@@ -71,6 +72,7 @@ from lcpflex.steppers.event_memory import (
 )
 from lcpflex.steppers.event_segment import measure, search, slope, step
 from lcpflex.steppers.event_sets import choose, gather
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import store_contacts
@@ -98,6 +100,7 @@ class EventDrivenRun:
             stepper.impact.code,
             stepper.impact.sequential,
             WINDOW / stepper.most_events,
+            system.margin,
         )
         self._impact = stepper.impact
         self._first_jam = ""
@@ -108,6 +111,7 @@ class EventDrivenRun:
         self._memory = event_memory(system, 16, 64)
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
+        begin_laws(system, self._work)
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link([*_PARTS, advance], hooks)
 
@@ -182,6 +186,8 @@ class EventDrivenRun:
                 )
             elif status == CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
+            elif status == OUT_OF_RANGE:
+                return law_trouble(self.system.names, self._work)
             elif status == STEP_TOO_SHORT:
                 return "no step is short enough: the forces are not smooth, or the state grows without bound"
             else:
@@ -220,7 +226,7 @@ class EventDrivenRun:
     def _warnings(self) -> list[str]:
         """What the run has met so far that a reader must know: how often, and when first."""
         number, clock = self._memory.number, self._memory.clock
-        warnings = []
+        warnings = law_warnings(self.system.names, self._work.laws.memory)
         if number[JAMS]:
             known = "admissible" if self._proven else "found"
             warnings.append(
@@ -259,7 +265,7 @@ class EventDrivenRun:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
         old_work, old = self._work, self._memory
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
-        self._work = self.system.workspace(capacity)
+        self._work = self.system.workspace(capacity, old_work.laws)
         self._work.solving[:] = old_work.solving
         new = event_memory(self.system, capacity, near)
         _copy(old_work.table, self._work.table, ContactTable._fields)
@@ -370,4 +376,6 @@ class EventDriven:
                 f"impact: {self.impact} was given for a contact with tangential restitution {tangential.max():g}, "
                 "expected Newton(), the one law that knows it"
             )
-        return EventDrivenRun(system, self, duration, interval)
+        refuse_states(system)
+        run: EventDrivenRun = with_laws(EventDrivenRun(system, self, duration, interval), system)
+        return run

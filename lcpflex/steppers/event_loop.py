@@ -8,9 +8,11 @@ from __future__ import annotations
 import math
 
 from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import SET_VALUED
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
@@ -40,7 +42,7 @@ from lcpflex.steppers.event_memory import (
 from lcpflex.steppers.event_segment import SLIP_PART, search, slope, step, watch
 from lcpflex.steppers.event_sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.runge_kutta import copy_state, interpolate
-from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+from lcpflex.steppers.tape import Tape, note_contact, note_laws, store_contacts, store_state
 
 __all__ = ["CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 
@@ -56,6 +58,7 @@ CHATTER = 7
 STEP_TOO_SHORT = 8
 TOO_OFTEN = 9
 HIT_TOGETHER = 10
+OUT_OF_RANGE = 11
 
 # where it is, number[PHASE]
 BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
@@ -72,14 +75,15 @@ def record(
     ndof = len(memory.u)
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
+    slope(model, t, y, work, memory, memory.slope)
     n = memory.number[CONTACTS]
-    if tape.filled[0] >= len(tape.times) or (tape.filled[1] + n > len(tape.spots) and tape.filled[1] > 0):
+    spots = n + work.laws.found[0]
+    if tape.filled[0] >= len(tape.times) or (tape.filled[1] + spots > len(tape.spots) and tape.filled[1] > 0):
         return TAPE_FULL
     needed = store_contacts(model, q, tape)
-    if needed > len(tape.table.key) or n > len(tape.spots):
-        memory.clock[DETAIL] = max(needed, n)
+    if needed > len(tape.table.key) or spots > len(tape.spots):
+        memory.clock[DETAIL] = max(needed, spots)
         return GROW_TAPE
-    slope(model, t, y, work, memory, memory.slope)
     base = 2 * ndof
     tape.sums[0] = y[base]
     tape.sums[2] = y[base + 1]
@@ -88,7 +92,7 @@ def record(
     for law in range(len(tape.total_impulse)):
         tape.total_impulse[law, 0] = y[base + 3 + 2 * law]
         tape.total_impulse[law, 1] = y[base + 4 + 2 * law]
-        if tape.gap[row, law] < 0.0:
+        if tape.gap[row, law] < 0.0 and (len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED):
             tape.worst[1] = max(tape.worst[1], -tape.gap[row, law])
     for k in range(n):
         r = work.step_size[0] + k
@@ -102,8 +106,9 @@ def record(
                 state = STICK
         place = contact_point(model, q, work.table, k)
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+    note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic, potential)
+    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored[0], potential)
     return DONE
 
 
@@ -277,6 +282,8 @@ def advance(
             if phase == CLOSING_STEP:
                 tape.worst[1] = max(tape.worst[1], gap_drift)
                 tape.worst[2] = max(tape.worst[2], joint_drift)
+                if not take_note(model, clock[TIME], q, u, work):
+                    return OUT_OF_RANGE
             number[PHASE] = next_phase(memory)
             if not finite(memory):
                 return NOT_FINITE

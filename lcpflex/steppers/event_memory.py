@@ -50,6 +50,7 @@ class EventSettings(NamedTuple):
     law: int  # of impact
     sequential: bool
     least_window: float  # [s] that WINDOW events take at least
+    margin: float  # contacts by law farther apart are not looked at [m]
 
 
 class EventMemory(NamedTuple):

@@ -10,6 +10,8 @@ import math
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.law_contacts import begun, law_horizon
+from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.steppers.event_gaps import (
@@ -52,7 +54,22 @@ TURN = 0.25  # [rad] between samples
 TRAVEL = 1.0  # extents of the smallest surface between samples
 FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
 LEAST_SHARE = 1e-6  # of a step: what is not understood in so short a time is told
+HALVINGS = 45  # of a step, to find where a contact by law begins
+REPEATS = 3  # of a step, to end where it begins
+ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated for that
 SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
+
+
+@kernel
+def add_laws(laws: LawContacts, u: FloatArray, base: int, out: FloatArray) -> None:
+    """Friction and impulses of contacts by law; what their damping takes is among that of all damping."""
+    for i in range(len(laws.friction)):
+        power = laws.friction[i] * u[i]
+        out[base] -= power
+        out[base + 1] += power
+    for k in range(laws.found[0]):
+        for c in range(2):
+            out[base + 3 + 2 * laws.table.law[k] + c] += laws.p[k, c]
 
 
 @kernel
@@ -76,6 +93,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
     for r in range(n_joint):
         if work.rate[r] != 0.0:
             out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    add_laws(work.laws, u, base, out)
     for k in range(n):
         law = base + 3 + 2 * work.table.law[k]
         out[law] += work.p[n_joint + k]
@@ -152,6 +170,26 @@ def longest_step(model: Model, memory: EventMemory) -> float:
 
 
 @kernel
+def touch_share(model: Model, h: float, work: Workspace, memory: EventMemory) -> float:
+    """Share of the step of length h [s] at which a contact by law begins that will be remembered; 1: none does."""
+    ndof = len(memory.u)
+    if len(work.laws.memory.feature) == 0 or not begun(
+        model, memory.end[:ndof], memory.end[ndof : 2 * ndof], 0.0, work
+    ):
+        return 1.0
+    low = 0.0
+    high = 1.0
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        interpolate(memory.y, memory.slopes, h, share, memory.at)
+        if begun(model, memory.at[:ndof], memory.at[ndof : 2 * ndof], 0.0, work):
+            high = share
+        else:
+            low = share
+    return high
+
+
+@kernel
 def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough.
 
@@ -165,10 +203,15 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
         h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
     rejected = False
-    longest = min(settings.max_step, longest_step(model, memory))
+    longest = longest_step(model, memory)
+    if len(work.laws.friction) > 0:  # which no sample looks for
+        reach = law_horizon(model, memory.y[:ndof], memory.y[ndof : 2 * ndof], settings.margin, h, work)
+        longest = min(longest / SAMPLES, reach)
+    longest = min(settings.max_step, longest)
+    left = REPEATS
     while True:
         h = min(h, longest)
-        if h > 0.99 * rest:
+        if h > 0.99 * rest and left == REPEATS:
             h = rest
         for stage in range(1, STAGES):
             stage_state(memory.y, memory.slopes, h, stage, memory.end)
@@ -176,10 +219,18 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         # impulses and work, too: a body that sticks under a changing load does not move, and would hide it
         error = error_norm(memory.y, memory.end, memory.slopes, h, len(memory.y), settings.rtol, settings.atol)
         if error <= 1.0:
+            share = touch_share(model, h, work, memory)
+            if share < ALL_OF_IT and left > 0:  # its stages would mix what is before and behind
+                if left == REPEATS:
+                    memory.clock[STEP] = h
+                left -= 1
+                h *= share
+                continue
             factor = step_factor(error, memory.clock[ERROR])
             if rejected:
                 factor = min(factor, 1.0)
-            memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * factor
+            if left == REPEATS:
+                memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * factor
             memory.clock[ERROR] = error
             memory.clock[TAKEN] = h
             return True

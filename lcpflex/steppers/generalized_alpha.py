@@ -56,6 +56,7 @@ from lcpflex.steppers.generalized_alpha_step import (
     predict,
     stages,
 )
+from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import (
@@ -262,6 +263,7 @@ class GeneralizedAlpha:
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        refuse_laws(system, "GeneralizedAlpha", "its implicit steps have no derivatives of such laws")
         if self.adaptive is None:
             return FixedRun(GeneralizedAlphaScheme(system, self.settings(), self.solver), duration, interval)
         limits = self.adaptive.limits(duration, interval)

@@ -283,6 +283,10 @@ class ControlledGeneralizedAlpha:
         )
         return status
 
+    def remarks(self) -> list[str]:
+        """Nothing to warn of."""
+        return []
+
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content: a step that is under way goes on."""
         self.work = grown(self._system, self.work, contacts)

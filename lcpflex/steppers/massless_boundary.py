@@ -40,6 +40,7 @@ from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.massless_compliance import (
     beyond_range,
     checked_compliance,
@@ -261,6 +262,8 @@ class MasslessBoundary:
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        reason = "its contacts carry forces at massless points; an elastic law goes into compliance={contact: law}"
+        refuse_laws(system, "MasslessBoundary", reason)
         return FixedRun(MasslessBoundaryScheme(system, self, duration), duration, interval)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
+from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
@@ -26,8 +27,9 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
-from lcpflex.steppers.moreau_jean_step import Settings, grown, record, stages, whole_step
+from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, stages, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -58,7 +60,7 @@ def advance(
     while True:
         t = start + clock[0] * settings.step
         if clock[0] % stride == 0 and clock[2] != clock[0]:
-            if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+            if tape.filled[0] >= len(tape.times) or tape.filled[1] + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
             clock[1] = record(model, settings.step, t, q, u, work, tape)
             if clock[1] > len(tape.table.key):
@@ -70,6 +72,8 @@ def advance(
         if status != DONE:
             return status
         clock[0] += 1.0
+        if not take_note(model, t + settings.step, q, u, work):
+            return OUT_OF_RANGE
 
 
 class MoreauJeanScheme:
@@ -81,6 +85,8 @@ class MoreauJeanScheme:
         self.records = Records(system)
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
+        begin_laws(system, self.work)
+        self._product = 0.0  # largest sqrt(k G_nn) step of contacts by law
         self.clock = np.array([0.0, 0.0, -1.0])
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
@@ -114,7 +120,22 @@ class MoreauJeanScheme:
         self.clock[:] = 0.0
 
     def warn(self, steps: int) -> None:
-        """Nothing to warn of."""
+        """Say so where contacts by law are too stiff for the step, or out of their range."""
+        self.records.warnings[:] = [
+            *law_warnings(self._system.names, self.work.laws.memory),
+            *self._instability(),
+        ]
+
+    def _instability(self) -> list[str]:
+        """That forces of contacts by law, explicit in the middle of a step, make the motion grow."""
+        frequency, limit = float(self.work.laws.stored[1]), 2.0 / math.sqrt(4.0 * self._settings.theta - 1.0)
+        self._product = max(self._product, frequency * self._settings.step)
+        if self._product <= limit:
+            return []
+        return [
+            f"the stiffest contact by law has sqrt(k G_nn) step = {self._product:.4g} > {limit:.4g}: "
+            f"its force is explicit, and unstable there (highest contact frequency {frequency:.4g} rad/s)"
+        ]
 
     def make_room(self, contacts: int) -> None:
         """A larger workspace."""
@@ -122,6 +143,8 @@ class MoreauJeanScheme:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
+        if status == OUT_OF_RANGE:
+            return law_trouble(self._system.names, self.work)
         return contact_trouble(self.work, self._rescue, status, int(self.clock[1]), self._settings.tolerance, time)
 
 
@@ -182,7 +205,12 @@ class MoreauJean:
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        refuse_states(system)
+        run: FixedRun | AdaptiveRun
         if self.adaptive is None:
-            return FixedRun(MoreauJeanScheme(system, self.settings(), self.solver), duration, interval)
-        limits = self.adaptive.limits(duration, interval)
-        return AdaptiveRun(ControlledMoreauJean(system, self.settings(), limits, self.solver), limits)
+            run = FixedRun(MoreauJeanScheme(system, self.settings(), self.solver), duration, interval)
+        else:
+            limits = self.adaptive.limits(duration, interval)
+            run = AdaptiveRun(ControlledMoreauJean(system, self.settings(), limits, self.solver), limits)
+        run = with_laws(run, system)
+        return run

@@ -8,6 +8,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
+from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.problem import LcpSolver
@@ -32,7 +33,8 @@ from lcpflex.steppers.adaptive import (
     put_by,
 )
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
-from lcpflex.steppers.moreau_jean_step import Settings, grown, record, stages, whole_step
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
+from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, stages, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
@@ -59,7 +61,7 @@ def advance_adaptive(
         t = clock[TIME]
         ended = t >= limits.duration
         if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
-            if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+            if tape.filled[0] >= len(tape.times) or tape.filled[1] + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
             clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
             if clock[DETAIL] > len(tape.table.key):
@@ -107,6 +109,8 @@ def advance_adaptive(
         if alone:
             sunk = deepest(model, q, tape.table)
         accept(limits, clock, h, error, alone, sunk)
+        if not take_note(model, clock[TIME], q, u, work):
+            return OUT_OF_RANGE
 
 
 class ControlledMoreauJean:
@@ -116,6 +120,7 @@ class ControlledMoreauJean:
         self.records = Records(system)
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
+        begin_laws(system, self.work)
         self.clock = np.zeros(9)
         self.clock[STEP] = self.clock[RECENT] = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings
@@ -140,6 +145,10 @@ class ControlledMoreauJean:
         )
         return status
 
+    def remarks(self) -> list[str]:
+        """Contacts that have left the range of their laws."""
+        return law_warnings(self._system.names, self.work.laws.memory)
+
     def make_room(self, contacts: int) -> None:
         """Larger memory; between steps nothing needs to be kept of what undoes one."""
         self.work = grown(self._system, self.work, contacts)
@@ -147,4 +156,6 @@ class ControlledMoreauJean:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
+        if status == OUT_OF_RANGE:
+            return law_trouble(self._system.names, self.work)
         return contact_trouble(self.work, self._rescue, status, int(self.clock[DETAIL]), self._settings.tolerance, time)

@@ -16,6 +16,7 @@ from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.inertia import stiffened
+from lcpflex.dynamics.law_contacts import law_forces
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -31,18 +32,21 @@ from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape, note_contact, note_gain, store_contacts, store_state
+from lcpflex.steppers.tape import Tape, note_contact, note_gain, note_laws, store_contacts, store_state
 
 __all__ = [
+    "OUT_OF_RANGE",
     "Settings",
     "correct",
     "grown",
     "predict",
     "record",
+    "spots_of",
     "stages",
     "whole_step",
 ]
 
+OUT_OF_RANGE = 6  # what a loop returns beside the reasons of all
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
 
 
@@ -73,6 +77,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
             refresh(model, work.middle, work.table, k)
     supply(model, t + lean, work.middle, u, work)
     forces(model, t + lean, work.middle, u, work)
+    law_forces(model, work.middle, u, work)
     spare_spin(model, lean, u, work)
     factorise(model, work.middle, lean, lean * lean, work)
     for i in range(len(q)):
@@ -121,6 +126,14 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
         both = u[i] + work.free_u[i]
         tape.sums[2] -= half * work.dissipative[i] * both
         tape.sums[3] += half * work.driving[i] * both
+    laws = work.laws
+    for i in range(len(laws.friction)):
+        lost = half * laws.friction[i] * (u[i] + work.free_u[i])
+        tape.sums[0] -= lost
+        tape.sums[2] += lost
+    for k in range(laws.found[0]):
+        for c in range(2):
+            tape.total_impulse[laws.table.law[k], c] += settings.step * laws.p[k, c]
     for r in range(n_joint + n + work.step_size[2]):
         p = work.p[r]
         if p == 0.0:
@@ -170,8 +183,14 @@ def correct(
 
 
 @kernel
+def spots_of(work: Workspace) -> int:
+    """Touching points that a record of this state may have, at most."""
+    return work.step_size[1] + work.laws.found[0]
+
+
+@kernel
 def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
-    """Store the present instant; the contact forces are the impulses of the last step over its length ``step`` [s]."""
+    """Store the present instant; contact forces are the impulses of the last step over its length ``step`` [s]."""
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
@@ -191,8 +210,10 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
+    law_forces(model, q, u, work)
+    note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic, potential)
+    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored[0], potential)
     return needed
 
 
@@ -228,7 +249,7 @@ def stages() -> list[Callable[..., Any]]:
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     """A larger workspace; the contacts that are held stay so."""
-    work = system.workspace(capacity)
+    work = system.workspace(capacity, old.laws)
     held = int(old.step_size[4])
     work.step_size[4] = held
     work.held_key[:, :held] = old.held_key[:, :held]

@@ -81,6 +81,9 @@ class ControlledScheme(Scheme, Protocol):
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them or the duration is reached; what was returned."""
 
+    def remarks(self) -> list[str]:
+        """Warnings of the run so far, but that of too short steps."""
+
 
 def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, tolerance: float, time: float) -> str:
     """Why a loop that returned ``status`` cannot go on; empty where its contact problem was solved after all."""
@@ -205,7 +208,8 @@ class AdaptiveRun:
         while True:
             status = self.scheme.loop(self._limits, target)
             if status == DONE:
-                shortest_steps_warning(self.records, clock, self._limits.shortest)
+                shortest = shortest_steps_warning(clock, self._limits.shortest)
+                self.records.warnings[:] = [*self.scheme.remarks(), *shortest]
                 return ""
             message = _remedied(self.scheme, status, self.time)
             if message:

@@ -13,10 +13,12 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable, detect
-from lcpflex.model import OPEN, Model
+from lcpflex.contact.kinematics import contact_point
+from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.packed import pack
 
-__all__ = ["Tape", "note_contact", "note_gain", "store_contacts", "store_state", "tape"]
+__all__ = ["Tape", "note_contact", "note_gain", "note_laws", "store_contacts", "store_state", "tape"]
 
 
 class Tape(NamedTuple):
@@ -91,6 +93,16 @@ def note_contact(
         tape.spots[row, 7] = force_t
         tape.spots[row, 8] = state
         tape.filled[1] = row + 1
+
+
+@kernel
+def note_laws(model: Model, q: FloatArray, laws: LawContacts, tape: Tape) -> None:
+    """Add the contacts by law, with the forces that ``law_forces`` found at q."""
+    for k in range(laws.found[0]):
+        if laws.table.gap[k] < 0.0:
+            place = contact_point(model, q, laws.table, k)
+            state = STICK if laws.sticks[k] == 1 else SLIP
+            note_contact(tape, laws.table.law[k], place, laws.table.normal[k], laws.p[k, 0], laws.p[k, 1], state)
 
 
 @kernel

@@ -1,0 +1,82 @@
+"""Contacts by a continuous force law in runs of steppers whose other contacts are set-valued: what is refused and said.
+
+Such a stepper takes them as forces (:mod:`lcpflex.dynamics.law_contacts`). Their memory is that of the impact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
+from lcpflex.contact.laws.memory import ContactMemory
+from lcpflex.dynamics.law_contacts import take_note
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.errors import ModelError
+from lcpflex.steppers.own_laws import with_own_laws
+from lcpflex.steppers.system import System
+
+__all__ = ["begin_laws", "law_trouble", "law_warnings", "refuse_laws", "refuse_states", "with_laws"]
+
+
+def refuse_laws(system: System, stepper: str, instead: str) -> None:
+    """Raise ModelError for contacts by law, which ``stepper`` has no place for."""
+    for name, law in zip(system.names, system.laws, strict=False):
+        if law is not None:
+            raise ModelError(
+                f"stepper: {stepper} was given for contact {name!r} with a force law, expected EventDriven, MoreauJean "
+                f"or Smooth: {instead}"
+            )
+
+
+def refuse_states(system: System) -> None:
+    """Raise ModelError for laws with states that only ``Smooth`` advances."""
+    for name, law in zip(system.names, system.laws, strict=False):
+        if law is None:
+            continue
+        row = law.row()
+        if row.bristles:
+            what = "friction with states of its own"
+        elif row.kinds[DAMPING_KIND] == PERMANENT:
+            what = "a permanent indentation, which turns back within steps"
+        else:
+            continue
+        raise ModelError(
+            f"law: {law!r} of contact {name!r} has {what}, expected a law without beside contacts by complementarity: "
+            "Smooth takes it, with a law for every contact"
+        )
+
+
+def with_laws(run: Any, system: System) -> Any:
+    """``run`` as it is, or one that tells of the users' functions among the laws."""
+    named = [(name, law.row()) for name, law in zip(system.names, system.laws, strict=False) if law is not None]
+    return with_own_laws(run, [name for name, _ in named], [row for _, row in named])
+
+
+def begin_laws(system: System, work: Workspace) -> None:
+    """Let contacts by law take note of the start."""
+    if system.by_law:
+        take_note(system.model, 0.0, system.q, system.u, work)
+
+
+def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
+    """A warning for each contact that has left the range of its law with the consent of the user."""
+    limits = memory.parameters[:, LIMIT]
+    return [
+        f"the indentation of contact {name!r} has reached {worst:.4g} m, beyond the {limit:.4g} m up to which its "
+        "law is valid"
+        for name, worst, limit, stop in zip(names, memory.worst, limits, memory.stop, strict=False)
+        if stop > limit and worst > limit
+    ]
+
+
+def law_trouble(names: Sequence[str], work: Workspace) -> str:
+    """Why a run cannot go on after contacts by law have taken note."""
+    laws = work.laws
+    if laws.found[2]:
+        return f"more than {len(laws.table.key)} pairs of contacts by law are near at once"
+    law = int(laws.found[1])
+    return (
+        f"the indentation of contact {names[law]!r} is {laws.memory.worst[law]:.4g} m, its law is valid up to "
+        f"{laws.memory.stop[law]:.4g} m: see the range of validity of its elastic law"
+    )
