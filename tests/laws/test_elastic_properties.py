@@ -53,7 +53,7 @@ def any_law(draw):
     return kind(pair)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(law=any_law())
 def test_every_law_begins_at_zero_and_is_continuous_monotone_and_convex(law):
     delta = np.concatenate([[0.0], min(law.limit, 1e-3) * np.geomspace(1e-9, 1.0, 80)])
