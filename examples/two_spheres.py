@@ -15,6 +15,7 @@ exact as an oscillator, gives 0.55. Points are impacts as simulated, lines what 
 """
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,12 @@ LINEAR = PowerLaw(REDUCED * CLOSING**2 / DEEPEST**2, 1.0)
 WITHOUT_E = (KuwabaraKono, Ristow)
 
 
+@cache
+def parameter(law: Any) -> float:
+    """A' or g' with which 0.5 comes out."""
+    return float(prescribed_restitution(law, PRESCRIBED))
+
+
 def laws() -> dict[Any, ContactLaw]:
     """The law of contact for each of the dissipative ones, by what ``restitution_of`` knows them as."""
     made: dict[Any, ContactLaw] = {
@@ -60,9 +67,8 @@ def laws() -> dict[Any, ContactLaw]:
     made[KelvinVoigt] = ContactLaw(LINEAR, KelvinVoigt(PRESCRIBED))
     for law in (Tsuji, Jankowski, PermanentIndentation):
         made[law] = ContactLaw(HERTZ, law(PRESCRIBED))
-    parameter = {law: prescribed_restitution(law, PRESCRIBED) for law in WITHOUT_E}
-    relaxation = parameter[KuwabaraKono] * (REDUCED / STIFFNESS) ** 0.4 * CLOSING**-0.2
-    rate = parameter[Ristow] * (STIFFNESS / REDUCED) ** 0.4 * CLOSING**0.2
+    relaxation = parameter(KuwabaraKono) * (REDUCED / STIFFNESS) ** 0.4 * CLOSING**-0.2
+    rate = parameter(Ristow) * (STIFFNESS / REDUCED) ** 0.4 * CLOSING**0.2
     made[KuwabaraKono] = ContactLaw(HERTZ, KuwabaraKono(relaxation))
     made[Ristow] = ContactLaw(HERTZ, Ristow(rate))
     return made
@@ -120,11 +126,11 @@ def style(law: Any) -> str:
 
 def draw_parameters(axes: Axes, results: dict[Any, lf.Result]) -> None:
     """e_out of the laws without e, over their parameter, on the same scale."""
-    parameter = np.linspace(0.0, 1.0, 21)
+    numbers = np.linspace(0.0, 1.0, 21)
     for law in WITHOUT_E:
         name = "A'" if law is KuwabaraKono else "g'"
-        axes.plot(parameter, restitution_of(law, parameter), ":", color=colour(law), label=f"{title(law)}, over {name}")
-        axes.plot(prescribed_restitution(law, PRESCRIBED), rebound(results[law]), "o", color=colour(law), markersize=4)
+        axes.plot(numbers, restitution_of(law, numbers), ":", color=colour(law), label=f"{title(law)}, over {name}")
+        axes.plot(parameter(law), rebound(results[law]), "o", color=colour(law), markersize=4)
     axes.legend(fontsize=7.5, loc="lower right")
     axes.set_xlabel("e prescribed; parameter A', g'")
 

@@ -89,6 +89,24 @@ def test_formulas(damping: Any, n: float, added: Any) -> None:
     )
 
 
+@pytest.mark.parametrize("damping", [law for law in LAWS if not isinstance(law, Ristow)], ids=name)
+def test_no_jump_at_touch(damping: Any) -> None:
+    kinds, p = packed(damping)
+    forces = [normal_force(kinds, p, DEEP * 10.0**k, SPEED, SPEED, MASS, 0.0, True)[0] for k in range(-60, 1)]
+    assert forces[0] < 1e-14 * forces[-1]
+    assert np.all(np.diff(forces) > 0.0)
+
+
+@pytest.mark.parametrize(
+    ("damping", "n", "jump"),
+    [(KelvinVoigt(0.0), 1.0, 2.0 * math.sqrt(STIFFNESS * MASS) * SPEED), (Ristow(300.0), 1.5, 300.0 * MASS * SPEED)],
+    ids=("KelvinVoigt", "Ristow"),
+)
+def test_jump_at_touch(damping: Any, n: float, jump: float) -> None:
+    kinds, p = packed(damping, n)
+    assert normal_force(kinds, p, 1e-60, SPEED, SPEED, MASS, 0.0, True)[0] == pytest.approx(jump, rel=1e-12)
+
+
 def test_guard_of_the_impact_speed() -> None:
     kinds, p = packed(HysteresisDamping(0.5, guard_speed=0.01))
     slow, at_guard, fast = (normal_force(kinds, p, DEEP, 0.005, v, MASS, DEEP, True)[0] for v in (0.0, 0.01, 0.02))
