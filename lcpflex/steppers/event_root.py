@@ -78,7 +78,8 @@ def probe(bracket: FloatArray, x: float, f: float) -> None:
     if bracket[TURN] < 0.0:
         bracket[ASKED] = 0.5 * (low + x)
         return
-    bracket[SHIFT] = 0.5 * min(bracket[TOLERANCE], -bracket[F_HIGH])
+    # halfway between where it starts, maybe below zero already, and the tolerance
+    bracket[SHIFT] = 0.5 * (min(bracket[TOLERANCE], -bracket[F_HIGH]) + max(-bracket[F_LOW], 0.0))
     bracket[F_LOW] += bracket[SHIFT]
     bracket[F_HIGH] += bracket[SHIFT]
     if bracket[F_LOW] <= 0.0:
