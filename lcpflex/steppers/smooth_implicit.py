@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -21,6 +22,7 @@ from lcpflex.steppers.system import System
 __all__ = ["StiffRun"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
+ENTRY = 1e-3  # of a step: the most that a restarted one begins behind the beginning of a contact
 LEAST = 1e-2  # magnitude below which it is no longer relative
 Dense = Callable[[float], npt.NDArray[np.float64]]
 
@@ -83,12 +85,16 @@ class StiffRun(SmoothRun):
             self._handle(GROW)
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
-        """d(dy/dt)/dy by forward differences; the quadratures have no influence on anything."""
+        """d(dy/dt)/dy by differences; the quadratures have no influence on anything.
+
+        They go the way of the motion: right behind the beginning of a contact they must not reach before it.
+        """
+        n, states = len(self.system.q), int(self._memory.states[0])
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
-        for i in (*range(2 * len(self.system.q)), *range(int(self._memory.states[0]), len(y))):
+        for i in (*range(2 * n), *range(states, len(y))):
             moved = y.copy()
-            moved[i] += DIFFERENCE * max(abs(y[i]), LEAST)
+            moved[i] += math.copysign(DIFFERENCE * max(abs(y[i]), LEAST), base[i])
             out[:, i] = (self._rate(t, moved) - base) / (moved[i] - y[i])
         return out
 
@@ -118,8 +124,23 @@ class StiffRun(SmoothRun):
         off = self._put_right() if self.system.n_joint else False
         message, changed = self._note()
         if not message and self.time < self.duration and (off or changed or share < 1.0):
+            if changed:
+                self._enter(ENTRY * min(taken, self.duration - self.time))
             self._start(min(taken, self.duration - self.time))
         return message
+
+    def _enter(self, longest: float) -> None:
+        """Go on by ``longest`` [s] or by what no tolerance sees, by the slope there: a contact may begin with a jump.
+
+        Behind it the slope is continuous, as Newton's method needs it.
+        """
+        memory = self._memory
+        n = len(self.system.q)
+        fastest = np.abs(memory.y[n : 2 * n]).max()
+        h = min(longest, self._settings.atol / fastest) if fastest > 0.0 else longest
+        inside = memory.y + h * self._rate(self.time, memory.y)
+        memory.y[:] += h * self._rate(self.time + h, inside)
+        memory.clock[TIME] += h
 
     def _try(self, longest: float) -> tuple[float, Dense | None]:
         """Share of the next step at which a contact begins or turns that is remembered, 1: none; the states in it."""

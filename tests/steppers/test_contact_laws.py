@@ -248,6 +248,25 @@ def test_fixed_steps_carry_bristles() -> None:
     assert "unstable" in " ".join(lf.simulate(scene, 0.05, lf.Smooth(stiff, integrator=lf.Verlet(1e-4))).warnings)
 
 
+def test_stiff_steps_enter_contacts_with_a_jump() -> None:
+    """Discs tumble into a trough: damping has no slope at the touch, and bristles begin to move there at once."""
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    trough = scene.ground.chain([(1.0, 2.0), (0.25, 0.0), (-0.25, 0.0), (-1.0, 2.0)])
+    disc = lf.Disc(radius=RADIUS, mass=1.0)
+    bodies = [
+        scene.add(disc, name=f"disc {k}", position=(x, 0.2 + 0.25 * k)) for k, x in enumerate((-0.107, 0.135, -0.119))
+    ]
+    for k, body in enumerate(bodies):
+        scene.contact(body.surface(), trough, friction=0.3)
+        for other in bodies[:k]:
+            scene.contact(body.surface(), other.surface(), friction=0.3)
+    stepper = lf.Smooth(ContactLaw(PowerLaw(1e6), Tsuji(0.5), Bristle()), integrator=lf.Stiff())
+    result = lf.simulate(scene, 0.5, stepper, record=1e-3)
+    assert result.steps < 2000
+    assert result.energies.friction[-1] > 0.0
+    assert result.energies.relative_remainder < 1e-3
+
+
 def test_laws_of_pairs() -> None:
     """Two balls, two laws, each with its own restitution and stiffness."""
     scene = falling((0.0, 1.0), (0.0, 1.0))
