@@ -23,7 +23,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.gallery.claw import claw, resting_force
+from lcpflex import gallery
+from lcpflex.compiled import FloatArray
+from lcpflex.gallery.claws import resting_force
 
 STIFFNESSES = (10.0, 50.0, 200.0)  # of the wall's spring [N/m]
 COLOURS = ("C0", "C1", "C2")
@@ -39,17 +41,18 @@ def law(restitution: float) -> lf.ContactLaw:
     )
 
 
-def mean_force(result: lf.Result, contact: str) -> tuple[np.ndarray, np.ndarray]:
+def mean_force(result: lf.Result, contact: str) -> tuple[FloatArray, FloatArray]:
     """Times [s] and contact force, its mean over ``WINDOW`` [N]: impulses count in it as forces do."""
     edges = np.arange(0.0, SHOWN, 0.25 * WINDOW)
     impulse = [np.interp(edges + shift, result.times, result.contact(contact).impulse[:, 0]) for shift in (0.0, WINDOW)]
     return edges + 0.5 * WINDOW, (impulse[1] - impulse[0]) / WINDOW
 
 
-def angle(result: lf.Result, finger: str) -> np.ndarray:
+def angle(result: lf.Result, finger: str) -> FloatArray:
     """Of a finger, from the perpendicular to the guide [degrees]."""
     tip, hinge = (result.point(finger, name) for name in ("bottom", "top"))
-    return np.degrees(np.arctan2(*(tip - hinge).T * np.array([[1.0], [-1.0]])))
+    across, down = (tip - hinge).T * np.array([[1.0], [-1.0]])
+    return np.degrees(np.arctan2(across, down))
 
 
 def draw(column: np.ndarray, results: tuple[lf.Result, lf.Result], case: tuple[int, float, int]) -> None:
@@ -68,7 +71,7 @@ def run(folder: Path = Path()) -> lf.Result:
     panels = figure.subplots(5, 4, sharex=True, sharey="row", height_ratios=(1.2, 1.2, 1, 1, 1))
     for column, (fingers, restitution) in zip(panels.T, CASES, strict=True):
         for spring, stiffness in enumerate(STIFFNESSES):
-            scene = claw(stiffness, restitution, fingers)
+            scene = gallery.claw(stiffness, restitution, fingers)
             results = tuple(
                 lf.simulate(scene, END, stepper, record=1e-3)
                 for stepper in (lf.EventDriven(), lf.Smooth(law(restitution)))

@@ -16,6 +16,7 @@ from dataclasses import replace
 from lcpflex.gallery import bars, coaxial, flexible, rigid, stops, user_systems
 from lcpflex.gallery.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.claws import claw
 from lcpflex.gallery.coaxial import meshed_ball, meshed_rod, meshed_sphere_on_rod
 from lcpflex.gallery.flexible import hemisphere_pendulum, pendulum, sliding_beam
 from lcpflex.gallery.rigid import (
@@ -39,6 +40,7 @@ __all__ = [
     "bar_with_foot",
     "block_on_incline",
     "bouncing_ball",
+    "claw",
     "double_pendulum",
     "elastic_bar",
     "elastic_stop",

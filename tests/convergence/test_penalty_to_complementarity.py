@@ -14,7 +14,6 @@ from lcpflex import gallery
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
 from lcpflex.contact.laws.power_law import PowerLaw
-from lcpflex.gallery.claw import claw
 
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-13)
 EXACT = lf.EventDriven(rtol=1e-10, atol=1e-13)
@@ -102,13 +101,13 @@ def test_claw_approaches_newtons_law(exponent: float, factor: HysteresisFactor) 
     """
     end = 0.45  # one impact
     restitution = 0.5 if factor is HysteresisFactor.EXACT else float(factor.rebound(0.5))
-    rigid = lf.simulate(claw(50.0, restitution), end, EXACT, record=end)
+    rigid = lf.simulate(gallery.claw(50.0, restitution), end, EXACT, record=end)
     assert [event.kind for event in rigid.events] == ["impact"]
     stiffnesses = 10.0 ** np.arange(6.0, 11.0)
     off, speed = [], []
     for stiffness in stiffnesses:
         law = ContactLaw(PowerLaw(stiffness, exponent), HysteresisDamping(0.5, factor))
-        soft = lf.simulate(claw(50.0), end, lf.Smooth(law, integrator=FINE), record=end)
+        soft = lf.simulate(gallery.claw(50.0), end, lf.Smooth(law, integrator=FINE), record=end)
         off.append(float(np.abs(soft.q[-1] - rigid.q[-1]).max()))
         speed.append(float(np.abs(soft.u[-1] - rigid.u[-1]).max()))
     expected = -1.0 / (exponent + 1.0)
