@@ -93,7 +93,8 @@ def test_hertz_radii_and_moduli():
     for cup in (0.5, 9.0):  # towards a plane
         law = Hertz.sphere_in_cup(5.0 * MM, cup, STEEL)
         assert law.effective_radius == pytest.approx(1.0 / (200.0 - 1.0 / cup), rel=1e-14)
-    assert math.sqrt(flat.effective_radius * flat.limit) == pytest.approx(0.3 * 5.0 * MM, rel=1e-14)
+    for law in (flat, Hertz.spheres(20.0 * MM, 5.0 * MM, STEEL), Hertz.sphere_in_cup(5.0 * MM, 6.0 * MM, STEEL)):
+        assert math.sqrt(law.effective_radius * law.limit) == pytest.approx(0.3 * 5.0 * MM, rel=1e-14)
 
 
 def test_johnson_is_the_sum_over_both_bodies():
