@@ -10,8 +10,8 @@ the event-driven stepper solves as it is: a friction force that is whatever hold
 
 Under a continuous law friction is a function of the slip velocity. Laws without states know no force at rest: what
 should be held creeps, here back to 0, the faster the larger their slip speed. Those that stay below mu N while it slips
-(arctangent, Threlfall) let it swing farther, too. Bristles (LuGre, and those of Gonthier)
-bend before they slip, and hold.
+(arctangent, Threlfall) let it swing farther, too. Bristles (LuGre, and those of Gonthier) bend before they slip, and
+hold.
 """
 
 from pathlib import Path

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numba
@@ -56,7 +57,7 @@ def test_own_law_is_as_good_as_one_of_the_library(own: Callable[..., float]) -> 
     built_in = run(ContactLaw(PowerLaw(K), damping))
     law = OwnLaw(own, (K, damping.eta))
     other = OwnLaw(own, (2.0 * K, damping.eta))
-    assert law.own.compiled == (own is not as_python)
+    assert law.is_compiled == (own is not as_python)
     result = run(ContactLaw(law))
     assert result.q == pytest.approx(built_in.q, rel=0.0, abs=1e-11)
     assert result.force == pytest.approx(built_in.force, rel=0.0, abs=1e-9 * built_in.force.max())
@@ -105,6 +106,59 @@ def test_law_that_creates_energy_is_told() -> None:
     """It pushes more in parting than in approach."""
     result = run(ContactLaw(OwnLaw(hunt_crossley, (K, -0.1))))
     assert any("energy grew" in warning for warning in result.warnings)
+
+
+class Elastic:
+    """A callable object that is no function, and cannot be a key of a dictionary."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __call__(self, depth: float, rate: float, speed: float, p: Any) -> float:
+        return hertz(depth, rate, speed, p)
+
+
+@pytest.mark.parametrize(
+    "function", [Elastic(), Elastic().__call__, partial(hertz)], ids=["object", "method", "partial"]
+)
+def test_any_callable_is_a_law(function: Any) -> None:
+    law = OwnLaw(function, (K,))
+    assert not law.is_compiled
+    assert law.force(1e-3) == pytest.approx(PowerLaw(K).force(1e-3), rel=1e-14)
+
+
+def test_system_of_a_users_own() -> None:
+    """Its loop is Python, the law is called from the same kernels."""
+
+    def run_user(law: ContactLaw) -> lf.Result:
+        system = lf.UserSystem(
+            q=[1e-3], u=[-1.0], mass=[[1.0]], force=lambda t, q, u: [-9.81], gaps=lambda q: q, normals=[[1.0]]
+        )
+        return lf.simulate(system, 0.01, Smooth(law, integrator=FIXED), record=1e-3)
+
+    damping = HysteresisDamping(E)
+    built_in, own = run_user(ContactLaw(PowerLaw(K), damping)), OwnLaw(hunt_crossley, (K, damping.eta))
+    assert run_user(ContactLaw(own)).q == pytest.approx(built_in.q, rel=0.0, abs=1e-13)
+    with pytest.raises(lf.StepError, match="too deep"):
+        run_user(ContactLaw(OwnLaw(deep)))
+
+
+@pytest.mark.parametrize("stepper", [lf.EventDriven(), lf.MoreauJean(1e-5)], ids=lambda s: type(s).__name__)
+def test_beside_complementarity(stepper: Any) -> None:
+    """The same as the law of the library, and what is raised comes out there, too."""
+
+    def run_scene(law: ContactLaw) -> lf.Result:
+        scene = lf.Scene(gravity=(0.0, -9.81))
+        disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.501), velocity=(1.0, -1.0))
+        scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", law=law)
+        return lf.simulate(scene, 0.01, stepper, record=1e-3)
+
+    damping = HysteresisDamping(E)
+    built_in = run_scene(ContactLaw(PowerLaw(K), damping))
+    assert built_in.u[-1, 1] > 0.1
+    own = run_scene(ContactLaw(OwnLaw(hunt_crossley, (K, damping.eta))))
+    assert own.q == pytest.approx(built_in.q, rel=0.0, abs=1e-10)
+    with pytest.raises(lf.StepError, match="too deep"):
+        run_scene(ContactLaw(OwnLaw(deep)))
 
 
 def test_law_with_a_gap_of_its_own() -> None:

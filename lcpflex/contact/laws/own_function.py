@@ -10,6 +10,7 @@ import ctypes
 import math
 from collections.abc import Callable
 from functools import lru_cache
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,9 @@ class OwnFunction:
         self._n = len(parameters)
         self._data = np.array([*parameters, 0.0, 0.0, 0.0, 0.0])
         self._error: BaseException | None = None
-        code = _compiled(function, self._n) if compiled or is_compiled(function) else None
+        code = None
+        if is_compiled(function) or (compiled and isinstance(function, FunctionType)):  # numba takes no other callables
+            code = _compiled(function, self._n)
         self.compiled = code is not None
         self._code = code or SIGNATURE(self._call)  # referred to, that it live
         place = code.address if code else ctypes.cast(self._code, ctypes.c_void_p).value
@@ -106,7 +109,6 @@ def _compiled(function: Function, n: int) -> Any:
         For a function that is to be compiled by the user's own will, and cannot be.
     """
     import numba
-    from numba.core.errors import NumbaError
 
     law = function if is_compiled(function) else numba.njit(function)
     size = n + 4
@@ -132,7 +134,7 @@ def _compiled(function: Function, n: int) -> Any:
     signature = double(double, double, double, numba.types.CPointer(double))
     try:
         return numba.cfunc(signature)(call)
-    except NumbaError as error:
+    except Exception as error:  # not those of numba alone: some Python it does not know fails deep in it
         if is_compiled(function):
             raise ModelError(f"function: {function!r} was given, which does not compile: {error}") from error
         return None

@@ -27,11 +27,12 @@ class OwnLaw(ElasticFace):
 
     ``function(indentation, rate, impact_speed, parameters) -> float``, in SI units: delta > 0 [m], deltadot [m/s]
     positive while it grows, the speed v_0 >= ``guard_speed`` at the touch [m/s], and an array of floats. Friction and a
-    damping of the library go with it as with any elastic law: ``ContactLaw(elastic=OwnLaw(f), friction=LuGre())``.
+    damping of the library go with it as with any elastic law, as ``ContactLaw(OwnLaw(f), friction=LuGre())``; under a
+    ``PermanentIndentation`` only its elastic part counts.
 
     The function is compiled with numba where that is possible, or has been by the user (``numba.njit``): then the run
     is as fast as with a law of the library. Globals and variables around it are taken as they are when it is compiled
-    first. A function that cannot be compiled is called as Python, which the run tells of by its time only.
+    first. What cannot be compiled is called as Python, some microsecond a call: see ``is_compiled``.
 
     For the energy audit F(delta, 0, 1 m/s) counts as elastic: what it stores is its integral, by a quadrature that is
     good to rounding for smooth laws, and to some 1e-3 for those with kinks; the rest of F is damping. A law that gives
@@ -96,6 +97,11 @@ class OwnLaw(ElasticFace):
     def parameters(self) -> tuple[float, ...]:
         """What kernels must know beside the function: the least v_0."""
         return (self.guard_speed,)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the function runs compiled."""
+        return self.own.compiled
 
     @property
     def address(self) -> int:
