@@ -8,6 +8,8 @@ forces lambda solve a problem at position level (:mod:`lcpflex.dynamics.position
 
 with the joints fulfilled by q+ and by u+ (RATTLE) and modal damping taken at u+. Order 2 as long as contacts stay as
 they are, and nearly energy-conserving, as long as h omega < 2 for every omega of the system with its contacts closed.
+A contact may give way by an elastic law of its own, too (:mod:`lcpflex.dynamics.contact_compliance`): then rigid bodies
+may take part.
 Source: Monjaraz-Tec, Gross & Krack 2022.
 """
 
@@ -73,7 +75,7 @@ __all__ = ["MasslessBoundary"]
 
 SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
 SEVERAL = 0.7  # of the step that one closed contact admits: several that close have higher frequencies
-FINER = 8.0  # steps where a law alone gives way: its contact lasts 4/omega, and no mode has a shorter period
+FINER = 16.0  # steps where a law alone gives way: its contact lasts 4/omega, and no mode has a shorter period
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 

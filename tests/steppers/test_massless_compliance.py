@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import lcpflex as lf
 from lcpflex import gallery
@@ -29,8 +31,8 @@ WALL = PowerLaw(3.768446e10)  # steel ball of this radius on a rigid wall
 CONTACT_TIME = 7.828287e-5
 
 
-def massless(law: Any, name: str = "floor", **settings: Any) -> MasslessBoundary:
-    return MasslessBoundary(compliance={name: law}, **settings)
+def massless(law: Any, name: str = "floor", **others: Any) -> MasslessBoundary:
+    return MasslessBoundary(compliance={name: law}, **others)
 
 
 def ball(speed: float = 1.0, gap: float = 0.0, gravity: float = 0.0, friction: float = 0.0) -> lf.Scene:
@@ -230,7 +232,44 @@ def test_compiled_and_interpreted_drivers_agree() -> None:
         np.testing.assert_allclose(getattr(interpreted, name), getattr(compiled, name), rtol=0, atol=1e-10 * scale)
 
 
+@dataclass(frozen=True)
+class Wrong:
+    """A solver whose forces are too large by a thousandth, and which does not know it."""
+
+    def solve(self, problem: Lcp, guess: Solution | None = None) -> Solution:
+        solution = lf.Lemke().solve(problem)
+        return replace(solution, z=1.001 * solution.z, residual=0.0)
+
+
+@pytest.mark.parametrize("substeps", [False, True])
+def test_forces_that_do_not_settle_are_told(substeps: bool) -> None:
+    stepper = massless(rod_law(), "ball", step=1e-6, dynamic_modes=5, substeps=substeps, solver=Wrong())
+    with pytest.raises(lf.StepError, match="do not settle to one part in a billion"):
+        lf.simulate(sphere_on_rod(20), 1e-4, stepper)
+
+
 # steps
+
+
+@given(
+    exponent=st.floats(1.0, 3.0),
+    stiffness=st.floats(1e3, 1e8),
+    speed=st.floats(1e-3, 3.0),
+)
+@settings(max_examples=25, deadline=None)
+def test_automatic_steps_give_back_the_speed(exponent: float, stiffness: float, speed: float) -> None:
+    """Whatever the law and the speed; ``stiffness`` is the force 1 mm deep [N]."""
+    law = PowerLaw(stiffness / 1e-3**exponent, exponent)
+    deepest = depth_of(law, 0.5 * MASS * speed**2)
+    result = lf.simulate(ball(speed, gap=0.1 * deepest), 6.0 * deepest / speed, massless(law), record=1.0)
+    assert result.force[-1, 0, 0] == 0.0
+    assert result.u[-1, 1] == pytest.approx(speed, rel=2e-3)
+    assert result.penetration.max() == pytest.approx(deepest, rel=2e-3)
+
+
+def depth_of(law: PowerLaw, energy: float) -> float:
+    n = law.exponent
+    return float(((n + 1.0) * energy / law.constant) ** (1.0 / (n + 1.0)))
 
 
 def test_steps_are_divided_by_the_stiffness_of_the_law() -> None:
