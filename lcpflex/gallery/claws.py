@@ -46,8 +46,8 @@ def claw(stiffness: float = 50.0, restitution: float = 0.0, fingers: int = 1) ->
 def resting_force(stiffness: float = 50.0, fingers: int = 1) -> float:
     """Contact force when all is at rest [N].
 
-    One finger at the angle a: F L cos a = T and F = k L sin a, so that sin 2a = 2 T/(k L^2). Two hold each other, and
-    the spring nothing: F = T/L.
+    One finger at the angle a: F L cos a = T and F = k L sin a, so that sin 2a = 2 T/(k L^2); a spring of less than
+    5 N/m does not hold it. Two hold each other, and the spring nothing: F = T/L.
     """
     if fingers == 2:
         return TORQUE / LENGTH
