@@ -26,7 +26,7 @@ from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.model import SLIP, STICK
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff
+from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 MU, STATIC = 0.3, 0.45
 SPEED = 1e-3
@@ -281,6 +281,27 @@ def test_stick_slip_on_a_spring(law: Any, rhs: Any, integrator: Any) -> None:
     assert held[40]
     assert (result.state[80:90, 0] == SLIP).all()
     assert result.energies.relative_remainder < 1e-6
+
+
+def test_driver_in_python_is_the_compiled_one() -> None:
+    """The same block as a system of the user's own, whose loop is Python: pulled until it slips."""
+    stepper = on_floor(LuGre(1e4, 30.0, 0.04, SPEED, STATIC), Verlet(2e-5))
+    scene, body = block()
+    scene.load(lf.Force(body.point("p"), (lf.Table([0.0, 0.02], [0.0, 10.0]), 0.0)))
+    compiled = lf.simulate(scene, 0.02, stepper, record=1e-3)
+    system = lf.UserSystem(
+        q=compiled.q[0, :2],
+        u=[0.0, 0.0],
+        mass=np.eye(2),
+        force=lambda t, q, u: [500.0 * t, -WEIGHT],
+        gaps=lambda q: q[1:],
+        normals=[[0.0], [1.0]],
+        tangents=[[1.0], [0.0]],
+        friction=[MU],
+    )
+    own = lf.simulate(system, 0.02, stepper, record=1e-3)
+    assert compiled.u[-1, 0] > 0.01
+    assert np.abs(compiled.q[:, :2] - own.q).max() < 1e-10
 
 
 # --- what is refused

@@ -31,13 +31,14 @@ class OwnLaw(ElasticFace):
     ``PermanentIndentation`` only its elastic part counts.
 
     The function is compiled with numba where that is possible, or has been by the user (``numba.njit``): then the run
-    is as fast as with a law of the library. Globals and variables around it are taken as they are when it is compiled
-    first. What cannot be compiled is called as Python, some microsecond a call: see ``is_compiled``.
+    is about as fast as with a law of the library. Globals and variables around it are taken as they are when it is
+    compiled first. What cannot be compiled is called as Python, some microsecond a call: see ``is_compiled``.
 
     For the energy audit F(delta, 0, 1 m/s) counts as elastic: what it stores is its integral, by a quadrature that is
-    good to rounding for smooth laws, and to some 1e-3 for those with kinks; the rest of F is damping. A law that gives
-    back more than it took makes the result warn that the energy grew. F should be 0 at the touch for rate 0: error
-    control shortens steps at jumps, and their energy is not seen.
+    good to rounding for powers, to 1e-7 for other smooth laws, and to 1e-2 only across kinks, where the result may have
+    a remainder of energy (its motion does not care); the rest of F is damping. A law that gives back more than
+    it took makes the result warn that the energy grew. F should be 0 at the touch for rate 0: error control shortens
+    steps at jumps, and their energy is not seen.
 
     What the function raises ends the run, and is the cause of its StepError; so does a number that is not finite.
 
