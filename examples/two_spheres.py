@@ -25,56 +25,42 @@ from matplotlib.figure import Figure, SubFigure
 
 import lcpflex as lf
 from lcpflex.compiled import FloatArray
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.damping import (
-    Jankowski,
-    KelvinVoigt,
-    KuwabaraKono,
-    PermanentIndentation,
-    Ristow,
-    Tsuji,
-)
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_law import PowerLaw
-from lcpflex.contact.laws.restitution import prescribed_restitution, restitution_of
-from lcpflex.steppers.smooth import Smooth
 
+Factor = lf.laws.HysteresisFactor
 RADIUS, SPEED = 0.015, 1.0  # [m], [m/s] of each
 MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * 7850.0
 REDUCED, CLOSING = 0.5 * MASS, 2.0 * SPEED
 PRESCRIBED = 0.5
-HERTZ = Hertz.spheres(RADIUS, RADIUS, Material(210e9, 0.3))
+HERTZ = lf.laws.Hertz.spheres(RADIUS, RADIUS, lf.laws.Material(210e9, 0.3))
 STIFFNESS = HERTZ.parameters[0]
 DEEPEST = (1.25 * REDUCED * CLOSING**2 / STIFFNESS) ** 0.4  # without damping
-LINEAR = PowerLaw(REDUCED * CLOSING**2 / DEEPEST**2, 1.0)
-WITHOUT_E = (KuwabaraKono, Ristow)
+LINEAR = lf.laws.PowerLaw(REDUCED * CLOSING**2 / DEEPEST**2, 1.0)
+WITHOUT_E = (lf.laws.KuwabaraKono, lf.laws.Ristow)
 
 
 @cache
 def parameter(law: Any) -> float:
     """A' or g' with which 0.5 comes out."""
-    return float(prescribed_restitution(law, PRESCRIBED))
+    return float(lf.laws.prescribed_restitution(law, PRESCRIBED))
 
 
-def laws() -> dict[Any, ContactLaw]:
+def laws() -> dict[Any, lf.ContactLaw]:
     """The law of contact for each of the dissipative ones, by what ``restitution_of`` knows them as."""
-    made: dict[Any, ContactLaw] = {
-        factor: ContactLaw(LINEAR if factor.linear else HERTZ, HysteresisDamping(PRESCRIBED, factor))
-        for factor in HysteresisFactor
+    made: dict[Any, lf.ContactLaw] = {
+        factor: lf.ContactLaw(LINEAR if factor.linear else HERTZ, lf.laws.HysteresisDamping(PRESCRIBED, factor))
+        for factor in Factor
     }
-    made[KelvinVoigt] = ContactLaw(LINEAR, KelvinVoigt(PRESCRIBED))
-    for law in (Tsuji, Jankowski, PermanentIndentation):
-        made[law] = ContactLaw(HERTZ, law(PRESCRIBED))
-    relaxation = parameter(KuwabaraKono) * (REDUCED / STIFFNESS) ** 0.4 * CLOSING**-0.2
-    rate = parameter(Ristow) * (STIFFNESS / REDUCED) ** 0.4 * CLOSING**0.2
-    made[KuwabaraKono] = ContactLaw(HERTZ, KuwabaraKono(relaxation))
-    made[Ristow] = ContactLaw(HERTZ, Ristow(rate))
+    made[lf.laws.KelvinVoigt] = lf.ContactLaw(LINEAR, lf.laws.KelvinVoigt(PRESCRIBED))
+    for law in (lf.laws.Tsuji, lf.laws.Jankowski, lf.laws.PermanentIndentation):
+        made[law] = lf.ContactLaw(HERTZ, law(PRESCRIBED))
+    relaxation = parameter(lf.laws.KuwabaraKono) * (REDUCED / STIFFNESS) ** 0.4 * CLOSING**-0.2
+    rate = parameter(lf.laws.Ristow) * (STIFFNESS / REDUCED) ** 0.4 * CLOSING**0.2
+    made[lf.laws.KuwabaraKono] = lf.ContactLaw(HERTZ, lf.laws.KuwabaraKono(relaxation))
+    made[lf.laws.Ristow] = lf.ContactLaw(HERTZ, lf.laws.Ristow(rate))
     return made
 
 
-def impact(law: ContactLaw) -> lf.Result:
+def impact(law: lf.ContactLaw) -> lf.Result:
     """The spheres from 10 um before they touch until they are apart."""
     scene = lf.Scene(gravity=(0.0, 0.0))
     spheres = [
@@ -87,7 +73,7 @@ def impact(law: ContactLaw) -> lf.Result:
         for side, name in ((-1.0, "left"), (1.0, "right"))
     ]
     scene.contact(spheres[0].surface(), spheres[1].surface(), name="spheres")
-    return lf.simulate(scene, 4e-4, Smooth(law), record=2e-7)
+    return lf.simulate(scene, 4e-4, lf.Smooth(law), record=2e-7)
 
 
 def loop(result: lf.Result) -> tuple[FloatArray, FloatArray]:
@@ -104,32 +90,40 @@ def rebound(result: lf.Result) -> float:
 
 def title(law: Any) -> str:
     """Name of a law, short."""
-    if isinstance(law, HysteresisFactor):
-        return "exact factor" if law is HysteresisFactor.EXACT else " ".join(law.value.split()[:-1]).split(" et al.")[0]
-    names = {KelvinVoigt: "Kelvin-Voigt", KuwabaraKono: "Kuwabara-Kono", PermanentIndentation: "permanent indent."}
-    return names.get(law, law.__name__)
+    if law is Factor.EXACT:
+        return "exact factor"
+    if isinstance(law, Factor):
+        return " ".join(law.value.split()[:-1]).split(" et al.")[0]
+    names = {
+        lf.laws.KelvinVoigt: "Kelvin-Voigt",
+        lf.laws.KuwabaraKono: "Kuwabara-Kono",
+        lf.laws.PermanentIndentation: "permanent indent.",
+    }
+    return str(names.get(law, law.__name__))
 
 
 def colour(law: Any) -> str:
     """One for each law within its picture of restitution."""
-    if law in (HysteresisFactor.EXACT, PermanentIndentation):
+    if law in (Factor.EXACT, lf.laws.PermanentIndentation):
         return "black"
-    family = [known for known in HysteresisFactor if known.needs_rebound is getattr(law, "needs_rebound", None)]
-    others = [KelvinVoigt, Tsuji, Jankowski, KuwabaraKono, Ristow]
+    family = [known for known in Factor if known.needs_rebound is getattr(law, "needs_rebound", None)]
+    others = [lf.laws.KelvinVoigt, lf.laws.Tsuji, lf.laws.Jankowski, lf.laws.KuwabaraKono, lf.laws.Ristow]
     return f"C{(family.index(law) if law in family else others.index(law)) % 10}"
 
 
 def style(law: Any) -> str:
     """Broken lines where one would hide another."""
-    return "--" if law in (HysteresisFactor.YE, KelvinVoigt) else "-"
+    return "--" if law in (Factor.YE, lf.laws.KelvinVoigt) else "-"
 
 
 def draw_parameters(axes: Axes, results: dict[Any, lf.Result]) -> None:
     """e_out of the laws without e, over their parameter, on the same scale."""
     numbers = np.linspace(0.0, 1.0, 21)
     for law in WITHOUT_E:
-        name = "A'" if law is KuwabaraKono else "g'"
-        axes.plot(numbers, restitution_of(law, numbers), ":", color=colour(law), label=f"{title(law)}, over {name}")
+        name = "A'" if law is lf.laws.KuwabaraKono else "g'"
+        axes.plot(
+            numbers, lf.laws.restitution_of(law, numbers), ":", color=colour(law), label=f"{title(law)}, over {name}"
+        )
         axes.plot(parameter(law), rebound(results[law]), "o", color=colour(law), markersize=4)
     axes.legend(fontsize=7.5, loc="lower right")
     axes.set_xlabel("e prescribed; parameter A', g'")
@@ -139,7 +133,7 @@ def draw_loops(figure: SubFigure, results: dict[Any, lf.Result]) -> None:
     """A small picture for each law, over the loop of the exact factor."""
     small = figure.subplots(3, 7, sharex=True, sharey=True)
     for axes, (law, result) in zip(small.flat, results.items(), strict=True):
-        axes.fill(*loop(results[HysteresisFactor.EXACT]), color="0.88")
+        axes.fill(*loop(results[Factor.EXACT]), color="0.88")
         axes.plot(*loop(result), color=colour(law))
         axes.set_title(title(law), fontsize=8.5, color=colour(law))
         axes.text(0.05, 0.86, f"{rebound(result):.3f}", transform=axes.transAxes, fontsize=9)
@@ -154,17 +148,17 @@ def draw_restitution(axes: Axes, chosen: list[Any], results: dict[Any, lf.Result
     e = np.linspace(0.01, 1.0, 100)
     axes.plot((0.0, 1.0), (0.0, 1.0), color="0.8", linewidth=4)
     for law in chosen:
-        axes.plot(e, restitution_of(law, e), color=colour(law), linestyle=style(law), label=title(law))
+        axes.plot(e, lf.laws.restitution_of(law, e), color=colour(law), linestyle=style(law), label=title(law))
         axes.plot(PRESCRIBED, rebound(results[law]), "o", color=colour(law), markersize=4)
     axes.set(xlabel="e prescribed", ylabel="e that comes out", xlim=(0.0, 1.0), ylim=(0.0, 1.0))
     axes.grid(True, alpha=0.4)
-    axes.legend(fontsize=7.5, loc="upper left" if HysteresisFactor.PANT in chosen else "lower right")
+    axes.legend(fontsize=7.5, loc="upper left" if Factor.PANT in chosen else "lower right")
 
 
 def run(folder: Path = Path()) -> lf.Result:
     made = laws()
     results = {law: impact(contact) for law, contact in made.items()}
-    expected = {law: PRESCRIBED if law in WITHOUT_E else restitution_of(law, PRESCRIBED) for law in made}
+    expected = {law: PRESCRIBED if law in WITHOUT_E else lf.laws.restitution_of(law, PRESCRIBED) for law in made}
 
     assert max(abs(rebound(results[law]) - expected[law]) for law in made) < 1e-4
 
@@ -172,15 +166,17 @@ def run(folder: Path = Path()) -> lf.Result:
     above, below = figure.subfigures(2, 1, height_ratios=(3, 2))
     draw_loops(above, results)
     left, middle, right = below.subplots(1, 3)
-    draw_restitution(left, [law for law in HysteresisFactor if not law.needs_rebound], results)
-    draw_restitution(middle, [law for law in HysteresisFactor if law.needs_rebound], results)
-    draw_restitution(right, [Tsuji, KelvinVoigt, Jankowski, PermanentIndentation], results)
+    draw_restitution(left, [law for law in Factor if not law.needs_rebound], results)
+    draw_restitution(middle, [law for law in Factor if law.needs_rebound], results)
+    draw_restitution(
+        right, [lf.laws.Tsuji, lf.laws.KelvinVoigt, lf.laws.Jankowski, lf.laws.PermanentIndentation], results
+    )
     draw_parameters(right, results)
     left.set_title("factors that are finite at e = 0", fontsize=10)
     middle.set_title("factors that grow like 1/e", fontsize=10)
     right.set_title("other laws", fontsize=10)
     figure.savefig(folder / "two_spheres.png", dpi=150)
-    return results[HysteresisFactor.EXACT]
+    return results[Factor.EXACT]
 
 
 if __name__ == "__main__":
