@@ -55,8 +55,8 @@ def flexibilities(model: Model, dynamic_modes: int | None, soft: IntArray) -> Fl
         given = f"{dynamic_modes} was given, expected less than {largest}" if largest else "no modes to choose from"
         raise ModelError(
             f"dynamic_modes: {given}: of the bodies with a contact, the richest has {largest} modes, and some must be "
-            "left to give way; reduce it to more modes, give its contacts an elastic law (compliance=), or use MoreauJean "
-            "or EventDriven, which need no compliance"
+            "left to give way; reduce it to more modes, give its contacts an elastic law (compliance=), or use "
+            "MoreauJean or EventDriven, which need no compliance"
         )
     flexibility = np.zeros(int(dof[-1]))
     for b in touched:

@@ -244,7 +244,7 @@ class MasslessBoundary:
     gap_tolerance: float = 1e-9
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
-    compliance: Mapping[str, ElasticLaw] = field(default_factory=dict)
+    compliance: Mapping[str, ElasticLaw] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         if self.step is not None:
