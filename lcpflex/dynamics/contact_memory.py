@@ -27,6 +27,8 @@ WITHIN = -1  # law whose indentation is beyond its range: none
 @kernel
 def pair_place(model: Model, memory: ContactMemory, table: ContactTable, k: int) -> int:
     """Place of entry k of the table in the memory, -1: none."""
+    if len(memory.feature) == 0:
+        return -1
     count = max(len(model.contacts.feature_kind), 1)
     return place_of(memory, table.law[k], table.key[k] // count, table.key[k] % count)
 

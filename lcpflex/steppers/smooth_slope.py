@@ -267,7 +267,10 @@ def horizon(
                 gap += ONSET * indentation_of(memory.contacts.kinds[law], memory.contacts.parameters[law], energy)
             longest = min(longest, gap / approach)
         elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
-            longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * memory.clock[STEP]))
+            contacts = memory.contacts
+            place = pair_place(model, contacts, work.table, k)
+            if place >= 0 or pair_force(contacts, work.table.law[k], place, -gap, approach)[0] == 0.0:
+                longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * memory.clock[STEP]))
     return longest
 
 
