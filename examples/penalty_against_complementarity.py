@@ -13,7 +13,7 @@ peak grows with sqrt(k), and time and impulse stay at the error of the mesh. A f
 ever after: displacements converge with 1/sqrt(k) to those of an impact with e = 1 (the spring loses nothing), the
 impulse, too. The peak force v sqrt(m k) does not converge at all: an impact has an impulse, and no force. With one
 mode, the pendulum strikes twice, at the same rate; with three modes six times, where each contact inherits the error of
-the one before, and no rate shows before 1e9 N/m. On the softest spring, it passes through the stop and never returns.
+the one before, and no rate shows before 1e9 N/m. On the softest spring, the rigid one passes through the stop.
 """
 
 import math
