@@ -258,3 +258,47 @@ def test_a_pin_bounces_in_a_hole_as_on_a_round_table():
         assert len(times) > 20
         assert np.hypot(*result.q[:, :2].T).max() <= c * (1.0 + 1e-9)
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
+
+
+def on_springs(rtol):
+    return lf.Smooth(lf.Penalty(1e8), integrator=lf.ExplicitRungeKutta(rtol=rtol, atol=1e-2 * rtol))
+
+
+def energy_change(result):
+    """Of all that is stored, relative to the start."""
+    total = result.energies.kinetic + result.energies.elastic + result.energies.potential
+    return total / total[0] - 1.0
+
+
+@pytest.mark.parametrize("pin_moves", [True, False])
+def test_a_pin_on_springs_bounces_in_a_hole(pin_moves):
+    """The force is central: energy and moment of momentum about the centre are kept on either side of the contact."""
+    P, v, hole = np.array([2e-4, -3e-4]), np.array([0.8, 0.5]), 11e-3
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    sign = 1.0 if pin_moves else -1.0
+    body = scene.add(lf.Disc(radius=0.05, mass=0.4), "body", sign * P, velocity=sign * v)
+    points = body.point("center"), scene.ground.at(0.0, 0.0)
+    Q, centre = points if pin_moves else points[::-1]
+    scene.revolute_with_clearance(centre, Q, 10e-3, hole, name="bearing")
+    result = lf.simulate(scene, 0.02, on_springs(1e-10), progress=False)
+    assert np.abs(energy_change(result)).max() < 1e-7
+    (x, y), (vx, vy) = result.q[:, :2].T, result.u[:, :2].T
+    np.testing.assert_allclose(x * vy - y * vx, P[0] * v[1] - P[1] * v[0], rtol=1e-7)
+    apart = np.hypot(x, y)
+    assert 1e-3 < apart.max() < 1e-3 + 1.01 * math.hypot(*v) * math.sqrt(0.4 / 1e8)
+    assert np.count_nonzero(np.diff((apart > 1e-3).astype(int)) == 1) >= 5
+    assert abs(result.penetration.max() - (apart.max() - 1e-3)) < 1e-5
+
+
+def test_springs_of_a_slot_keep_the_energy_over_its_seams(kind):
+    """A pin pressed into both tracks and both ends in turn, all parts with one law: what is lost is of the steps."""
+    place, left = middle_curve(kind)(0.5)
+    velocity = np.array([left[1], -left[0]]) + 0.3 * left
+    changes = []
+    for rtol in (1e-8, 1e-11):
+        result = lf.simulate(free_pin(kind, place, velocity), 0.22, on_springs(rtol), progress=False)
+        impulse = {name: result.contact(name).impulse[-1, 0] for name in result.contact_names}
+        assert min(impulse.values()) > 0.0, impulse
+        changes.append(np.abs(energy_change(result)).max())
+    assert changes[0] < 1e-4
+    assert changes[1] < min(1e-6, 0.03 * changes[0])
