@@ -168,6 +168,7 @@ def test_oscillators_in_closed_form(e: float, n: float) -> None:
 def test_overdamped_oscillators() -> None:
     assert rebound_of_ratio(1.0) == pytest.approx(math.exp(-2.0), rel=1e-15)
     assert rebound_of_ratio(1.0 - 1e-9) == pytest.approx(math.exp(-2.0), rel=1e-8)
+    assert rebound_of_ratio(1.0 + 1e-12) == pytest.approx(math.exp(-2.0) * (1.0 - 4e-12 / 3.0), rel=1e-14)
     p = math.sqrt(3.0)
     assert rebound_of_ratio(2.0) == pytest.approx(math.exp(-4.0 / p * math.atanh(p / 2.0)), rel=1e-14)
 
@@ -232,6 +233,20 @@ def test_inverse(law: Any) -> None:
     scalar = prescribed_restitution(law, restitution_of(law, 0.6))
     assert isinstance(scalar, float)
     assert scalar == pytest.approx(0.6, rel=1e-9)
+
+
+@pytest.mark.parametrize("law", [*F, KelvinVoigt, Tsuji, Jankowski, PermanentIndentation], ids=name)
+def test_inverse_over_the_whole_reach(law: Any) -> None:
+    """Near the least e_out of KelvinVoigt its e falls from 1e-12 to 1e-100, and all of that is resolved."""
+    least = restitution_of(law, 0.0) if law in (KelvinVoigt, Tsuji) or not getattr(law, "needs_rebound", True) else 0.0
+    most = restitution_of(law, 1.0)
+    out = least + (most - least) * np.array([1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0 - 1e-6])
+    np.testing.assert_allclose(restitution_of(law, prescribed_restitution(law, out)), out, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", [F.EXACT, F.FLORES, Jankowski, PermanentIndentation], ids=name)
+def test_inverse_of_hardly_any_restitution(law: Any) -> None:
+    assert restitution_of(law, prescribed_restitution(law, 1e-30)) == pytest.approx(1e-30, rel=1e-12)
 
 
 @pytest.mark.parametrize("law", [*F, KelvinVoigt, Tsuji, Jankowski, PermanentIndentation], ids=name)

@@ -93,11 +93,11 @@ def damping_ratio(e: ArrayLike) -> Any:
 def half_oscillation(zeta: ArrayLike) -> Any:
     """Largest s over v_0 of s'' + 2 zeta s' + s = 0 from s = 0, for zeta >= 0."""
     ratio = np.asarray(zeta, dtype=float)
-    q = np.sqrt(np.maximum(1.0 - ratio * ratio, 0.0))
-    p = np.sqrt(np.maximum(ratio * ratio - 1.0, 0.0))
+    q = np.sqrt(np.maximum((1.0 - ratio) * (1.0 + ratio), 0.0))
+    p = np.sqrt(np.maximum((ratio - 1.0) * (ratio + 1.0), 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
         under = np.arctan2(q, ratio) / q
-        over = np.log(ratio + p) / p  # artanh(p / zeta) without its loss of digits
+        over = np.log1p(ratio - 1.0 + p) / p  # artanh(p / zeta) without its loss of digits
     time: FloatArray = np.where(ratio < 1.0, under, np.where(ratio > 1.0, over, 1.0))
     result: FloatArray = np.exp(-ratio * time)
     return float(result) if ratio.ndim == 0 else result

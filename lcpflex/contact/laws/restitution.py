@@ -33,7 +33,7 @@ DissipativeLaw = (
 CLASSES = (KelvinVoigt, Tsuji, KuwabaraKono, Ristow, Jankowski, PermanentIndentation)
 WITH_PARAMETER = (KuwabaraKono, Ristow)
 LARGEST = 1e3  # parameter A' or g' up to which it is looked for
-LEAST = 1e-9  # e down to which it is looked for, where a law has none at 0
+LEAST = 1e-100  # e down to which it is looked for, where a law has none at 0
 PRECISE = 8.9e-16  # relative: the finest that brentq takes
 
 
@@ -99,4 +99,6 @@ def _inverse(law: DissipativeLaw, wanted: float, first: float, last: float) -> f
         if restitution_of(law, end) == wanted:
             return end
     low, high = sorted((first, last))
-    return float(brentq(lambda x: restitution_of(law, x) - wanted, low, high, xtol=1e-15, rtol=PRECISE))
+    # an e of 1e-30 under KelvinVoigt is another e_out than 0: the tolerance is relative alone
+    root = brentq(lambda x: restitution_of(law, x) - wanted, low, high, xtol=1e-300, rtol=PRECISE, maxiter=2000)
+    return float(root)
