@@ -107,6 +107,17 @@ def test_jump_at_touch(damping: Any, n: float, jump: float) -> None:
     assert normal_force(kinds, p, 1e-60, SPEED, SPEED, MASS, 0.0, True)[0] == pytest.approx(jump, rel=1e-12)
 
 
+@pytest.mark.parametrize("damping", [Tsuji(0.4), Tsuji(0.4, mass=2.0), Jankowski(0.4)], ids=name)
+@pytest.mark.parametrize("n", [1.0, 1.5])
+def test_forces_of_the_least_indentations_are_finite(damping: Any, n: float) -> None:
+    """Where what is stored is hardly a number any more, 2 m / E is none."""
+    kinds, p = packed(damping, n)
+    for depth in (5e-324, *np.geomspace(1e-320, 1e-100, 111)):
+        for rate in (0.0, SPEED, -SPEED):
+            force, _ = normal_force(kinds, p, depth, rate, SPEED, MASS, depth, True)
+            assert 0.0 <= force <= 1.1 * math.sqrt(8.0 * STIFFNESS * 2.0) * SPEED
+
+
 def test_guard_of_the_impact_speed() -> None:
     kinds, p = packed(HysteresisDamping(0.5, guard_speed=0.01))
     slow, at_guard, fast = (normal_force(kinds, p, DEEP, 0.005, v, MASS, DEEP, True)[0] for v in (0.0, 0.01, 0.02))

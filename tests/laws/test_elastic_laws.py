@@ -176,7 +176,7 @@ def test_newton_finds_the_branch_minus_one_of_lambert_over_nine_decades():
         assert np.abs(force / expected - 1.0).max() < 1e-12
 
 
-def test_newton_needs_no_more_steps_from_the_fold_down_to_the_smallest_numbers():
+def test_inverse_needs_no_more_steps_from_the_fold_down_to_the_smallest_numbers():
     for law in LOGARITHMIC.values():
         a, C, _ = law.parameters
         kinds, p = row_of(law)

@@ -60,5 +60,5 @@ def damping_force(
         # c = 2 zeta sqrt(m) ds/ddelta with s = sqrt(2 E): a linear oscillator in the phase plane of s, for any law
         energy = stored_energy(kinds, p, depth)
         if energy > 0.0:  # it is not for the least of indentations
-            return p[DAMPING] * elastic * math.sqrt(2.0 * damping_mass(p, mass) / energy) * rate
+            return p[DAMPING] * elastic * (math.sqrt(2.0 * damping_mass(p, mass)) / math.sqrt(energy)) * rate
     return 0.0

@@ -40,7 +40,7 @@ def coefficient(kind: int, p: FloatArray, speed: float, mu: float) -> float:
     static = max(p[FRICTION + 1], mu)
     if kind == BENGISU_AKAY:
         if speed < first:
-            return static * (1.0 - (speed / first - 1.0) ** 2)
+            return static * (speed / first) * (2.0 - speed / first)
         return mu + (static - mu) * math.exp(-p[FRICTION + 2] * (speed - first))
     x = speed / first  # Brown and McPhee
     return mu * math.tanh(4.0 * x) + (static - mu) * x / (0.25 * x * x + 0.75) ** 2 + p[FRICTION + 2] * speed
