@@ -96,6 +96,65 @@ def test_face() -> None:
     assert again.force(1e-3) == law.force(1e-3)
 
 
+def late_root(depth: float, rate: float, speed: float, p: Any) -> float:
+    if depth > 1e-2:
+        raise ValueError("too deep")
+    return K * depth**1.5
+
+
+def beyond_numbers(depth: float, rate: float, speed: float, p: Any) -> float:
+    return K * depth**1.5 if depth < 1e-2 else math.inf
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_face_where_the_function_fails(compiled: bool) -> None:
+    """What it raises comes out, what is no number is told, and the law serves again afterwards."""
+    law, power = OwnLaw(late_root, compiled=compiled), PowerLaw(K)
+    for method in (law.force, law.stiffness, law.energy):
+        with pytest.raises(ValueError, match="too deep"):
+            method([1e-3, 2e-2, 1e-3])
+        assert method(1e-3) > 0.0
+    with pytest.raises(ValueError, match="too deep"):
+        law.indentation(power.force(2e-2))
+    assert law.indentation(power.force(9e-3)) == pytest.approx(9e-3, rel=1e-12)
+    law = OwnLaw(beyond_numbers, compiled=compiled)
+    for method in (law.force, law.stiffness, law.energy):
+        with pytest.raises(lf.ModelError, match=r"^function: .*beyond_numbers.* is not a finite number"):
+            method([1e-3, 2e-2])
+        assert method(1e-3) > 0.0
+    assert law.indentation(power.force(9e-3)) == pytest.approx(9e-3, rel=1e-12)
+    with pytest.raises(lf.ModelError, match=r"^force: .* to which no indentation was found"):
+        law.indentation([1.0, power.force(2e-2)])
+
+
+def test_function_is_not_asked_for_infinite_indentations() -> None:
+    """Many raise there, as the sine does."""
+    law = OwnLaw(lambda depth, rate, speed, p: K * depth**1.5 + 0.0 * math.sin(depth), compiled=False)
+    assert law.indentation(PowerLaw(K).force(1e-3)) == pytest.approx(1e-3, rel=1e-12)
+
+
+def test_law_that_saturates_has_no_inverse_beyond() -> None:
+    law = OwnLaw(lambda depth, rate, speed, p: 1e3 * math.tanh(depth / 1e-3))
+    assert law.indentation(1e3 * math.tanh(1.0)) == pytest.approx(1e-3, rel=1e-12)
+    with pytest.raises(lf.ModelError, match=r"^force: 1001.0 N was given, to which no indentation"):
+        law.indentation(1001.0)
+
+
+def test_arguments_of_the_force() -> None:
+    law = OwnLaw(hunt_crossley, [K, 0.5])
+    for arguments, named in (
+        ((-1e-3,), "delta: -0.001"),
+        (("deep",), "delta: 'deep'"),
+        ((1e-3, math.nan), "rate: nan"),
+        ((1e-3, "fast"), "rate: 'fast'"),
+        ((1e-3, 1.0, -2.0), "impact_speed: -2.0"),
+        ((1e-3, 1.0, math.inf), "impact_speed: inf"),
+    ):
+        with pytest.raises(lf.ModelError, match=f"^{named} was given, expected"):
+            law.force(*arguments)
+    assert law.force(np.ones((0, 3))).shape == (0, 3)
+
+
 def test_least_impact_speed_is_that_told() -> None:
     law = OwnLaw(lambda depth, rate, speed, p: speed * depth, guard_speed=0.25)
     assert law.force(1.0, 0.0, 0.0) == 0.25

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
+from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.errors import ModelError, ModelWarning
 
@@ -85,9 +86,9 @@ class ElasticFace:
     def indentation(self, force: npt.ArrayLike) -> FloatArray: ...
     def indentation(self, force: Any) -> Any:
         """Indentation [m] under ``force`` >= 0 [N]: the inverse of :meth:`force`."""
-        kinds, p = self._row()
-        ends = np.full(2, math.inf)
-        evaluate(kinds, p, FORCE, np.array([self.limit, self.end]), ends)
+        ends = np.array([self.limit, self.end])
+        known = ends < math.inf
+        ends[known] = self._values(FORCE, ends[known])
         return self._evaluate("force", INDENTATION, force, float(ends[0]), float(ends[1]))
 
     def _row(self) -> tuple[npt.NDArray[np.int64], FloatArray]:
@@ -98,15 +99,17 @@ class ElasticFace:
         return np.array([self.kind, 0, 0, getattr(self, "address", 0)], dtype=np.int64), p
 
     def _evaluate(self, name: str, quantity: int, given: Any, limit: float, end: float) -> Any:
-        try:
-            values = np.asarray(given, dtype=float)
-        except (TypeError, ValueError):
-            raise ModelError(f"{name}: {given!r} was given, expected a number or an array of numbers") from None
+        values = numbers_of(name, given)
         self._check(name, values, limit, end)
-        kinds, p = self._row()
-        out = np.empty(values.size)
-        evaluate(kinds, p, quantity, np.ascontiguousarray(values).ravel(), out)
+        out = self._values(quantity, np.ascontiguousarray(values).ravel())
         return float(out[0]) if values.ndim == 0 else out.reshape(values.shape)
+
+    def _values(self, quantity: int, given: FloatArray) -> FloatArray:
+        """A quantity at each of ``given`` (n,)."""
+        kinds, p = self._row()
+        out = np.empty(given.size)
+        evaluate(kinds, p, quantity, given, out)
+        return out
 
     def _check(self, name: str, values: FloatArray, limit: float, end: float) -> None:
         """No number below 0, no NaN, none beyond the range."""

@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_law import ElasticFace
+from lcpflex.contact.laws.elastic_loops import FORCE, INDENTATION
+from lcpflex.contact.laws.given import finite_numbers, numbers_of
 from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
 from lcpflex.contact.laws.own_function import OwnFunction
@@ -19,6 +22,7 @@ from lcpflex.errors import ModelError, in_range
 __all__ = ["OwnLaw"]
 
 TRIAL = (1e-6, 0.0, 1.0)  # indentation [m], rate and impact speed [m/s]
+REACHED = 1e-6  # relative: an inverse is one if the force comes out again
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -122,18 +126,38 @@ class OwnLaw(ElasticFace):
         Raises
         ------
         ModelError
-            For a negative indentation. What the function raises comes out.
+            For negative indentations and impact speeds, and where the function returns no finite number. What it raises
+            comes out.
         """
-        shape = np.broadcast_shapes(np.shape(delta), np.shape(rate), np.shape(impact_speed))
-        depth, rates, speed = (
-            np.broadcast_to(np.asarray(x, dtype=float), shape).ravel() for x in (delta, rate, impact_speed)
-        )
-        self._check("delta", depth, math.inf, math.inf)
+        self._check("delta", numbers_of("delta", delta), math.inf, math.inf)
+        given = (delta, finite_numbers("rate", rate, -math.inf), finite_numbers("impact_speed", impact_speed, 0.0))
+        shape = np.broadcast_shapes(*map(np.shape, given))
+        depth, rates, speed = (np.broadcast_to(np.asarray(x, dtype=float), shape).ravel() for x in given)
         out = np.empty(depth.size)
         self.own.begin()
         own_forces(self.address, depth, rates, np.maximum(speed, self.guard_speed), out)
-        self.own.complaint()
+        self._complain()
         return out.reshape(shape) if shape else float(out[0])
+
+    def _values(self, quantity: int, given: FloatArray) -> FloatArray:
+        """A quantity at each of ``given`` (n,), of the elastic part. What the function raises comes out."""
+        self.own.begin()
+        out = ElasticFace._values(self, quantity, given)
+        if quantity != INDENTATION:
+            self._complain()
+            return out
+        self.own.complaint()  # numbers that are none, on the way to an indentation, do not matter: it is checked here
+        found = ElasticFace._values(self, FORCE, out)
+        wrong = given[~(abs(found - given) <= REACHED * given)]
+        if wrong.size > 0:
+            raise ModelError(f"force: {float(wrong[0])!r} N was given, to which no indentation was found")
+        return out
+
+    def _complain(self) -> None:
+        """Raise what the function raised, and ModelError where it returned no finite number."""
+        words = self.own.complaint()
+        if words:
+            raise ModelError(f"function: {self.function!r} was given, {words}")
 
 
 def _again(function: Callable[..., float], values: tuple[float, ...], guard_speed: float, compiled: bool) -> OwnLaw:
