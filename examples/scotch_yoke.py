@@ -35,7 +35,6 @@ from matplotlib.patches import Circle
 
 import lcpflex as lf
 from lcpflex import laws
-from lcpflex.slots import SlotParts
 
 MIDDLE, WIDTH, PIN, LENGTH = 60e-3, 16e-3, 7.9e-3, 10e-3  # of the slot and its pin [m]
 HALF = math.radians(60.0)  # of the arc on either side
@@ -74,7 +73,9 @@ def scene(law=None) -> lf.Scene:
         return made
     damping = laws.HysteresisDamping(RESTITUTION)
     pairs = [laws.CylinderPair.between(part, disc, LENGTH, STEEL) for part in slot.parts]
-    made.contact_slot(disc, slot, name="slot", law=SlotParts(*(laws.ContactLaw(law(pair), damping) for pair in pairs)))
+    made.contact_slot(
+        disc, slot, name="slot", law=lf.SlotParts(*(laws.ContactLaw(law(pair), damping) for pair in pairs))
+    )
     return made
 
 

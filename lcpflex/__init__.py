@@ -40,6 +40,8 @@ _HOME = {
     "Polygon": "lcpflex.bodies.rigid",
     "RigidBody": "lcpflex.bodies.rigid",
     "Scene": "lcpflex.scene",
+    "Slot": "lcpflex.slots",
+    "SlotParts": "lcpflex.slots",
     "Distance": "lcpflex.joints",
     "DrivenAngle": "lcpflex.joints",
     "DrivenDisplacement": "lcpflex.joints",
@@ -131,6 +133,8 @@ __all__ = [
     "Revolute",
     "RigidBody",
     "Scene",
+    "Slot",
+    "SlotParts",
     "Smooth",
     "SolidOfRevolution",
     "SolverError",
@@ -210,6 +214,7 @@ if TYPE_CHECKING:
     from lcpflex.result import Result
     from lcpflex.scene import Scene
     from lcpflex.simulate import simulate
+    from lcpflex.slots import Slot, SlotParts
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
