@@ -346,3 +346,29 @@ def test_bad_arguments_of_the_force() -> None:
         Threlfall().force(1.0, 1.0, -0.1)
     with pytest.raises(lf.ModelError, match="static_friction"):
         BrownMcPhee(static_friction=0.2).force(1.0, 1.0, 0.3)
+
+
+@pytest.mark.parametrize("law", [*MEMORYLESS, LuGre()], ids=name)
+@pytest.mark.parametrize("bad", [math.nan, math.inf, "fast", None])
+def test_what_is_no_finite_number(law: Any, bad: Any) -> None:
+    force = law.steady_force if isinstance(law, LuGre) else law.force
+    for place, named in enumerate(("slip", "normal", "mu")):
+        given: list[Any] = [1.0, 1.0, MU]
+        given[place] = bad
+        with pytest.raises(lf.ModelError, match=f"^{named}: .*was given, expected"):
+            force(*given)
+
+
+def test_bad_arguments_of_steady_friction() -> None:
+    with pytest.raises(lf.ModelError, match=r"^normal: -3\.0"):
+        LuGre().steady_force(1.0, -3.0, MU)
+    with pytest.raises(lf.ModelError, match="static_friction"):
+        LuGre(static_friction=0.2).steady_force(1.0, 1.0, MU)
+    assert LuGre().steady_force(np.ones((0, 2)), 1.0, MU).shape == (0, 2)
+
+
+def test_slope_at_rest_is_free_of_cancellation() -> None:
+    slip = np.geomspace(1e-300, 1e-9, 30)
+    assert BengisuAkay(SPEED, 1.0, STATIC).force(slip, 1.0, MU) == pytest.approx(
+        -2.0 * STATIC / SPEED * slip * (1.0 - 0.5 * slip / SPEED), rel=1e-14
+    )

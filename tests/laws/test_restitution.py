@@ -284,6 +284,14 @@ def test_restitution_out_of_range(law: Any, e: float) -> None:
         restitution_of(law, e)
 
 
+@pytest.mark.parametrize("law", [F.EXACT, Tsuji, KuwabaraKono, PermanentIndentation], ids=name)
+def test_what_is_no_number(law: Any) -> None:
+    with pytest.raises(ModelError, match=r"^(restitution|parameter): 'low' was given, expected a number"):
+        restitution_of(law, "low")
+    with pytest.raises(ModelError, match=r"^e_out: 'low' was given, expected a number"):
+        prescribed_restitution(law, "low")
+
+
 @pytest.mark.parametrize("law", [KuwabaraKono, Ristow], ids=name)
 @pytest.mark.parametrize("parameter", [-1.0, math.inf])
 def test_parameter_out_of_range(law: Any, parameter: float) -> None:

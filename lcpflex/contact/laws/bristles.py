@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.contact.laws.layout import BRISTLE, LUGRE
-from lcpflex.contact.laws.static_friction import check_static_friction, static_coefficient
+from lcpflex.contact.laws.static_friction import check_static_friction, slip_of, static_coefficient
 from lcpflex.errors import in_range
 
 __all__ = ["Bristle", "LuGre"]
@@ -93,8 +93,16 @@ class LuGre:
         check_static_friction(self.static_friction, mu, contact)
 
     def steady_force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
-        """Tangential force [N] after sliding at constant velocities [m/s] under normal forces [N]; arrays broadcast."""
-        slip, normal, mu = (np.asarray(x, dtype=float) for x in (slip, normal, mu))
+        """Tangential force [N] after sliding at constant velocities [m/s] under normal forces >= 0 [N], broadcast.
+
+        Raises
+        ------
+        ModelError
+            For what is no finite number, a negative normal force or coefficient, and mu_s < mu.
+        """
+        slip, normal, mu = slip_of(slip, normal, mu)
+        if mu.size > 0:
+            self.check(float(mu.max()), "mu")
         static = np.maximum(static_coefficient(self.static_friction), mu)
         sliding = mu + (static - mu) * np.exp(-((slip / self.stribeck_speed) ** 2))
         return -normal * (np.sign(slip) * sliding + self.viscous * slip)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.contact.laws.given import finite_numbers
 from lcpflex.contact.laws.hysteresis import check_linear, fractions
 from lcpflex.contact.laws.layout import (
     JANKOWSKI,
@@ -23,7 +24,7 @@ from lcpflex.contact.laws.layout import (
     ElasticLaw,
 )
 from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import in_range
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
 
@@ -41,11 +42,7 @@ def check_mass(mass: float | None) -> None:
 
 def strengths(values: ArrayLike) -> Any:
     """Values as an array if they are finite and not negative."""
-    array = np.asarray(values, dtype=float)
-    wrong = array[~((array >= 0.0) & np.isfinite(array))]
-    if wrong.size > 0:
-        raise ModelError(f"parameter: {wrong[0]} was given, expected a finite number >= 0")
-    return array
+    return finite_numbers("parameter", values, 0.0)
 
 
 class Speedless:

@@ -2,7 +2,8 @@
 
 Written here for the friction force per unit of normal force, f(v) = |lambda_T| / lambda_N at a slip speed v = |gdot_T|;
 the force itself opposes the slip, lambda_T = -lambda_N f sgn(gdot_T). No law of these but :class:`LuGre` and
-:class:`Bristle` holds anything at rest: under a load that Coulomb's law would hold the others creep.
+:class:`Bristle` holds anything at rest: under a load that Coulomb's law would hold the others creep. A contact with
+mu = 0 has no friction at all, whatever the law: no static and no viscous one.
 
 Laws with a static coefficient mu_s take it as ``static_friction``; None is mu_s = mu, no Stribeck effect.
 """
@@ -28,7 +29,7 @@ from lcpflex.contact.laws.layout import (
     TANH,
     THRELFALL,
 )
-from lcpflex.contact.laws.static_friction import check_static_friction, static_coefficient
+from lcpflex.contact.laws.static_friction import check_static_friction, slip_of, static_coefficient
 from lcpflex.errors import ModelError, in_range
 
 __all__ = [
@@ -68,17 +69,15 @@ class MemorylessFriction:
         Raises
         ------
         ModelError
-            For a negative normal force or coefficient, and for mu_s < mu.
+            For what is no finite number, a negative normal force or coefficient, and mu_s < mu.
         """
         from lcpflex.contact.laws.friction_kernels import friction_forces  # a scene is built without compiling
 
-        shape = np.broadcast_shapes(np.shape(slip), np.shape(normal), np.shape(mu))
-        flat = [np.broadcast_to(np.asarray(x, dtype=float), shape).ravel() for x in (slip, normal, mu)]
-        for name, values in (("normal", flat[1]), ("mu", flat[2])):
-            if not (values >= 0.0).all():
-                raise ModelError(f"{name}: {float(values.min())!r} was given, expected numbers >= 0")
-        for value in np.unique(flat[2]) if flat[2].size else ():
-            self.check(float(value), "mu")
+        given = slip_of(slip, normal, mu)
+        shape = np.broadcast_shapes(*(x.shape for x in given))
+        flat = [np.broadcast_to(x, shape).ravel() for x in given]
+        if flat[2].size > 0:
+            self.check(float(flat[2].max()), "mu")
         p = np.zeros(PARAMETERS)
         p[FRICTION : FRICTION + len(self.parameters)] = self.parameters
         out = np.empty(len(flat[0]))

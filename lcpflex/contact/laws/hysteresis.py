@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lcpflex.compiled import FloatArray
+from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
 from lcpflex.errors import ModelError, in_range
@@ -129,7 +130,7 @@ FINITE = (
 
 def fractions(restitution: ArrayLike, *, zero: bool) -> FloatArray:
     """Restitution as an array if all of it is in [0, 1], or in (0, 1]."""
-    e = np.asarray(restitution, dtype=float)
+    e = numbers_of("restitution", restitution)
     wrong = e[~((e <= 1.0) & ((e >= 0.0) if zero else (e > 0.0)))]
     if wrong.size > 0:
         raise ModelError(f"restitution: {wrong[0]} was given, expected a number in {'[' if zero else '('}0, 1]")

@@ -15,6 +15,7 @@ from lcpflex.contact.laws.damping import (
     Ristow,
     Tsuji,
 )
+from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.hysteresis import HysteresisFactor
 from lcpflex.errors import ModelError
 
@@ -69,7 +70,7 @@ def prescribed_restitution(law: DissipativeLaw, e_out: ArrayLike) -> Any:
         For a law that is none of those, and where nothing prescribed gives ``e_out``; the message tells the range.
     """
     lowest, highest, first, last = _reach(law)
-    wanted = np.asarray(e_out, dtype=float)
+    wanted = numbers_of("e_out", e_out)
     wrong = wanted[~((wanted >= lowest) & (wanted <= highest))]
     if wrong.size > 0:
         named = law if isinstance(law, HysteresisFactor) else law.__name__

@@ -1,12 +1,20 @@
-"""The static coefficient of friction laws that have one."""
+"""The static coefficient of friction laws that have one, and what their public face is given."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.laws.given import finite_numbers
 from lcpflex.errors import ModelError, in_range
 
-__all__ = ["check_static_friction", "static_coefficient"]
+__all__ = ["check_static_friction", "slip_of", "static_coefficient"]
+
+
+def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Slip velocities, normal forces >= 0 and coefficients of friction >= 0 as arrays."""
+    return finite_numbers("slip", slip, -math.inf), finite_numbers("normal", normal, 0.0), finite_numbers("mu", mu, 0.0)
 
 
 def check_static_friction(static: float | None, mu: float = 0.0, contact: str = "") -> None:
