@@ -70,7 +70,7 @@ def in_range(name: str, value: Any, low: float, high: float, *, open_ends: bool 
     brackets = "()" if open_ends else "[]"
     expected = f"expected a finite number in {brackets[0]}{low:g}, {high:g}{brackets[1]}"
     try:
-        number = float(value)
+        number = math.nan if isinstance(value, str | bytes) else float(value)  # "0.5" would be kept as it is
     except (TypeError, ValueError):
         raise ModelError(f"{name}: {value!r} was given, {expected}") from None
     inside = low < number < high if open_ends else low <= number <= high

@@ -13,6 +13,7 @@ from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, 
 from lcpflex.contact.laws.hertz import Hertz
 from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.contact.laws.materials import Material
+from lcpflex.contact.laws.power_fit import fit_power_law
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.errors import ModelError, ModelWarning
 
@@ -212,6 +213,8 @@ def test_angles_of_persson():
     for bad in (-0.1, math.radians(80.0), math.nan):
         with pytest.raises(ModelError, match=r"^eps: .*expected 0 to 1.37881 rad"):
             Persson(PIN).force_at_angle([0.1, bad])
+    with pytest.raises(ModelError, match=r"^eps: 'wide' was given, expected a number"):
+        Persson(PIN).force_at_angle("wide")
     law = Persson(PIN, lenient=True)
     with pytest.warns(ModelWarning, match=r"^eps: .*checked up to"):
         assert law.force_at_angle(math.radians(83.0)) > law.force_at_angle(1.37)
@@ -245,6 +248,43 @@ def test_spheres_in_newtons_and_millimetres():
         with pytest.warns(ModelWarning, match="look like MPa and mm") as told:
             make(lenient=True)
     assert told[0].filename == __file__
+
+
+def test_length_in_millimetres_beside_radii_in_metres():
+    with pytest.warns(ModelWarning, match=r"^length: 10 m was given, which looks like mm beside radii of") as told:
+        Johnson(CylinderPair.internal(0.068, 0.0079, 10.0, STEEL))
+    assert told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Johnson(CylinderPair.external(0.3, 0.4, 10.0, STEEL))  # rolls of a paper machine
+        Johnson(CylinderPair.external(1e-4, 1e-4, 0.5, STEEL))  # wires side by side
+
+
+def test_flags_that_are_none():
+    makes = [*(lambda law=law: law(PIN, lenient="no") for law in LINES), lambda: PowerLaw(1e6, lenient=1)]
+    for make in (*makes, lambda: Hertz.spheres(0.1, 0.1, STEEL, lenient=None)):
+        with pytest.raises(ModelError, match=r"^lenient: .* was given, expected True or False"):
+            make()
+    with pytest.raises(ModelError, match=r"^handbook: 'yes' was given, expected True or False"):
+        Radzimovsky(PIN, "yes")
+
+
+def test_numbers_in_words():
+    """They would be kept as they are, and fail where they are computed with."""
+    for make in (lambda: PowerLaw("1e6"), lambda: Goldsmith(PIN, m="3"), lambda: Material("2e11", 0.3)):
+        with pytest.raises(ModelError, match=r"^\w+: '.*' was given, expected a finite number"):
+            make()
+
+
+@pytest.mark.parametrize("points", [10.5, 1000.0, 9, "20", None, math.nan])
+def test_points_of_a_fit(points):
+    with pytest.raises(ModelError, match=rf"^points: {points!r} was given, expected a whole number"):
+        fit_power_law(Johnson(PIN), (0.0, 5e3), points=points)
+
+
+def test_laws_are_written_as_they_are_made():
+    for law in (PowerLaw(1e6, 1.25), PowerLaw(2.0, lenient=True)):
+        assert eval(repr(law)) == law
 
 
 def test_millimetres_beside_pascals():

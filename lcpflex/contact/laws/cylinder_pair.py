@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 
 from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, ModelWarning, in_range
 
 __all__ = ["CylinderPair"]
 
+LONG = 100.0  # length over the larger radius, that no roller and no hinge has
 CONFORMING = 0.3  # largest half-width of a contact over the smaller radius for the theory of half-spaces
 
 
@@ -120,5 +122,9 @@ class CylinderPair:
         return width**2 * math.pi * self.contact_modulus * self.length / (4.0 * self.effective_radius)
 
     def check(self, lenient: bool) -> None:
-        """Moduli in Pa and radii in m, as far as can be told."""
-        check_units((self.material, self.other), (self.first_radius, self.second_radius), lenient, stacklevel=6)
+        """Moduli in Pa, radii and length in m, as far as can be told."""
+        radii = (self.first_radius, self.second_radius)
+        check_units((self.material, self.other), radii, lenient, stacklevel=6)
+        if self.length >= LONG * max(radii) and self.length >= 1.0:
+            text = f"length: {self.length:g} m was given, which looks like mm beside radii of at most {max(radii):g} m"
+            warnings.warn(text, ModelWarning, stacklevel=5)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.elastic_law import ElasticFace
+from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import LIU, PERSSON, POWER
 from lcpflex.contact.laws.line_contact import check_pair
 from lcpflex.errors import ModelError, ModelWarning, in_range
@@ -230,7 +231,7 @@ class Persson(ElasticFace):
     def force_at_angle(self, eps: npt.ArrayLike) -> FloatArray: ...
     def force_at_angle(self, eps: Any) -> Any:
         """F [N] at the semi-angle ``eps`` >= 0 of the contact [rad]; a number or an array of any shape."""
-        values = np.asarray(eps, dtype=float)
+        values = numbers_of("eps", eps)
         last = LAST_ANGLE if self.lenient else CHECKED_ANGLE
         wrong = ~((values >= 0.0) & (values <= last))
         if wrong.any():

@@ -22,6 +22,7 @@ from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import LOGARITHMIC
+from lcpflex.contact.laws.materials import check_flag
 from lcpflex.errors import ModelError, ModelWarning, in_range
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
@@ -29,6 +30,7 @@ __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarit
 
 def check_pair(pair: Any, lenient: bool) -> None:
     """A CylinderPair in SI units."""
+    check_flag("lenient", lenient)
     if not isinstance(pair, CylinderPair):
         expected = "expected a CylinderPair, such as CylinderPair.internal(...)"
         raise ModelError(f"pair: {pair!r} was given, {expected}")
@@ -140,6 +142,10 @@ class Radzimovsky(Logarithmic):
     pair: CylinderPair
     handbook: bool = False
     lenient: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        check_pair(self.pair, self.lenient)
+        check_flag("handbook", self.handbook)
 
     @property
     def constants(self) -> tuple[float, float, float]:

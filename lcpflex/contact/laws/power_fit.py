@@ -75,7 +75,8 @@ def fit_power_law(
         raise ModelError(f"load_range: {load_range!r} was given, expected two loads (low, high) in N") from None
     low = in_range("load_range[0]", low, 0.0, math.inf)
     high = in_range("load_range[1]", high, low, math.inf, open_ends=True)
-    in_range("points", points, 10, 1e8)
+    if not isinstance(points, int | np.integer) or not 10 <= points <= 1e8:
+        raise ModelError(f"points: {points!r} was given, expected a whole number from 10 to 1e8")
     in_range("error_from", error_from, 0.0, math.inf)
     force = low + (high - low) * np.arange(1, points + 1) / points
     delta = law.indentation(force)
