@@ -12,7 +12,7 @@ from lcpflex.errors import ModelError, ModelWarning, in_range
 
 __all__ = ["CylinderPair"]
 
-LONG = 100.0  # length over the larger radius, that no roller and no hinge has
+LONG = 100.0  # length over the larger radius: no roller and no hinge is longer
 CONFORMING = 0.3  # largest half-width of a contact over the smaller radius for the theory of half-spaces
 
 
@@ -125,6 +125,6 @@ class CylinderPair:
         """Moduli in Pa, radii and length in m, as far as can be told."""
         radii = (self.first_radius, self.second_radius)
         check_units((self.material, self.other), radii, lenient, stacklevel=6)
-        if self.length >= LONG * max(radii) and self.length >= 1.0:
+        if self.length > LONG * max(radii) and self.length >= 1.0:
             text = f"length: {self.length:g} m was given, which looks like mm beside radii of at most {max(radii):g} m"
             warnings.warn(text, ModelWarning, stacklevel=5)
