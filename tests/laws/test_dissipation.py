@@ -118,6 +118,15 @@ def test_forces_of_the_least_indentations_are_finite(damping: Any, n: float) -> 
             assert 0.0 <= force <= 1.1 * math.sqrt(8.0 * STIFFNESS * 2.0) * SPEED
 
 
+@pytest.mark.parametrize("damping", [Tsuji(0.4), Ristow(300.0), Jankowski(0.4)], ids=name)
+def test_what_cannot_move_is_not_damped(damping: Any) -> None:
+    """Of a contact between bodies that are both held the effective mass is infinite."""
+    kinds, p = packed(damping)
+    for rate in (0.0, SPEED):
+        force, elastic = normal_force(kinds, p, DEEP, rate, SPEED, math.inf, DEEP, True)
+        assert force == elastic == pytest.approx(STIFFNESS * DEEP**1.5, rel=1e-14)
+
+
 def test_guard_of_the_impact_speed() -> None:
     kinds, p = packed(HysteresisDamping(0.5, guard_speed=0.01))
     slow, at_guard, fast = (normal_force(kinds, p, DEEP, 0.005, v, MASS, DEEP, True)[0] for v in (0.0, 0.01, 0.02))

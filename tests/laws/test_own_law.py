@@ -16,6 +16,7 @@ import lcpflex as lf
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.friction import LuGre
 from lcpflex.contact.laws.hysteresis import HysteresisDamping
+from lcpflex.contact.laws.normal_kernels import normal_force
 from lcpflex.contact.laws.own_law import OwnLaw
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
@@ -157,8 +158,12 @@ def test_arguments_of_the_force() -> None:
 
 def test_least_impact_speed_is_that_told() -> None:
     law = OwnLaw(lambda depth, rate, speed, p: speed * depth, guard_speed=0.25)
-    assert law.force(1.0, 0.0, 0.0) == 0.25
-    assert law.force(1.0, 0.0, 3.0) == 3.0
+    row = ContactLaw(law, HysteresisDamping(1.0)).row()
+    for speed, told in ((0.0, 0.25), (3.0, 3.0)):
+        assert law.force(1.0, 0.0, speed) == told
+        force, elastic = normal_force(np.array(row.kinds), np.array(row.parameters), 2.0, 0.0, speed, 1.0, 2.0, True)
+        assert force == 2.0 * told
+        assert elastic == 2.0
 
 
 def test_law_that_creates_energy_is_told() -> None:

@@ -15,9 +15,12 @@ __all__ = ["finite_numbers", "numbers_of"]
 def numbers_of(name: str, given: Any) -> FloatArray:
     """``given`` as an array of floats; ModelError for what is no number and no array of numbers."""
     try:
-        return np.asarray(given, dtype=float)
+        values = np.asarray(given)
+        if values.dtype.kind in "biufO":  # numpy would read words, and drop imaginary parts
+            return values.astype(float, copy=False)
     except (TypeError, ValueError):
-        raise ModelError(f"{name}: {given!r} was given, expected a number or an array of numbers") from None
+        pass
+    raise ModelError(f"{name}: {given!r} was given, expected a number or an array of numbers")
 
 
 def finite_numbers(name: str, given: Any, least: float) -> FloatArray:
