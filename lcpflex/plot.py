@@ -17,6 +17,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, writable_path
 from lcpflex.picture import View, draw_bodies, draw_forces, draw_joints, draw_surfaces, view_of
+from lcpflex.summary import lost_in_contacts
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -212,7 +213,7 @@ def _plot_energies(ax: Axes, result: Result, order: IntArray) -> None:
         ("elastic", energies.elastic, "-"),
         ("potential, change", energies.potential - energies.potential[0], "-"),
         ("lost to friction", energies.friction, "--"),
-        ("lost in impacts", energies.impact, "--"),
+        (lost_in_contacts(result), energies.impact, "--"),
         ("lost to damping", energies.damping, "--"),
         ("work of loads", energies.work, ":"),
     )

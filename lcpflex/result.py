@@ -111,7 +111,7 @@ class Result:
     spots: ContactSpots
     energies: Energies
     residual: FloatArray  # (m,) largest natural-map residual of the contact problems since the previous instant
-    penetration: FloatArray  # (m,) largest penetration since the previous instant [m]
+    penetration: FloatArray  # (m,) largest penetration since the previous instant [m], see ``all_by_law``
     joint_drift: FloatArray  # (m,) largest violation of a joint since the previous instant [m] or [rad]
     size: IntArray  # (m,) unknowns of the largest contact problem since the previous instant
     events: tuple[Event, ...]
@@ -125,6 +125,7 @@ class Result:
     duration: float  # [s] asked for
     compiled: Compiled | None = None  # what the scene was compiled to; None for a system of the user's own
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
+    by_law: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
 
     def __post_init__(self) -> None:
         if self.compiled is not None and not self.contact_names:
@@ -141,6 +142,14 @@ class Result:
                 raise ModelError(f"{name}: shape {getattr(self, name).shape}; expected {shape}")
         if self.energies.kinetic.shape != (m,):
             raise ModelError(f"energies: shape {self.energies.kinetic.shape}; expected {(m,)}")
+
+    @property
+    def all_by_law(self) -> bool:
+        """Whether every contact is a continuous force: ``penetration`` is then the indentation that its law asks for.
+
+        Else it is that of the set-valued contacts alone, which should have none.
+        """
+        return bool(self.contact_names) and set(self.contact_names) <= set(self.by_law)
 
     def contact(self, name: str) -> ContactHistory:
         """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name."""
@@ -207,7 +216,7 @@ class Result:
         """
         from lcpflex.archive import write
 
-        kept = None if self.compiled is None else replace(self.compiled, callbacks=(), laws=())
+        kept = None if self.compiled is None else replace(self.compiled, callbacks=(), laws=(None,) * len(self.compiled.laws))
         return write(replace(self, compiled=kept), path)
 
     @classmethod

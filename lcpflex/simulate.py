@@ -273,6 +273,7 @@ def _collect(
         duration=duration,
         compiled=compiled,
         contact_names=names,
+        by_law=run.records.by_law,
     )
 
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.result import ContactHistory, Result
 
-__all__ = ["doubts", "scene_size", "summary", "with_unit"]
+__all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]
 
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
@@ -44,12 +44,22 @@ def doubts(result: Result) -> tuple[str, ...]:
         found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")
     size = scene_size(result)
     if size is not None:
-        for name, value in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
+        values = {"penetration": result.penetration, "joint drift": result.joint_drift}
+        if result.all_by_law:
+            del values["penetration"]
+        for name, value in values.items():
             if not _largest(value) <= SUNK * size:
                 found.append(
                     f"the {name} of {with_unit(_largest(value), 'm')} is large for a scene of {with_unit(size, 'm')}"
                 )
     return tuple(found)
+
+
+def lost_in_contacts(result: Result) -> str:
+    """What ``energies.impact`` is to be called: the damping of contacts by law takes more time than an impact."""
+    if result.all_by_law:
+        return "lost in contacts"
+    return "lost in impacts, contacts" if result.by_law else "lost in impacts"
 
 
 def _run(result: Result) -> str:
@@ -82,7 +92,8 @@ def _contacts(result: Result) -> str:
     lines = ["Contacts", *(_contact(h) for h in touched[:LISTED])]
     if len(touched) > LISTED:
         lines.append(f"  and {len(touched) - LISTED} more with smaller impulses")
-    if result.energies.impact[-1] > 0.0 and not any(event.kind == "impact" for event in result.events):
+    lost = result.energies.impact[-1] > 0.0 and not result.all_by_law
+    if lost and not any(event.kind == "impact" for event in result.events):
         lines.append("  peak forces count an impact, which takes no time, as its impulse over one step")
     if len(touched) < len(histories):
         lines.append(f"  {len(histories) - len(touched)} of {len(histories)} never touched")
@@ -118,7 +129,7 @@ def _energy(result: Result) -> str:
     rows.append(("work of loads and drives", "", f"{energies.work[-1]:.6g}"))
     for name, label in (
         ("friction", "lost to friction"),
-        ("impact", "lost in impacts"),
+        ("impact", lost_in_contacts(result)),
         ("damping", "lost to damping"),
     ):
         rows.append((label, "", f"{getattr(energies, name)[-1]:.6g}"))
@@ -132,12 +143,21 @@ def _energy(result: Result) -> str:
 
 
 def _accuracy(result: Result) -> str:
+    indentation = _largest(result.penetration if result.all_by_law else _indentation(result))
+    by_law = f"largest indentation {with_unit(indentation, 'm')}; " if result.by_law else ""
+    others = "" if result.all_by_law else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
     return (
         "Accuracy\n"
-        f"  largest penetration {with_unit(_largest(result.penetration), 'm')}; "
+        f"  {by_law}{others}"
         f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
         f"largest residual of a contact problem {_largest(result.residual):.1e}"
     )
+
+
+def _indentation(result: Result) -> FloatArray:
+    """Indentations of the contacts by law at the stored instants [m], all in one array."""
+    indented = result.gap[:, np.isin(result.contact_names, result.by_law)]
+    return np.asarray(-indented[indented < 0.0])
 
 
 def _warnings(result: Result) -> str:

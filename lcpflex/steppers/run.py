@@ -22,6 +22,8 @@ class Records:
     def __init__(self, system: System) -> None:
         self._system = system
         self._pages: list[dict[str, Any]] = []
+        # declared contacts that are a continuous force
+        self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
         self.tape: Tape = system.tape(64, 1024)
 

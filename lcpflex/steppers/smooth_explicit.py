@@ -57,7 +57,8 @@ __all__ = [
     "take_note",
 ]
 
-BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING = range(6)  # number[PHASE]
+BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING, ENDING = range(7)  # number[PHASE]
+SAME = 1e-12  # of the duration: instants nearer than that are one
 HALVINGS = 45  # of a step, to find where a contact begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
 NONE_OF_IT = 1e-6  # and below: a repeated step might fall short by its rounding, and the next one likewise
@@ -193,16 +194,25 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
 
 @kernel
 def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
-    """Time of the next instant to be stored in this step [s], its state in ``memory.at``; negative if none is left."""
+    """Time of the next instant to be stored [s], its state in ``memory.at``; negative if none is left.
+
+    Of those within a step, or of the one at its end: that is stored once contacts have taken note of it, or a contact
+    that begins there with an indentation would show a force without its impact speed.
+    """
     clock = memory.clock
-    end = clock[TIME] + clock[TAKEN]
     stored = memory.number[STORED]
+    ending = memory.number[PHASE] != EMITTING
+    end = clock[TIME] if ending else clock[TIME] + clock[TAKEN]
     t = min(stored * settings.interval, settings.duration) if settings.interval > 0.0 else end
-    if stored < 0 or t > end + 1e-12 * settings.duration:
+    if stored < 0 or t > end + SAME * settings.duration:
         return -1.0
-    share = min(t - clock[TIME], clock[TAKEN]) / clock[LENGTH]
-    interpolate(memory.y, memory.slopes, clock[LENGTH], share, memory.at)
-    return min(t, end)
+    if ending:
+        copy_state(memory.y, memory.at)
+        return min(t, end)
+    if t >= end - SAME * settings.duration:
+        return -1.0
+    interpolate(memory.y, memory.slopes, clock[LENGTH], (t - clock[TIME]) / clock[LENGTH], memory.at)
+    return t
 
 
 @kernel
@@ -263,24 +273,19 @@ def advance(
         elif phase in (NOTING, BEFORE):
             status = take_note(model, work, memory)
             if status == DONE:
-                number[PHASE] = STEPPING if phase == NOTING else STARTING
+                number[PHASE] = ENDING if phase == NOTING else STARTING
         else:
-            t = 0.0
-            if phase == STARTING:
-                copy_state(memory.y, memory.at)
-            else:
-                t = due(settings, memory)
+            t = due(settings, memory)
             if t >= 0.0:
                 status = record(model, t, memory.at, work, memory, tape)
                 if status == DONE:
                     number[STORED] += 1
-                    if t >= settings.duration * (1.0 - 1e-12):
+                    if t >= settings.duration * (1.0 - SAME):
                         number[STORED] = -1
-            if status == DONE:
-                if phase == STARTING:
-                    number[PHASE] = STEPPING
-                elif t < 0.0 or settings.interval <= 0.0 or number[STORED] < 0:
-                    number[PHASE] = CLOSING
+            if status == DONE and phase == EMITTING:
+                number[PHASE] = EMITTING if t >= 0.0 else CLOSING
+            elif status == DONE and (t < 0.0 or settings.interval <= 0.0 or number[STORED] < 0 or phase == STARTING):
+                number[PHASE] = STEPPING
         if status != DONE:
             return status
 

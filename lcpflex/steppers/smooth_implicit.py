@@ -13,7 +13,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
-from lcpflex.steppers.smooth_explicit import ALL_OF_IT, HALVINGS, NONE_OF_IT, STEPPING, SmoothSettings, take_note
+from lcpflex.steppers.smooth_explicit import ALL_OF_IT, HALVINGS, NONE_OF_IT, SAME, STEPPING, SmoothSettings, take_note
 from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
 from lcpflex.steppers.smooth_run import SmoothRun
 from lcpflex.steppers.smooth_slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
@@ -36,6 +36,7 @@ class StiffRun(SmoothRun):
         self._slope, self._horizon, self._record = self._link(slope), self._link(horizon), self._link(record)
         self._project, self._begun, self._take_note = self._link(project), self._link(begun), self._link(take_note)
         self._ode: Any = None
+        self._short = False  # whether the last step was to end where a contact begins, and has not got there
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps; empty, or why the run cannot go on."""
@@ -109,20 +110,27 @@ class StiffRun(SmoothRun):
         longest = min(self._settings.max_step, self._ahead())
         share, between = self._try(longest)
         taken = float(self._ode.t) - begin
-        if NONE_OF_IT < share < ALL_OF_IT:  # its stages would mix what is before and behind
-            self._start(share * taken)
-            share, between = self._try(share * taken)
+        again = NONE_OF_IT < share < ALL_OF_IT and not self._short
+        self._short = False
+        if again:  # its stages would mix what is before and behind
+            wanted = share * taken
+            self._start(wanted)
+            share, between = self._try(wanted)
+            # before a jump a step may fall short, time after time: the next one over it is taken as it is
+            self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
             return self._handle(STEP_TOO_SHORT)
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)
-        self._store_between(between, ended, end)
+        self._store_between(between, ended)
         memory.y[:] = end
         memory.clock[TIME] = ended
         memory.number[STEPS] += 1
         off = self._put_right() if self.system.n_joint else False
         message, changed = self._note()
+        if not message:
+            self._store_end()
         if not message and self.time < self.duration and (off or changed or share < 1.0):
             if changed:
                 self._enter(ENTRY * min(taken, self.duration - self.time))
@@ -198,19 +206,24 @@ class StiffRun(SmoothRun):
             self._handle(GROW)
             self._rate(self.time, memory.y)  # the larger memory needs the factors of this state
 
-    def _store_between(self, between: Dense, ended: float, end: FloatArray) -> None:
-        """Store the instants due up to the end of the step."""
-        interval, number = self._settings.interval, self._memory.number
-        while number[STORED] >= 0:
-            t = min(int(number[STORED]) * interval, self.duration) if interval > 0.0 else ended
-            if t > ended + 1e-12 * self.duration:
-                return
-            t = min(t, ended)
-            self._store(t, end if t == ended else between(t))
-            if t >= self.duration * (1.0 - 1e-12):
-                number[STORED] = -1
-            if interval <= 0.0:
-                return
+    def _due(self, end: float) -> float:
+        """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
+        interval, stored = self._settings.interval, int(self._memory.number[STORED])
+        if stored < 0:
+            return math.inf
+        return min(stored * interval, self.duration) if interval > 0.0 else end
+
+    def _store_between(self, between: Dense, ended: float) -> None:
+        """Store the instants due before the end of the step."""
+        while (t := self._due(ended)) < ended - SAME * self.duration:
+            self._store(t, between(t))
+
+    def _store_end(self) -> None:
+        """Store the instant due at the end of the step, if there is one: contacts have taken note of it."""
+        if (t := self._due(self.time)) <= self.time + SAME * self.duration:
+            self._store(min(t, self.time), self._memory.y)
+            if t >= self.duration * (1.0 - SAME):
+                self._memory.number[STORED] = -1
 
     def _store(self, t: float, y: FloatArray) -> None:
         """Store one instant."""

@@ -81,6 +81,7 @@ class SmoothRun:
     ) -> None:
         self.system = system
         self.records = Records(system)
+        self.records.by_law = system.names
         self.duration = settings.duration
         self._settings = settings
         self._work = system.workspace(16)

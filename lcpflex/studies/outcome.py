@@ -71,8 +71,9 @@ class Criteria:
     Attributes
     ----------
     drift
-        Largest penetration and joint drift, as a share of the largest extent of a body. Not compared where bodies have
-        no extent, as those of a :class:`UserSystem`, unless ``length`` is given.
+        Largest penetration and joint drift, as a share of the largest extent of a body. The indentation under a law of
+        the scene is none, that under a law of the method is. Not compared where bodies have no extent, as those of a
+        :class:`UserSystem`, unless ``length`` is given.
     length
         Length [m] that penetration and joint drift are compared with instead.
     growth
@@ -191,8 +192,11 @@ def _drift(result: Result, criteria: Criteria) -> Verdict | None:
     size = scene_size(result) if criteria.length is None else criteria.length
     if size is None:
         return None
-    for name, values in (("penetration", result.penetration), ("joint drift", result.joint_drift)):
-        largest = float(np.max(values, initial=0.0))
+    values = {"penetration": result.penetration, "joint drift": result.joint_drift}
+    if result.compiled is not None and result.compiled.laws and all(result.compiled.laws):
+        del values["penetration"]  # the indentation that the scene asks for
+    for name, value in values.items():
+        largest = float(np.max(value, initial=0.0))
         if not largest <= criteria.drift * size:
             return Verdict(Outcome.DRIFTING, f"{name} of {with_unit(largest, 'm')}")
     return None

@@ -119,6 +119,21 @@ def test_deep_penetration_and_drift_cast_doubt(swing: Result) -> None:
     assert "joint drift" in doubts(replace(swing, joint_drift=np.full(41, 0.01)))[0]
 
 
+def test_indentation_of_laws_casts_no_doubt(swing: Result) -> None:
+    """What contacts by law are indented by is said by that name; beside others, only those must not penetrate."""
+    deep = replace(swing, penetration=np.full(41, 0.01), gap=np.full((41, 4), -0.02))
+    assert "lost in impacts " in deep.summary()
+    some = replace(deep, by_law=("stop", "roof"))
+    assert "penetration of 10 mm" in doubts(some)[0]
+    assert "largest indentation 20 mm; largest penetration 10 mm;" in some.summary()
+    assert "lost in impacts, contacts " in some.summary()
+    law = replace(deep, by_law=swing.contact_names)
+    assert doubts(law) == ()
+    assert "largest indentation 10 mm; largest joint drift" in law.summary()
+    assert "penetration" not in law.summary()
+    assert "lost in contacts " in law.summary()
+
+
 def test_trajectory_of_a_rim_point_is_a_cycloid(swing: Result) -> None:
     """A disc that rolls: the point of contact at t = 0 follows r (theta - sin theta), r (cos theta - 1)."""
     theta = 4.0 * swing.times

@@ -287,6 +287,35 @@ def test_law_of_the_scene() -> None:
         assert lf.simulate(scene, 0.03, stepper).u[-1, 1] == pytest.approx(e, rel=1e-6)
 
 
+@pytest.mark.parametrize("integrator", [FINE, lf.Verlet(1e-6), lf.Stiff()], ids=["rk", "verlet", "stiff"])
+def test_contact_that_begins_indented_shows_its_impact_speed_at_once(integrator: Any) -> None:
+    """A node comes over the end of a chain, 5 mm below it: the end of the step there is the first instant of contact.
+
+    A proportional damping chi = a / v_0 is told from the force: v_0^2 = rate^2 + 2 E / m, not the rate alone.
+    """
+    depth, rate, stiffness = 5e-3, 1.0, 1e6
+    law = ContactLaw(PowerLaw(stiffness), HysteresisDamping(0.5, HysteresisFactor.HUNT_CROSSLEY))
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    slab = scene.add(lf.RigidBody(mass=1.0, inertia=0.1), position=(0.50002, -depth), velocity=(-2.0, -rate))
+    scene.contact(slab.node(0.0, 0.0), scene.ground.chain([(0.5, 0.0), (-0.5, 0.0)]), name="edge")
+    result = lf.simulate(scene, 2e-5, lf.Smooth(law, integrator=integrator), record=0.0)
+    first = int(np.flatnonzero(result.force[:, 0, 0])[0])
+    impact = math.sqrt(rate**2 + 2.0 * 0.4 * stiffness * depth**2.5)
+    expected = stiffness * depth**1.5 * (1.0 + 1.5 * 0.5 * rate / impact)
+    assert impact == pytest.approx(1.554, abs=1e-3)
+    np.testing.assert_allclose(result.force[first, 0, 0], expected, rtol=2e-2)
+
+
+def test_law_of_a_scene_in_words() -> None:
+    scene = falling((0.0, 1.0))
+    result = lf.simulate(scene, 0.02, lf.Smooth(HALF), record=1e-3)
+    text = result.summary()
+    assert result.penetration.max() > 2e-3
+    assert f"largest indentation {1e3 * result.penetration.max():.4g} mm; largest joint drift" in text
+    assert "lost in contacts" in text
+    assert "Can be trusted" in text
+
+
 def test_range_of_validity() -> None:
     """Beyond it a run ends, or, by choice, says so: once, whatever the number of chunks."""
     pair = CylinderPair.internal(0.0101, 0.01, 0.02, STEEL)
