@@ -216,7 +216,9 @@ class Result:
         """
         from lcpflex.archive import write
 
-        kept = None if self.compiled is None else replace(self.compiled, callbacks=(), laws=(None,) * len(self.compiled.laws))
+        kept = self.compiled
+        if kept is not None:
+            kept = replace(kept, callbacks=(), laws=(None,) * len(kept.laws))
         return write(replace(self, compiled=kept), path)
 
     @classmethod
