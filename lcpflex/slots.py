@@ -7,7 +7,7 @@ its normal too: on a seam, the line across the slot through the centre of an end
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -91,7 +91,8 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
     begin = in_range("start", start, -math.inf, math.inf)
     turn = in_range("extent", extent, 0.0, 2.0 * math.pi, open_ends=True)
     half, end = 0.5 * wide, begin + turn
-    if turn > math.pi and 2.0 * middle * math.sin(0.5 * turn) <= wide:
+    between = 2.0 * middle * math.sin(0.5 * turn) - wide if turn > math.pi else math.inf  # the ends, back to back
+    if between <= 0.0:
         raise ModelError(f"extent: {extent!r} was given, expected less: the ends of the slot run into each other")
 
     def track(at: MaterialPoint, radius: float, hole: bool) -> Surface:
@@ -99,7 +100,7 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
 
     def cap(at: MaterialPoint, angle: float, opening: float) -> Surface:
         offset = middle * np.array([math.cos(angle), math.sin(angle)])
-        return shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True)
+        return replace(shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True), wall=between)
 
     return Slot(
         body.made_of("inner", (center,), lambda at: track(at, middle - half, hole=False)),

@@ -66,6 +66,7 @@ class Surface:
     or behind the wall of a hole; without it, as deep as the chain or hole is large. mirrored: whether the body is the
     half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0. goes_over: whether
     another surface goes on smoothly at both ends of an open chain, so that no corner is there to be touched.
+    wall [m]: thickness of the solid behind the wall of a hole, where another hole is nearer than the outline.
     """
 
     kind: Kind
@@ -77,6 +78,7 @@ class Surface:
     outline: FloatArray | None = None
     mirrored: bool = False
     goes_over: bool = False
+    wall: float = math.inf
 
     def goes_on(self) -> tuple[bool, bool]:
         """Whether the solid goes on beyond the beginning and the end of an open chain, though the chain does not."""
@@ -343,7 +345,7 @@ def _chain_reach(surface: Surface) -> FloatArray:
 
 
 def _hole_reach(surface: Surface) -> float:
-    return below_hole(surface.points[0].place, surface.radius, surface.outline)
+    return min(below_hole(surface.points[0].place, surface.radius, surface.outline), 0.5 * surface.wall)
 
 
 def _bounds(surface: Surface) -> tuple[float, float, float]:

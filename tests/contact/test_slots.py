@@ -100,6 +100,20 @@ def test_gap_is_the_distance_from_the_middle_line(kind, slot):
         assert abs(found[0][0] - (PLAY - aside(kind, P))) < 1e-15
 
 
+@pytest.mark.parametrize("extent", [4.0, 5.9, 6.0])
+def test_ends_back_to_back_do_not_hold_a_pin_of_the_other_end(extent):
+    """Nearly all around, a thin wall is left between the ends: behind that of one end there is the slot again."""
+    scene, radius = lf.Scene(gravity=(0.0, 0.0)), 1e-3
+    pin = scene.add(lf.Disc(radius, mass=0.015), "pin", (MIDDLE, 0.0))
+    scene.contact_slot(pin.surface(), scene.ground.curved_slot((0.0, 0.0), MIDDLE, WIDTH, -0.5 * extent, extent))
+    slot, play = Found(scene), 0.5 * WIDTH - radius
+    for away in np.linspace(0.0, 0.999, 7) * play:
+        for turn in np.linspace(-math.pi, math.pi, 24):
+            for end in (-0.5 * extent, 0.5 * extent):
+                x, y = MIDDLE * math.cos(end) + away * math.cos(turn), MIDDLE * math.sin(end) + away * math.sin(turn)
+                assert slot.at([x, y, 0.0], margin=2.0 * play)[0][0] > 0.0
+
+
 def test_gap_and_normal_go_on_over_the_seams(kind, slot):
     """Around the slot at a constant distance from the middle line: no gap, no jump, and one part at a time."""
     curve = middle_curve(kind)
