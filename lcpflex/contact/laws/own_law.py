@@ -39,10 +39,11 @@ class OwnLaw(ElasticFace):
     compiled first. What cannot be compiled is called as Python, some microsecond a call: see ``is_compiled``.
 
     For the energy audit F(delta, 0, 1 m/s) counts as elastic: what it stores is its integral, by a quadrature that is
-    good to rounding for powers, to 1e-7 for other smooth laws, and to 1e-2 only across kinks, where the result may have
-    a remainder of energy (its motion does not care); the rest of F is damping. A law that gives back more than
-    it took makes the result warn that the energy grew. F should be 0 at the touch for rate 0: error control shortens
-    steps at jumps, and their energy is not seen.
+    good to rounding for powers and to 1e-7 for other smooth laws. Across kinks it is not: 1e-3 off with one halfway,
+    1e-1 where a law begins at 0.99 of the indentation, and then the result may have a remainder of energy (its motion
+    does not care). The rest of F is damping. A law that gives back more than it took makes the result warn that the
+    energy grew. F should be 0 at the touch for rate 0: error control shortens steps at jumps, and their energy is not
+    seen.
 
     What the function raises ends the run, and is the cause of its StepError; so does a number that is not finite.
 
