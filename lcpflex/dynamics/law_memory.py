@@ -36,7 +36,10 @@ class LawContacts(NamedTuple):
     inverse: FloatArray  # (capacity, capacity) G_NN, without joints until a contact begins; each row is one number
     p: FloatArray  # (capacity, 2) normal and tangential force [N]
     sticks: IntArray  # (capacity,) 1: slips slower than the slip speed of the law
+    last: FloatArray  # (capacity, 3) key, friction over normal force and sticking of the entries of the last step
     friction: FloatArray  # (ndof,) generalised forces of friction
+    free: FloatArray  # (ndof,) velocities at the end of a step with the friction found so far
+    push: FloatArray  # (ndof,) scratch
     states: FloatArray  # (0, 2) of friction: laws with states of their own are refused
     stored: FloatArray  # (2,) energy stored [J]; highest sqrt(k G_NN) of an accepted state [rad/s]
     found: IntArray  # (3,) touching entries; law out of its range, or -1; 1: the table was too small for once
@@ -68,7 +71,10 @@ def law_contacts(
         inverse=inverse,
         p=zeros((capacity, 2)),
         sticks=np.zeros(capacity, dtype=np.int64),
+        last=zeros((capacity, 3)),
         friction=zeros(ndof),
+        free=zeros(ndof),
+        push=zeros(ndof),
         states=zeros((0, 2)),
         stored=zeros(2),
         found=np.array([0, -1, 0]),

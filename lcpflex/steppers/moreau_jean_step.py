@@ -16,7 +16,7 @@ from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.inertia import stiffened
-from lcpflex.dynamics.law_contacts import law_forces
+from lcpflex.dynamics.law_contacts import law_forces, law_forces_after
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -77,9 +77,9 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
             refresh(model, work.middle, work.table, k)
     supply(model, t + lean, work.middle, u, work)
     forces(model, t + lean, work.middle, u, work)
-    law_forces(model, work.middle, u, work)
-    spare_spin(model, lean, u, work)
     factorise(model, work.middle, lean, lean * lean, work)
+    law_forces(model, work.middle, u, h, work)
+    spare_spin(model, lean, u, work)
     for i in range(len(q)):
         work.free_u[i] = h * work.total[i]
     solve_vector(model, work, work.free_u)
@@ -210,7 +210,7 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
-    law_forces(model, q, u, work)
+    law_forces_after(model, q, u, work)
     note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
     store_state(tape, t, q, u, kinetic, elastic + work.laws.stored[0], potential)

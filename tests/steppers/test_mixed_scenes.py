@@ -103,8 +103,7 @@ def test_impulses_are_integrals_of_forces_and_records_name_the_contact(stepper, 
     force = ball.force
     normal, tangential = (float(np.trapezoid(force[:, c], run.times)) for c in range(2))
     assert ball.impulse[-1, 0] == pytest.approx(normal, rel=error)
-    if isinstance(stepper, lf.EventDriven):  # of Moreau-Jean, friction is recorded at the ends of steps
-        assert ball.impulse[-1, 1] == pytest.approx(tangential, rel=3e-3)  # it turns within a millisecond
+    assert ball.impulse[-1, 1] == pytest.approx(tangential, rel=4e-3)  # it turns within a millisecond
     touching = run.state[:, 1] != OPEN
     assert touching.sum() > 100
     np.testing.assert_array_equal(touching, run.gap[:, 1] < 0.0)
@@ -114,6 +113,15 @@ def test_impulses_are_integrals_of_forces_and_records_name_the_contact(stepper, 
     assert of_ball.sum() == touching.sum()
     np.testing.assert_allclose(run.spots.force[of_ball], force[touching])
     np.testing.assert_allclose(run.spots.normal[of_ball][:, 1], 1.0, atol=1e-2)
+
+
+def test_friction_by_law_does_not_chatter_in_long_steps():
+    """2e-5 s are 1.6 times what explicit friction of 80 N over a slip speed of 1 mm/s would bear."""
+    run = lf.simulate(landing(SOFT), DURATION, lf.MoreauJean(2e-5), record=2e-5)
+    friction = run.contact("ball").force[:, 1]
+    pressed = np.flatnonzero(friction)
+    held = friction[pressed[len(pressed) // 2] : pressed[-1]]
+    assert np.abs(np.diff(held)).max() < 0.05 * np.abs(held).max()
 
 
 @pytest.mark.parametrize("law", [HALF, RUBBER])
