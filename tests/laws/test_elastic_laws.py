@@ -201,10 +201,12 @@ def test_limits_of_line_contacts_are_at_a_half_width_of_three_tenths():
 
 
 def test_pereira_in_millimetres():
+    narrow = CylinderPair.internal(10.32 * MM, 10.0 * MM, 10.0 * MM, STEEL)
     steel = E_STAR * 1e-6
     for pair, a, b, n in (
         (BUSH, 0.965, 0.0965, 1.51 * math.log(100.0) ** -0.151 * 0.1**-0.005),
         (CylinderPair.internal(10.0 * MM, 8.0 * MM, 10.0 * MM, STEEL), 0.965, 0.0965, (0.0302 + 1.151) * 2.0**-0.005),
+        (narrow, 0.965, 0.0965, 1.51 * math.log(320.0) ** -0.151 * 0.32**-0.005),  # just below where Y passes over
         (INNER, 0.39, 0.85, 1.094),
     ):
         delta, clearance = 0.004, 1e3 * pair.clearance

@@ -135,6 +135,29 @@ def test_lugre_comes_to_the_stribeck_curve(speed: float) -> None:
     assert law.steady_force(speed, 10.0, MU) == pytest.approx(-10.0 * (math.copysign(steady, speed) + 0.05 * speed))
 
 
+@pytest.mark.parametrize("slip", [-0.02, -SPEED, -4e-6, 0.0, 3e-6, 0.5 * SPEED, 2.0 * SPEED])
+@pytest.mark.parametrize("bristle", [-2e-5, 0.0, 4e-5])
+def test_formulas_of_bristles(slip: float, bristle: float) -> None:
+    s0, s1, s2, normal = 1e4, 30.0, 0.04, 7.0
+    s = math.exp(-((slip / SPEED) ** 2))
+    kinds, p = row(LuGre(s0, s1, s2, SPEED, STATIC))
+    rate = slip - s0 * abs(slip) * bristle / (MU + (STATIC - MU) * s)
+    assert bristle_rates(kinds, p, slip, normal, MU, bristle, 0.0) == pytest.approx((rate, 0.0), rel=1e-13)
+    force = friction_force(kinds, p, slip, normal, MU, bristle, 0.0)
+    assert force == pytest.approx(-normal * (s0 * bristle + s1 * rate + s2 * slip), rel=1e-13)
+    kinds, p = row(Bristle(s0, s1, s2, SPEED, STATIC, 0.5))
+    x = max(-1.0, min(1.0, slip / (0.01 * SPEED)))
+    rate = s * slip + (1.0 - s) * (MU * (1.5 * x - 0.5 * x**3) - s0 * bristle) / s1
+    for dwell in (0.0, 0.7):
+        lag = 0.5 if s >= dwell else s1 / s0
+        rates = bristle_rates(kinds, p, slip, normal, MU, bristle, dwell)
+        assert rates == pytest.approx((rate, (s - dwell) / lag), rel=1e-12)
+        most = MU + (STATIC - MU) * dwell
+        part = max(-most, min(most, s0 * bristle + s1 * rate))
+        force = friction_force(kinds, p, slip, normal, MU, bristle, dwell)
+        assert force == pytest.approx(-normal * (part + s2 * slip), rel=1e-12)
+
+
 @pytest.mark.parametrize("law", [LuGre(1e4, 0.0), Bristle(1e4, 1.0)], ids=name)
 def test_presliding_is_a_spring(law: Any) -> None:
     """Displaced by a hundredth of what it takes to slip: force sigma_0 lambda_N x, given back on the way back."""
