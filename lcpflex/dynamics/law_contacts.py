@@ -220,8 +220,10 @@ def law_forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace
 
 
 @kernel
-def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, last: float, work: Workspace) -> float:
-    """Longest step [s] that passes over no contact by law, with M(q) factorised.
+def law_horizon(
+    model: Model, q: FloatArray, u: FloatArray, a: FloatArray, margin: float, last: float, work: Workspace
+) -> float:
+    """Longest step [s] that passes over no contact by law, with accelerations ``a`` and M(q) factorised.
 
     It ends where the first pair nearer than ``margin`` [m] closes, and goes ONSET of the time of compression further;
     nor does it go far beyond the end of an indentation, if that is not much less than the ``last`` step [s].
@@ -235,13 +237,18 @@ def law_horizon(model: Model, q: FloatArray, u: FloatArray, margin: float, last:
         gap = laws.table.gap[k]
         r = lay(model, q, k, laws)
         approach = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
-        if gap > 0.0 and approach > 0.0:
-            law = laws.table.law[k]
-            inverse = mobility(model, laws, r, work)
-            if inverse > 0.0:
-                energy = 0.5 * approach * approach / inverse
-                gap += ONSET * indentation_of(laws.memory.kinds[law], laws.memory.parameters[law], energy)
-            longest = min(longest, gap / approach)
+        if gap > 0.0:
+            pull = -row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, a)
+            square = approach * approach + 2.0 * pull * gap  # of the speed at which they meet
+            if square > 0.0 and (approach > 0.0 or pull > 0.0):
+                law = laws.table.law[k]
+                inverse = mobility(model, laws, r, work)
+                time = 2.0 * gap / (approach + math.sqrt(square))
+                if inverse > 0.0:
+                    energy = 0.5 * square / inverse
+                    depth = indentation_of(laws.memory.kinds[law], laws.memory.parameters[law], energy)
+                    time += ONSET * depth / math.sqrt(square)
+                longest = min(longest, time)
         elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
             longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * last))
     return longest

@@ -170,6 +170,27 @@ def longest_step(model: Model, memory: EventMemory) -> float:
 
 
 @kernel
+def unseen_step(model: Model, margin: float, memory: EventMemory) -> float:
+    """Step [s] in which no two bodies come nearer by more than ``margin`` [m]: nothing farther apart is looked at."""
+    size = 0.0
+    for extent in model.contacts.surface_extent:
+        if extent < math.inf:
+            size = max(size, extent)
+    fastest, second = 0.0, 0.0
+    ndof = len(memory.u)
+    for b in range(len(model.bodies.mass)):
+        d = ndof + model.bodies.dof[b]
+        speed = math.hypot(memory.y[d], memory.y[d + 1]) + size * abs(memory.y[d + 2])
+        pull = math.hypot(memory.slopes[0, d], memory.slopes[0, d + 1]) + size * abs(memory.slopes[0, d + 2])
+        speed += math.sqrt(margin * pull)
+        if speed > fastest:
+            fastest, second = speed, fastest
+        else:
+            second = max(second, speed)
+    return margin / (fastest + second) if fastest > 0.0 else math.inf
+
+
+@kernel
 def touch_share(model: Model, h: float, work: Workspace, memory: EventMemory) -> float:
     """Share of the step of length h [s] at which a contact by law begins that will be remembered; 1: none does."""
     ndof = len(memory.u)
@@ -205,8 +226,9 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
     rejected = False
     longest = longest_step(model, memory)
     if len(work.laws.friction) > 0:  # which no sample looks for
-        reach = law_horizon(model, memory.y[:ndof], memory.y[ndof : 2 * ndof], settings.margin, h, work)
-        longest = min(longest / SAMPLES, reach)
+        u = memory.y[ndof : 2 * ndof]
+        reach = law_horizon(model, memory.y[:ndof], u, memory.slopes[0, ndof : 2 * ndof], settings.margin, h, work)
+        longest = min(longest / SAMPLES, reach, unseen_step(model, settings.margin, memory))
     longest = min(settings.max_step, longest)
     left = REPEATS
     while True:
