@@ -18,6 +18,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
+from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
@@ -47,6 +48,7 @@ __all__ = [
     "put_back",
     "put_by",
     "shortest_steps_warning",
+    "unmet",
 ]
 
 # entries of the clock of an adaptive run; the second one explains what a loop returned, as in that of fixed steps
@@ -221,6 +223,23 @@ def deepest(model: Model, q: FloatArray, table: ContactTable) -> float:
     sunk = 0.0
     for k in range(min(count, len(table.key))):
         if len(table.by_law) == 0 or table.by_law[table.law[k]] == SET_VALUED:
+            sunk = max(sunk, -table.gap[k])
+    return sunk
+
+
+@kernel
+def unmet(model: Model, q: FloatArray, laws: LawContacts, table: ContactTable) -> float:
+    """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
+    if len(laws.friction) == 0:
+        return 0.0
+    touching = 0.0
+    count = detect(model, q, touching, table)
+    sunk = 0.0
+    for k in range(min(count, len(table.key))):
+        known = table.by_law[table.law[k]] == SET_VALUED
+        for i in range(laws.found[0]):
+            known = known or (laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k])
+        if not known:
             sunk = max(sunk, -table.gap[k])
     return sunk
 

@@ -31,6 +31,7 @@ from lcpflex.steppers.adaptive import (
     position_tolerance,
     put_back,
     put_by,
+    unmet,
 )
 from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
@@ -97,7 +98,8 @@ def advance_adaptive(
         if error <= 1.0 and not alone:
             # a pair that closes late in the step is seen by neither result
             sunk = deepest(model, q, tape.table)
-            error = max(error, (sunk - clock[DEEPEST]) / position_tolerance(limits, q))
+            late = max(sunk - clock[DEEPEST], unmet(model, q, work.laws, tape.table))
+            error = max(error, late / position_tolerance(limits, q))
         if status == GROW or (alone and status != DONE):
             if status != NOT_FINITE:
                 put_back(q, u, work, tape, kept)

@@ -152,6 +152,39 @@ def test_a_contact_that_never_closes_changes_nothing(stepper):
     np.testing.assert_array_equal(results[0].force[:, 0], results[1].force[:, 0])
 
 
+@pytest.mark.parametrize(("height", "speed"), [(0.5, 10.0), (0.2, 100.0), (0.03, 0.0), (0.03, -2.0)])
+def test_no_step_passes_over_a_thin_plate(height, speed):
+    """Free flight is exact at any step; a plate is 2 mm thick, and gaps of more than 40 mm are not measured."""
+    scene = lf.Scene()
+    lower = scene.add(lf.Box(0.2, 2e-3, mass=5.0), "lower", position=(0.0, 1e-3))
+    upper = scene.add(lf.Box(0.2, 2e-3, mass=1.0), "upper", position=(0.0, 2e-3 + height), velocity=(0.0, -speed))
+    scene.contact(lower.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(
+        upper.surface(), lower.surface(), name="plate", law=ContactLaw(PowerLaw(1e11), HysteresisDamping(0.5))
+    )
+    meeting = math.sqrt(speed**2 + 2.0 * 9.81 * (height - 1e-3))
+    flight = (meeting - speed) / 9.81
+    result = lf.simulate(scene, flight + 0.01, lf.EventDriven())
+    assert result.contact("plate").impulse[-1, 0] == pytest.approx(1.5 * meeting, rel=0.02)
+    assert result.energies.relative_remainder < 1e-6
+
+
+@pytest.mark.parametrize("law", [HALF, SOFT])
+def test_adaptive_moreau_jean_steps_do_not_end_deep_in_a_contact(law):
+    """Its forces are those in the middle of steps: one that ends behind the touch would store energy for nothing."""
+    gained = []
+    for rtol in (1e-4, 1e-6):
+        scene = lf.Scene()
+        ball = scene.add(lf.Disc(0.05, mass=2.0), "ball", position=(0.0, 2.05))
+        scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="ball", law=law)
+        control = lf.AdaptiveStep(rtol=rtol, atol=0.01 * rtol)
+        result = lf.simulate(scene, 0.8, lf.MoreauJean(1e-3, adaptive=control))
+        assert result.contact("ball").impulse[-1, 0] > 10.0
+        gained.append(result.energies.relative_remainder)
+    assert gained[0] < 1e-2
+    assert gained[1] < 0.2 * gained[0]
+
+
 def swinging(law: Law) -> lf.Scene:
     """A pendulum that strikes a wall by ``law``; its joint shares in the effective mass."""
     scene = lf.Scene()
