@@ -103,6 +103,22 @@ def test_stiff_penalty_explodes_beyond_two_over_omega_and_soft_penalty_sinks() -
     np.testing.assert_array_equal(found.of("penalty") == Outcome.DRIFTING, sinks)
 
 
+def test_indentation_under_a_law_of_the_scene_is_no_drift() -> None:
+    """As soft as above, where it sinks: the law belongs to what is asked, not to the method."""
+
+    def soft(stiffness: float) -> lf.Scene:
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.1))
+        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        scene.contact(disc.surface(), floor, name="floor", law=Penalty(stiffness=stiffness))
+        scene.load(lf.Force(disc.point("center"), (0.0, lf.Table([0.0, 0.5, 1.0], [0.0, -10.0, -10.0]))))
+        return scene
+
+    methods = {"law": Smooth(integrator=Verlet(1e-3))}
+    found = stability(soft, methods, {"stiffness": [3e3, 1e4]}, duration=1.0, criteria=Criteria(growth=0.3))
+    assert (found.of("law") == Outcome.SOUND).all()
+
+
 def test_newtons_law_gains_energy_where_friction_and_restitution_are_large() -> None:
     axes = {"restitution": [0.0, 0.5], "friction": [0.0, 0.5]}
     found = stability(gallery.double_pendulum, {"Moreau-Jean": moreau_jean}, axes, duration=1e-3)

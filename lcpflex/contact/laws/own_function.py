@@ -89,8 +89,8 @@ class OwnFunction:
         except BaseException as error:  # Ctrl-C, too: what is raised across a kernel would be lost
             self._error = error
             return math.nan
-        if not math.isfinite(force):
-            self._data[self._n :] = NO_NUMBER, depth, rate, speed
+        if not math.isfinite(force) and (self._data[self._n] == 0.0 or math.isfinite(depth + rate + speed)):
+            self._data[self._n :] = NO_NUMBER, depth, rate, speed  # not of the states that are no numbers for it
         return force
 
 
@@ -123,7 +123,7 @@ def _compiled(function: Function, n: int) -> Any:
             force = float(law(depth, rate, speed, data[:n]))
         except Exception:
             mishap = RAISED
-        if not math.isfinite(force):
+        if not math.isfinite(force) and (data[n + MISHAP] == 0.0 or math.isfinite(depth + rate + speed)):
             data[n + MISHAP] = mishap
             data[n + DEPTH] = depth
             data[n + RATE] = rate
