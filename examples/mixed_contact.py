@@ -46,14 +46,12 @@ def sliding_distance(result: lf.Result) -> float:
     return float(speed**2 / (2.0 * GROUND * GRAVITY))
 
 
-def run(folder: Path) -> lf.Result:
-    """Run, print what came out, and write the picture into ``folder``."""
+def run(folder: Path = Path()) -> lf.Result:
+    """Run, and write the picture into ``folder``."""
     result = lf.simulate(scene(), END, lf.EventDriven(), record=1e-5)
     plate, ball = result.q[:, 0], result.contact("ball")
     after = int(np.flatnonzero(ball.force[:, 0] > 0.0)[-1])
     slid, expected = float(plate[-1] - plate[after]), sliding_distance(result)
-    print(f"peak force {ball.peak_force:.0f} N; the plate slides on by {1e3 * slid:.3f} mm,", end=" ")
-    print(f"by the balance of impulses {1e3 * expected:.3f} mm")
     assert abs(slid / expected - 1.0) < 0.01, "the plate does not slide as the impulses tell"
 
     figure = Figure(figsize=(11, 4.2), layout="constrained")
@@ -69,7 +67,9 @@ def run(folder: Path) -> lf.Result:
     for event in result.events:
         if event.kind in ("stick", "slip"):
             motion.axvline(1e3 * event.time, color="0.7", linewidth=0.8)
-            motion.text(1e3 * event.time, 0.9, f" {event.kind}s", transform=motion.get_xaxis_transform(), color="0.4")
+            side = "right" if event.kind == "slip" else "left"
+            height = motion.get_xaxis_transform()
+            motion.text(1e3 * event.time, 0.5, f" {event.kind}s ", transform=height, ha=side, color="0.4")
     motion.set(xlabel="time [ms]", title="Dragged along, and stopped by friction")
     for axes in (forces, motion):
         axes.legend(fontsize=8)
@@ -79,4 +79,4 @@ def run(folder: Path) -> lf.Result:
 
 
 if __name__ == "__main__":
-    run(Path.cwd())
+    print(run().summary())
