@@ -315,13 +315,17 @@ def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Worksp
     factorise(model.bodies, q, 0.0, 0.0, work.arrow)
     begins = begun(model, q, u, roundings(q), work)
     n = laws.found[0]
-    highest = 0.0
     for k in range(n):
         if laws.table.gap[k] < 0.0:
+            law, depth, rate = laws.table.law[k], -laws.table.gap[k], abs(laws.rate[k])
             place = pair_place(model, laws.memory, laws.table, k)
-            stiffness = pair_stiffness(laws.memory, laws.table.law[k], place, -laws.table.gap[k])
-            highest = max(highest, stiffness * laws.inverse[k, k])
-    laws.stored[1] = max(laws.stored[1], math.sqrt(highest))
+            stiffness = pair_stiffness(laws.memory, law, place, depth) * laws.inverse[k, k]
+            damping = 0.0
+            if rate > 0.0:  # on approach, where no force is clipped
+                moving = pair_force(laws.memory, law, place, depth, rate)[0]
+                still = pair_force(laws.memory, law, place, depth, 0.0)[0]
+                damping = 0.5 * max(moving - still, 0.0) / rate * laws.inverse[k, k]
+            laws.stored[1] = max(laws.stored[1], damping + math.sqrt(damping * damping + stiffness))
     if begins and len(laws.joint) > 0:
         hold_joints(model, t, q, u, work)
     laws.found[1] = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)

@@ -41,7 +41,7 @@ class LawContacts(NamedTuple):
     free: FloatArray  # (ndof,) velocities at the end of a step with the friction found so far
     push: FloatArray  # (ndof,) scratch
     states: FloatArray  # (0, 2) of friction: laws with states of their own are refused
-    stored: FloatArray  # (2,) energy stored [J]; highest sqrt(k G_NN) of an accepted state [rad/s]
+    stored: FloatArray  # (2,) energy stored [J]; 2 / (step that bears stiffness and damping)
     found: IntArray  # (3,) touching entries; law out of its range, or -1; 1: the table was too small for once
 
 

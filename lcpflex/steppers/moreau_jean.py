@@ -133,8 +133,8 @@ class MoreauJeanScheme:
         if self._product <= limit:
             return []
         return [
-            f"the stiffest contact by law has sqrt(k G_nn) step = {self._product:.4g} > {limit:.4g}: "
-            f"its force is explicit, and unstable there (highest contact frequency {frequency:.4g} rad/s)"
+            f"the stiffest contact by law has frequency times step = {self._product:.4g} > {limit:.4g}: "
+            f"its force is explicit, and unstable there (highest frequency, with damping, {frequency:.4g} rad/s)"
         ]
 
     def make_room(self, contacts: int) -> None:

@@ -225,6 +225,18 @@ def test_explicit_force_warns_beyond_its_stability():
     assert not lf.simulate(landing(stiff), 0.02, lf.MoreauJean(1e-5)).warnings
 
 
+@pytest.mark.parametrize(("frequency", "unstable"), [(0.7, False), (1.3, True)])
+def test_damping_has_its_share_in_the_stability_of_a_step(frequency, unstable):
+    """x^2 + 4 xi x <= 4 with x = omega h: damping of xi = 0.69 (e = 0.05) leaves 1.05 of the 2 without."""
+    scene = lf.Scene()
+    ball = scene.add(lf.Disc(0.05, mass=2.0), "ball", position=(0.0, 0.0501))
+    law = ContactLaw(PowerLaw(2.0 * (frequency / 1e-3) ** 2, 1.0), Tsuji(0.05))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="ball", law=law)
+    result = lf.simulate(scene, 1.0, lf.MoreauJean(1e-3))
+    assert any("the stiffest contact by law" in warning for warning in result.warnings) is unstable
+    assert bool(np.abs(result.u[-100:, 1]).max() > 1e-3) is unstable
+
+
 @pytest.mark.parametrize("stepper", [lf.EventDriven(), lf.MoreauJean(1e-5)])
 def test_range_of_validity_is_kept(stepper):
     elastic = replace(Hertz.sphere_on_plane(0.05, Material(1e6, 0.3)), lenient=False)
