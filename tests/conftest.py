@@ -6,6 +6,16 @@ from typing import Any
 
 import pytest
 
+# With a cold cache every process compiles what no other one has finished: each of these files needs one stepper alone.
+FIRST = (
+    "tests/analytic/test_event_driven_closed_forms.py",
+    "tests/steppers/test_moreau_jean.py",
+    "tests/laws/test_elastic_laws.py",
+    "tests/steppers/test_generalized_alpha.py",
+    "tests/steppers/test_massless_compliance.py",
+    "tests/laws/test_dissipation.py",
+)
+
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
@@ -15,7 +25,17 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     from xdist.scheduler import LoadFileScheduling
 
     class Scheduling(LoadFileScheduling):
+        ordered = False
+
         def _split_scope(self, nodeid: str) -> str:
             return nodeid if "test_examples.py" in nodeid else super()._split_scope(nodeid)
+
+        def _assign_work_unit(self, node: Any) -> None:
+            if not self.ordered:
+                self.ordered = True
+                for scope in reversed(FIRST):
+                    if scope in self.workqueue:
+                        self.workqueue.move_to_end(scope, last=False)
+            super()._assign_work_unit(node)
 
     return Scheduling(config, log)
