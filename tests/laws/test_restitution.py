@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import decimal
 import math
 from collections.abc import Callable
 from typing import Any
@@ -97,18 +98,22 @@ def test_exact_factor() -> None:
     assert exact_factor(1.0) == 0.0
 
 
-def test_exact_factor_in_forty_digits() -> None:
-    mpmath = pytest.importorskip("mpmath")
-    with mpmath.workdps(40):
-        for e in (1e-6, 0.02, 0.4, 0.95, 0.987, 0.989, 1.0 - 1e-7):
-            exact = mpmath.mpf(e)
-            guess = mpmath.mpf(exact_factor(e))
-            # in terms of s = ln(1 - e eta), as eta crowds at 1/e
-            s = mpmath.findroot(
-                lambda s, e=exact: mpmath.log(1 + (1 - mpmath.exp(s)) / e) - s - (1 - mpmath.exp(s)) / e * (1 + e),
-                mpmath.log(1 - exact * guess) if exact * guess < 1 - mpmath.mpf(10) ** -14 else -(1 + 1 / exact),
-            )
-            assert float(guess * exact / (1 - mpmath.exp(s)) - 1) == pytest.approx(0.0, abs=1e-11)
+@pytest.mark.parametrize("e", [1e-6, 0.02, 0.4, 0.95, 0.987, 0.989, 1.0 - 1e-7])
+def test_exact_factor_in_forty_digits(e: float) -> None:
+    """Newton's method for s = ln(1 - e eta), as eta crowds at 1/e."""
+    with decimal.localcontext() as context:
+        context.prec = 40
+        exact = decimal.Decimal(e)
+        guess = decimal.Decimal(exact_factor(e))
+        left = 1 - exact * guess
+        s = left.ln() if left > decimal.Decimal("1e-14") else -(1 + 1 / exact)
+        for _ in range(20):
+            eta = (1 - s.exp()) / exact
+            slope = -s.exp() / exact
+            s -= ((1 + eta).ln() - s - eta * (1 + exact)) / (slope / (1 + eta) - 1 - slope * (1 + exact))
+        eta = (1 - s.exp()) / exact
+        assert abs((1 + eta).ln() - s - eta * (1 + exact)) < decimal.Decimal("1e-30")
+        assert float(guess / eta - 1) == pytest.approx(0.0, abs=1e-11)
 
 
 @pytest.mark.parametrize("eta", [0.019999, 0.02, 0.020001])
