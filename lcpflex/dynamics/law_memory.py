@@ -56,7 +56,8 @@ def law_contacts(
     capacity = _capacity(contacts, by_law) if some else 0
     n, ndof, width = (n_joint, int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if some else (0, 0, 1)
     zeros = np.zeros
-    inverse = np.lib.stride_tricks.as_strided(zeros(capacity), (capacity, capacity), (8, 0))
+    size = max(capacity, 2)  # smaller, the array would be contiguous: another type, for which all is compiled anew
+    inverse = np.lib.stride_tricks.as_strided(zeros(size), (size, size), (8, 0))
     arrays = LawContacts(
         table=contact_table(capacity, n_surfaces if some else 0, by_law, BY_LAW),
         memory=contact_memory(contacts, rows),

@@ -28,6 +28,20 @@ def test_laws_are_carried_to_the_compiled_scene_and_its_system():
     assert scene.with_bodies({"ball0": lf.Disc(0.1, 2.0)}).compile().laws == (LAW, None)
 
 
+@pytest.mark.parametrize("soft", [0, 1, 2])
+def test_kernels_serve_scenes_with_and_without_laws_alike(soft):
+    """Types of another kind would have everything compiled once more, which takes minutes."""
+    scene, balls = two_balls()
+    floor = scene.ground.half_plane((0, 0), (0, 1))
+    for k, ball in enumerate(balls):
+        scene.contact(ball.surface(), floor, law=LAW if k < soft else None)
+    plain, _ = two_balls()
+    ours, theirs = (made.compile().system() for made in (scene, plain))
+    assert ours.workspace(4)._type == theirs.workspace(4)._type
+    assert ours.model._type == theirs.model._type
+    assert ours.tape(4, 4)._type == theirs.tape(4, 4)._type
+
+
 def test_rules_carry_laws_and_declared_contacts_go_before_them():
     scene, (a, _) = two_balls()
     floor = scene.ground.half_plane((0, 0), (0, 1))
