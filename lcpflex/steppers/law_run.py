@@ -16,7 +16,7 @@ from lcpflex.errors import ModelError
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.system import System
 
-__all__ = ["begin_laws", "law_trouble", "law_warnings", "refuse_laws", "refuse_states", "with_laws"]
+__all__ = ["begin_laws", "law_trouble", "law_warnings", "refuse_laws", "refuse_states", "too_deep", "with_laws"]
 
 
 def refuse_laws(system: System, stepper: str, instead: str) -> None:
@@ -75,8 +75,12 @@ def law_trouble(names: Sequence[str], work: Workspace) -> str:
     laws = work.laws
     if laws.found[2]:
         return f"more than {len(laws.table.key)} pairs of contacts by law are near at once"
-    law = int(laws.found[1])
+    return too_deep(names, laws.memory, int(laws.found[1]))
+
+
+def too_deep(names: Sequence[str], memory: ContactMemory, law: int) -> str:
+    """That a contact is deeper than its law is valid, or exists."""
     return (
-        f"the indentation of contact {names[law]!r} is {laws.memory.worst[law]:.4g} m, its law is valid up to "
-        f"{laws.memory.stop[law]:.4g} m: see the range of validity of its elastic law"
+        f"the indentation of contact {names[law]!r} is {memory.worst[law]:.4g} m, its law is valid up to "
+        f"{memory.stop[law]:.4g} m: see the range of validity of its elastic law"
     )

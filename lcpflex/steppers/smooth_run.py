@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from itertools import compress
 from typing import Any
 
-from lcpflex.contact.laws.layout import LIMIT, LawRow
+from lcpflex.contact.laws.layout import LawRow
 from lcpflex.dynamics.acceleration import lay_rows, position_errors, project
 from lcpflex.steppers.driver import link
+from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.smooth_explicit import (
     STEPPING,
@@ -142,20 +142,7 @@ class SmoothRun:
 
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""
-        self.records.warnings[:] = [*self._own, *self._out_of_range()]
-
-    def _out_of_range(self) -> list[str]:
-        """A warning for each contact that has left the range of its law with the consent of the user."""
-        contacts = self._memory.contacts
-        limits = contacts.parameters[:, LIMIT]
-        left = (contacts.worst > limits) & (contacts.stop > limits)
-        return [
-            f"the indentation of contact {name!r} has reached {worst:.4g} m, beyond the {limit:.4g} m up to which its "
-            "law is valid"
-            for name, worst, limit in zip(
-                compress(self.system.names, left), contacts.worst[left], limits[left], strict=True
-            )
-        ]
+        self.records.warnings[:] = [*self._own, *law_warnings(self.system.names, self._memory.contacts)]
 
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
@@ -167,20 +154,12 @@ class SmoothRun:
         elif status == GROW:
             self._work = self.system.workspace(2 * detail)
         elif status == OUT_OF_RANGE:
-            return self._too_deep(detail)
+            return too_deep(self.system.names, self._memory.contacts, detail)
         elif status == NOT_FINITE:
             return "the state is no longer finite: the step is too long for the forces of this scene"
         else:
             return "no step is short enough: the forces are not smooth, or the state grows without bound"
         return ""
-
-    def _too_deep(self, law: int) -> str:
-        """That a contact is deeper than its law is valid, or exists."""
-        contacts = self._memory.contacts
-        return (
-            f"the indentation of contact {self.system.names[law]!r} is {contacts.worst[law]:.4g} m, its law is "
-            f"valid up to {contacts.stop[law]:.4g} m: see the range of validity of its elastic law"
-        )
 
 
 class FixedRun(SmoothRun):

@@ -50,8 +50,15 @@ class MemorylessFriction:
 
     __slots__ = ()
 
-    kind: int
-    parameters: tuple[float, ...]
+    @property
+    def kind(self) -> int:
+        """Number among the kinds of friction."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """At most seven."""
+        raise NotImplementedError
 
     @property
     def bristles(self) -> bool:
@@ -95,7 +102,7 @@ class OneSpeed(MemorylessFriction):
         in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
 
     @property
-    def parameters(self) -> tuple[float, ...]:  # type: ignore[override]
+    def parameters(self) -> tuple[float, ...]:
         """v_s."""
         return (self.slip_speed,)
 
@@ -111,7 +118,7 @@ class SmoothedCoulomb(OneSpeed):
     """
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return TANH
 
@@ -127,7 +134,7 @@ class ArctangentCoulomb(OneSpeed):
     """
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return ARCTANGENT
 
@@ -143,7 +150,7 @@ class RampCoulomb(OneSpeed):
     """
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return RAMP
 
@@ -162,7 +169,7 @@ class Threlfall(OneSpeed):
     """
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return THRELFALL
 
@@ -196,12 +203,12 @@ class Ambrosio(MemorylessFriction):
             raise ModelError(f"slip_speed: {self.slip_speed!r} was given, expected more than rest_speed")
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return AMBROSIO
 
     @property
-    def parameters(self) -> tuple[float, ...]:  # type: ignore[override]
+    def parameters(self) -> tuple[float, ...]:
         """v_0, v_1."""
         return (self.rest_speed, self.slip_speed)
 
@@ -233,12 +240,12 @@ class BengisuAkay(MemorylessFriction):
         check_static_friction(self.static_friction)
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return BENGISU_AKAY
 
     @property
-    def parameters(self) -> tuple[float, ...]:  # type: ignore[override]
+    def parameters(self) -> tuple[float, ...]:
         """v_0, mu_s, xi."""
         return (self.slip_speed, static_coefficient(self.static_friction), self.decay)
 
@@ -274,12 +281,12 @@ class BrownMcPhee(MemorylessFriction):
         check_static_friction(self.static_friction)
 
     @property
-    def kind(self) -> int:  # type: ignore[override]
+    def kind(self) -> int:
         """Number among the kinds of friction."""
         return BROWN_MCPHEE
 
     @property
-    def parameters(self) -> tuple[float, ...]:  # type: ignore[override]
+    def parameters(self) -> tuple[float, ...]:
         """v_t, mu_s, sigma_2."""
         return (self.slip_speed, static_coefficient(self.static_friction), self.viscous)
 
