@@ -33,6 +33,7 @@ def doubts(result: Result) -> tuple[str, ...]:
         found.append(f"it stopped early ({result.message})")
     if not (np.isfinite(result.q).all() and np.isfinite(result.u).all()):
         found.append("the motion contains numbers that are not finite")
+    found.extend(result.found_wrong)
     energies = result.energies
     if not energies.relative_remainder <= UNEXPLAINED:
         way = "gained" if energies.remainder.max(initial=0.0) >= energies.largest_remainder else "lost"

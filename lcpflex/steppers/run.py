@@ -25,6 +25,7 @@ class Records:
         # declared contacts that are a continuous force
         self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
+        self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.tape: Tape = system.tape(64, 1024)
 
     def empty(self) -> None:

@@ -82,6 +82,7 @@ def test_summary_of_a_sound_run(bounce: Result) -> None:
         ({"residual": np.full(101, 1e-3)}, "residual of 1.0e-03"),
         ({"residual": np.full(101, np.nan)}, "residual of nan"),
         ({"q": np.full((101, 1), np.nan)}, "not finite"),
+        ({"found_wrong": ("the ball went through the floor",)}, "the ball went through the floor"),
     ],
 )
 def test_summary_says_what_casts_doubt(bounce: Result, change: dict[str, object], words: str) -> None:
