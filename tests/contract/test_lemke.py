@@ -59,20 +59,32 @@ def test_cyclic_matrix(n):
 
 def test_honest_ray():
     solution = Lemke().solve(Lcp([[-1.0]], [-1.0]))  # w = -z - 1 < 0 for every z
-    assert solution.status in (Status.RAY, Status.INFEASIBLE)
+    assert solution.status is Status.INFEASIBLE  # the ray proves it
+    assert solution.residual == pytest.approx(1.0)
     # The Painleve pattern: M < 0 with q > 0 has the solution 0 (and another).
     assert Lemke().solve(Lcp([[-1.0]], [1.0])).solved
 
 
-def test_pivot_limit_is_reported():
-    rng = np.random.default_rng(3)
-    A = rng.standard_normal((12, 12))
-    skew = A - A.T + 0.01 * np.eye(12)
-    problem = Lcp(skew, -(skew @ np.abs(A[0])))
-    assert Lemke().solve(problem).solved
-    few = Lemke(pivot_limit=1).solve(problem)
-    assert few.solved or few.status is Status.ITERATION_LIMIT
+def skew_problem() -> Lcp:
+    """z^T M z = 0 for every z: nothing but a whole path leads to the solution, no repair of its end."""
+    rng = np.random.default_rng(0)
+    A = rng.standard_normal((30, 30))
+    M = A - A.T
+    return Lcp(M, np.abs(A[2]) * (A[1] <= 0.0) - M @ (np.abs(A[0]) * (A[1] > 0.0)))
+
+
+@pytest.mark.parametrize("limit", [1, 2, 5])
+@pytest.mark.parametrize("problem", [box_on_floor(4, 3.0, (1.0, -0.1, 0.2)).lcp(), skew_problem()], ids=["box", "skew"])
+def test_pivot_limit_is_reported(problem, limit):
+    needed = Lemke().solve(problem)
+    assert needed.solved
+    assert needed.iterations > 2 * limit
+    assert Lemke(pivot_limit=needed.iterations).solve(problem).iterations == needed.iterations
+    few = Lemke(pivot_limit=limit).solve(problem)
+    assert few.status is Status.ITERATION_LIMIT
+    assert few.iterations % limit == 0  # of each of its paths
     assert few.residual == problem.residual(few.z)
+    assert few.residual > 1e-3
 
 
 def test_pivot_limit_must_be_positive():
@@ -88,7 +100,8 @@ def test_answer_is_one_of_all(seed):
     problem = Lcp(A @ A.T + 0.1 * np.eye(n) + (A - A.T), rng.standard_normal(n))
     every = enumerate_solutions(problem)
     solution = Lemke().solve(problem)
-    assert len(every) >= 1
+    assert len(every) == 1  # the matrix is positive definite
+    assert solution.solved
     assert solution.z == pytest.approx(every[0], abs=1e-8)
 
 

@@ -49,18 +49,22 @@ def final_state(build: Build, duration: float, steps: int) -> npt.NDArray[np.flo
 
 
 @pytest.mark.parametrize(
-    ("build", "duration"), [(flexible_pendulum, 0.4), (sliding_beam, 0.12)], ids=["hinged beam", "sliding beam"]
+    ("build", "duration", "counts", "error"),
+    [(flexible_pendulum, 0.4, (100, 200, 400), 6e-10), (sliding_beam, 0.12, (50, 100, 200), 4e-13)],
+    ids=["hinged beam", "sliding beam"],
 )
-def test_order_between_events(build: Build, duration: float) -> None:
+def test_order_between_events(build: Build, duration: float, counts: tuple[int, ...], error: float) -> None:
+    """Order 5: rates come to it from below, 4.8 and 4.9, 4.1 and 4.6; at shorter steps rounding would show."""
     exact = final_state(build, duration, 1600)
-    errors = [np.abs(final_state(build, duration, n) - exact).max() for n in (50, 100, 200)]
-    rates = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
-    assert min(rates) > 4.0
-    assert errors[-1] < 1e-7
+    errors = [np.abs(final_state(build, duration, n) - exact).max() for n in counts]
+    first, last = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
+    assert 4.0 < first < last
+    assert last == pytest.approx(5.0, abs=0.4)
+    assert errors[-1] < error
 
 
 def test_error_follows_the_tolerance() -> None:
-    """One and a half decades of tolerance: at least one decade of error."""
+    """Errors are proportional to the tolerance, nearly: a measured exponent of 0.94 over four decades."""
 
     def state(rtol: float) -> npt.NDArray[np.float64]:
         stepper = lf.EventDriven(rtol=rtol, atol=1e-2 * rtol)
@@ -68,7 +72,7 @@ def test_error_follows_the_tolerance() -> None:
         return np.concatenate([result.q[-1], result.u[-1]])
 
     exact = state(1e-12)
-    errors = [np.abs(state(rtol) - exact).max() for rtol in (1e-5, 1e-6, 1e-7, 1e-8)]
-    for coarse, fine in pairwise(errors):
-        assert fine < 0.4 * coarse
-    assert errors[-1] < 1e-6
+    tolerances = np.geomspace(1e-5, 1e-9, 9)
+    errors = [np.abs(state(rtol) - exact).max() for rtol in tolerances]
+    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(0.94, abs=0.08)
+    assert errors[-1] < 1e-9

@@ -28,17 +28,13 @@ def controlled(tolerance: float, **options: object) -> lf.MoreauJean:
 
 
 def test_error_falls_with_the_tolerance_and_steps_grow_as_its_root() -> None:
-    tolerances = np.array([1e-4, 1e-5, 1e-6, 1e-7])
-    errors, steps = [], []
-    for tolerance in tolerances:
-        result = lf.simulate(gallery.stick_slip_block(), 1.9, controlled(tolerance))
-        errors.append(abs(result.q[-1, 0] - 0.332714308))
-        steps.append(result.steps)
-    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
-    assert 0.5 < slope < 1.2, errors
-    assert errors[-1] < 1e-6
-    # local errors are of second order at least, so a tolerance ten times smaller takes at most sqrt(10) the steps
-    assert np.polyfit(np.log(tolerances), np.log(steps), 1)[0] > -0.5, steps
+    """Local errors of order 3 between events: steps go with tolerance^(-1/3), the final error with tolerance^(2/3)."""
+    tolerances = np.geomspace(1e-6, 10**-9.5, 8)
+    runs = [lf.simulate(gallery.stick_slip_block(), 1.9, controlled(tolerance)) for tolerance in tolerances]
+    errors = [abs(run.q[-1, 0] - 0.332714308) for run in runs]
+    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(2.0 / 3.0, abs=0.06), errors
+    assert np.polyfit(np.log(tolerances), np.log([run.steps for run in runs]), 1)[0] == pytest.approx(-1 / 3, abs=0.05)
+    assert errors[-1] < 1e-8
 
 
 def test_the_step_is_short_at_impacts_and_long_in_flight() -> None:

@@ -54,10 +54,10 @@ def test_free_flight_conserves_energy_and_momenta_to_the_order_of_the_scheme() -
         energy = result.energies.stored
         errors.append([abs(energy[-1] / energy[0] - 1.0), *(np.abs(last - first) / np.abs(first).max())])
     errors = np.array(errors)
-    assert errors[-1].max() < 2e-3
-    rates = np.log2(errors[:-1] / np.maximum(errors[1:], 1e-15))
-    halved = errors[1:] > 1e-12  # what is exact has no rate
-    assert (rates[halved] > 0.9).all(), rates
+    assert (errors[-1] < (2e-5, 6e-7, 4e-7, 6e-6)).all(), errors  # twice what was measured
+    assert (errors > 1e-8).all(), errors  # far above rounding, or there would be no rates to see
+    rates = np.log2(errors[:-1] / errors[1:])
+    assert ((rates > 0.9) & (rates < 1.3)).all(), rates
 
 
 def bouncing(step: float) -> FloatArray:
@@ -103,11 +103,16 @@ def test_same_input_gives_the_same_bits() -> None:
 
 
 def test_compiled_and_interpreted_drivers_agree_to_the_bit() -> None:
-    compiled = lf.simulate(pendulum(), 0.12, lf.MoreauJean(1e-4))
+    """The same solver, compiled in and called; another one's rounding is all that tells its run apart."""
+    compiled = lf.simulate(pendulum(), 0.12, lf.MoreauJean(1e-4, solver=lf.Lemke()))
     interpreted = lf.simulate(pendulum(), 0.12, lf.MoreauJean(1e-4, solver=InPython(lf.Lemke())))
+    other = lf.simulate(pendulum(), 0.12, lf.MoreauJean(1e-4))
     assert compiled.impulse[-1, 0, 0] > 0.01
+    for name in ("times", "q", "u", "force", "impulse", "gap", "state"):
+        np.testing.assert_array_equal(getattr(interpreted, name), getattr(compiled, name))
     for name in ("q", "u", "force", "impulse"):
-        np.testing.assert_allclose(getattr(interpreted, name), getattr(compiled, name), rtol=0, atol=1e-11)
+        largest = np.abs(getattr(compiled, name)).max()
+        np.testing.assert_allclose(getattr(other, name), getattr(compiled, name), rtol=0, atol=1e-13 * largest)
 
 
 def test_quadratic_program_solves_a_frictionless_scene() -> None:
