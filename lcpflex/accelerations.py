@@ -33,9 +33,9 @@ from lcpflex.dynamics.acceleration import (
 )
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range
+from lcpflex.linking import link
 from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
-from lcpflex.steppers.driver import link
 from lcpflex.steppers.event_memory import copy_entry
 
 if TYPE_CHECKING:
@@ -189,9 +189,9 @@ class _Instant:
         self._t, self._q, self._u = t, q, u
         self._work: Workspace = system.workspace(16)
         self._sets: ContactSets = contact_sets(16)
-        self._detect: Callable[..., Any] = system.hooks.get("detect", detect)
-        self._lay = link([lay_rows], system.hooks)
-        self._assemble = link([lay_rows, assemble], system.hooks)
+        self._detect: Callable[..., Any] = link(detect, system.hooks)
+        self._lay = link(lay_rows, system.hooks)
+        self._assemble = link(assemble, system.hooks)
         self._n = 0
         self._free = np.zeros(0)
 

@@ -116,13 +116,14 @@ def kernel(function: F) -> F:
 
 
 def interpreted(compiled: F, **replacements: Any) -> F:
-    """The same driver as plain Python, with some of the functions it calls replaced.
+    """The same function as plain Python with a scope of its own, some of the functions it calls replaced.
 
     A driver is written once: compiled, it runs whole chunks of steps without Python; interpreted,
     its loop is Python and any function it calls (a solver, a callback, the mechanics of a
     user's own system) can be any Python callable.
     """
-    source = cast(Any, compiled).py_func
+    source = getattr(compiled, "py_func", compiled)  # the function itself where numba is told not to compile
     scope = {**source.__globals__, **replacements}
-    clone = types.FunctionType(source.__code__, scope, source.__name__, source.__defaults__)
+    clone = types.FunctionType(source.__code__, scope, source.__name__, source.__defaults__, source.__closure__)
+    clone.__kwdefaults__ = source.__kwdefaults__
     return cast(F, clone)

@@ -57,6 +57,7 @@ class Compiled:
 
     def system(self) -> System:
         """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
+        from lcpflex.dynamics import mechanics
         from lcpflex.dynamics.time_functions import State
         from lcpflex.steppers.system import System
 
@@ -70,7 +71,7 @@ class Compiled:
             q=self.q.copy(),
             u=self.u.copy(),
             n_external=self.n_external,
-            hooks={"supply": supply} if self.callbacks else {},
+            hooks={mechanics.supply: supply} if self.callbacks else {},
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,

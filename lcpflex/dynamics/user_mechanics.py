@@ -1,19 +1,21 @@
-"""The mechanics of a user's own system behind the names of the kernels that a scene has.
+"""The mechanics of a user's own system in place of the kernels that a scene has.
 
 Its contact table names contact k of the system by ``law[k]``; all rows belong to one dense block, body 0.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact import detection, kinematics
 from lcpflex.contact.detection import ContactTable
+from lcpflex.dynamics import constraint_rows, mechanics
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.linking import Hooks
 from lcpflex.model import Model
 
 __all__ = ["Mechanics", "hooks"]
@@ -44,12 +46,12 @@ class Mechanics(Protocol):
     def constraint_bias(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray: ...
 
 
-def hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
-    """Replacements, by name, of the kernels that a stepper calls for the mechanics of a scene."""
+def hooks(system: Mechanics) -> Hooks:
+    """Replacements of the kernels that a stepper calls for the mechanics of a scene."""
     return {**_contact_hooks(system), **_joint_hooks(system), **_inertia_hooks(system)}
 
 
-def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+def _inertia_hooks(system: Mechanics) -> Hooks:
     def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
         given = system.force(t, q, u)
         work.conservative[:] = -system.stiffness @ q + (given if system.has_potential else 0.0)
@@ -77,16 +79,16 @@ def _inertia_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
         return kinetic, 0.5 * float(q @ system.stiffness @ q), system.potential(q)
 
     return {
-        "forces": forces,
-        "factorise": factorise,
-        "multiply": multiply,
-        "solve_vector": solve_vector,
-        "solve_rows": solve_rows,
-        "energies": energies,
+        mechanics.forces: forces,
+        mechanics.factorise: factorise,
+        mechanics.multiply: multiply,
+        mechanics.solve_vector: solve_vector,
+        mechanics.solve_rows: solve_rows,
+        mechanics.energies: energies,
     }
 
 
-def _contact_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+def _contact_hooks(system: Mechanics) -> Hooks:
     def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
         if system.m == 0:
             return 0
@@ -131,15 +133,15 @@ def _contact_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
         work.bias[n_joint + n : n_joint + n + n_tangent] = w_t[laws[work.tangent[:n_tangent]]]
 
     return {
-        "detect": detect,
-        "refresh": refresh,
-        "contact_point": contact_point,
-        "fill_contact_rows": fill_contact_rows,
-        "contact_biases": contact_biases,
+        detection.detect: detect,
+        detection.refresh: refresh,
+        kinematics.contact_point: contact_point,
+        mechanics.fill_contact_rows: fill_contact_rows,
+        mechanics.contact_biases: contact_biases,
     }
 
 
-def _joint_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
+def _joint_hooks(system: Mechanics) -> Hooks:
     def joint_residual(model: Model, t: float, q: FloatArray, external: FloatArray, phi: FloatArray) -> None:
         phi[:] = system.residual(t, q)
 
@@ -160,4 +162,4 @@ def _joint_hooks(system: Mechanics) -> dict[str, Callable[..., Any]]:
         rate[:r] = system.rate(t, q)
         bias[:r] = system.constraint_bias(t, q, u)
 
-    return {"joint_residual": joint_residual, "joint_rows": joint_rows}
+    return {constraint_rows.joint_residual: joint_residual, constraint_rows.joint_rows: joint_rows}

@@ -1,19 +1,18 @@
 """Choice between the two drivers of a step: compiled throughout, or its outer loop in Python.
 
 The loop is Python where a Python function must be called in it: a solver that is not a kernel, a callback, a user's
-own mechanics. Its source is the same (:func:`lcpflex.compiled.interpreted`).
+own mechanics. Its source is the same (:func:`lcpflex.linking.link`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.compiled import interpreted
 from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.linking import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
@@ -21,7 +20,6 @@ from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
 __all__ = [
     "Watch",
-    "link",
     "Rescue",
     "posed_lcp",
     "posed_problem",
@@ -41,13 +39,13 @@ def solver_method(solver: LcpSolver) -> int:
     return LEMKE if isinstance(solver, Lemke) else AUTO
 
 
-def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> dict[str, Callable[..., Any]]:
+def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
     """Replacement of the kernel ``solve_lcp`` by ``solver``, and of one that tells ``watch`` of each problem solved.
 
     None for Auto and Lemke, which are compiled in, as long as nobody watches.
     """
     if watch is None:
-        return {} if isinstance(solver, (Auto, Lemke)) else {"solve_lcp": _python_solve(solver)}
+        return {} if isinstance(solver, (Auto, Lemke)) else {solve_lcp: _python_solve(solver)}
     solve = solve_lcp if isinstance(solver, (Auto, Lemke)) else _python_solve(solver)
 
     def watched(work: Workspace) -> int:
@@ -55,7 +53,7 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> dict[str, Cal
         watch(work)
         return status
 
-    return {"solve_lcp": watched}
+    return {solve_lcp: watched}
 
 
 def _python_solve(solver: LcpSolver) -> Callable[[Workspace], int]:
@@ -139,21 +137,6 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     if n_tangent == work.step_size[2] and np.allclose(delassus, work.Gc[:m, :m], rtol=1e-12, atol=0.0):
         delassus = work.Gc[:m, :m]  # the same without the rounding
     return ContactProblem(delassus, work.q[:m], friction, keys)
-
-
-def link(functions: list[Callable[..., Any]], hooks: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    """The last of ``functions`` with ``hooks`` in place; each may call hooks and those before it, by name.
-
-    Without hooks the compiled function itself.
-    """
-    if not hooks:
-        return functions[-1]
-    scope: dict[str, Any] = dict(hooks)
-    for function in functions:
-        name = function.__name__
-        if name not in scope:
-            scope[name] = interpreted(function, **scope)
-    return scope[functions[-1].__name__]
 
 
 def unsolved(work: Workspace, status: int, tolerance: float) -> str:

@@ -9,22 +9,20 @@ vanishes, slip stops, stick breaks, a foot leaves its segment) impacts are resol
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.impact_laws import ImpactLaw, Newton
-from lcpflex.dynamics.acceleration import ContactSets, assemble, lay_rows, position_errors, project
+from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, in_range
+from lcpflex.linking import link
 from lcpflex.model import OPEN, STICK
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
-from lcpflex.steppers.driver import Rescue, link, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
-from lcpflex.steppers.event_gaps import dip_of, first_closing, first_dip, gap_above, locate_gap
-from lcpflex.steppers.event_impacts import collide
+from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_loop import (
     CHATTER,
     CHOOSING,
@@ -42,7 +40,6 @@ from lcpflex.steppers.event_loop import (
     TAPE_FULL,
     TOO_OFTEN,
     advance,
-    record,
 )
 from lcpflex.steppers.event_memory import (
     CONTACTS,
@@ -70,12 +67,9 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_segment import measure, search, slope, step
-from lcpflex.steppers.event_sets import choose, gather
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import store_contacts
 
 __all__ = ["EventDriven", "EventDrivenRun"]
 
@@ -113,7 +107,7 @@ class EventDrivenRun:
         self._memory.clock[LAST_EVENT] = -math.inf
         begin_laws(system, self._work)
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
-        self._advance = link([*_PARTS, advance], hooks)
+        self._advance = link(advance, hooks)
 
     @property
     def time(self) -> float:
@@ -273,28 +267,6 @@ class EventDrivenRun:
         for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied"):
             getattr(new, name)[...] = getattr(old, name)
         self._memory = new
-
-
-_PARTS: list[Callable[..., Any]] = [
-    lay_rows,
-    assemble,
-    position_errors,
-    project,
-    slope,
-    step,
-    gap_above,
-    locate_gap,
-    first_closing,
-    dip_of,
-    first_dip,
-    measure,
-    search,
-    collide,
-    choose,
-    gather,
-    store_contacts,
-    record,
-]  # those that call what may be replaced, callees first
 
 
 def _times(count: int) -> str:

@@ -29,11 +29,12 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
+from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.generalized_alpha_adaptive import ControlledGeneralizedAlpha
 from lcpflex.steppers.generalized_alpha_memory import (
     BETWEEN,
@@ -54,7 +55,6 @@ from lcpflex.steppers.generalized_alpha_step import (
     correct,
     give_up_smooth,
     predict,
-    stages,
 )
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
@@ -140,7 +140,7 @@ class GeneralizedAlphaScheme:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._memory = alpha_memory(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
-        self._advance = link([*stages(), advance], {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
     def step(self) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
@@ -35,7 +36,7 @@ from lcpflex.steppers.adaptive import (
     put_back,
     put_by,
 )
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
     LIFTED,
@@ -50,7 +51,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     larger,
 )
 from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
-from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict, stages
+from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
@@ -263,7 +264,7 @@ class ControlledGeneralizedAlpha:
         self._memory, self._kept_memory = alpha_memory(system, 16), alpha_memory(system, 16)
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
-        self._advance = link([*stages(), advance_adaptive], {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._advance = link(advance_adaptive, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them; see ``advance_adaptive``."""

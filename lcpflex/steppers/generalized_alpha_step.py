@@ -7,8 +7,6 @@ of the loop; :func:`predict` poses the one that is next and :func:`correct` appl
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, condense_rows
@@ -41,23 +39,19 @@ from lcpflex.steppers.generalized_alpha_memory import (
 )
 from lcpflex.steppers.generalized_alpha_position import (
     apply_position,
-    gather_pressed,
     pose_position,
-    position_error,
 )
 from lcpflex.steppers.generalized_alpha_smooth import (
     AlphaSettings,
     apply_smooth,
-    gather_resting,
     lay,
     pose_smooth,
     slip_mode,
 )
-from lcpflex.steppers.moreau_jean_step import record
 from lcpflex.steppers.stepping_run import NOT_FINITE
-from lcpflex.steppers.tape import Tape, note_gain, store_contacts
+from lcpflex.steppers.tape import Tape, note_gain
 
-__all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict", "stages"]
+__all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
 
 AGAIN = 0  # the step has another problem to solve
 STEPPED = 1
@@ -312,22 +306,3 @@ def give_up_smooth(memory: AlphaMemory) -> bool:
     memory.number[SKIP] = 1
     memory.number[PASS] = 0
     return True
-
-
-def stages() -> list[Callable[..., Any]]:
-    """The kernels of a step that call what may be replaced, callees first."""
-    return [
-        gather_resting,
-        lay,
-        pose_smooth,
-        gather_pressed,
-        position_error,
-        pose_position,
-        apply_position,
-        numerical_damping,
-        pose_velocity,
-        predict,
-        correct,
-        store_contacts,
-        record,
-    ]

@@ -29,6 +29,7 @@ from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import contact_compliance
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.static_modes import (
     check_compliance,
     contact_stiffness,
@@ -38,10 +39,11 @@ from lcpflex.dynamics.static_modes import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
+from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.massless_compliance import (
     beyond_range,
@@ -64,7 +66,6 @@ from lcpflex.steppers.massless_step import (
     WITHIN,
     advance,
     short_enough,
-    stages,
 )
 from lcpflex.steppers.moreau_jean_step import grown
 from lcpflex.steppers.run import Records
@@ -102,7 +103,7 @@ class MasslessBoundaryScheme:
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
-        self._advance = link([*stages(), advance], hooks)
+        self._advance = link(advance, hooks)
 
     @property
     def step(self) -> float:
@@ -310,8 +311,7 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
     q, u = system.q.copy(), system.u.copy()
     if system.n_joint == 0:
         return q, u
-    if "supply" in system.hooks:
-        system.hooks["supply"](system.model, 0.0, q, u, work)
+    link(supply, system.hooks)(system.model, 0.0, q, u, work)
     scale = 1.0 + float(np.abs(q).max())
     return start.project(system.model, q, u, work.external, np.full(system.n_joint, 1e-12 * scale))
 

@@ -7,8 +7,6 @@ if the contacts that this closes do not admit its length, it is taken back and m
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
@@ -26,7 +24,7 @@ from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
 
-__all__ = ["advance", "short_enough", "stages"]
+__all__ = ["advance", "short_enough"]
 
 TOO_LONG = 6
 STIFF = 7
@@ -383,8 +381,3 @@ def advance(
             clock[WITHIN] = 0.0
         else:
             clock[WITHIN] += h
-
-
-def stages() -> list[Callable[..., Any]]:
-    """The kernels of a step that call what may be replaced, callees first."""
-    return [project_joints, predict, accelerate, correct]

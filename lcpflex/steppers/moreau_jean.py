@@ -22,14 +22,15 @@ from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
+from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
-from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, stages, whole_step
+from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -91,7 +92,7 @@ class MoreauJeanScheme:
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._rescue = Rescue(solver, settings.tolerance)
-        self._advance = link([*stages(), advance], {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
     def step(self) -> float:

@@ -10,6 +10,7 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
@@ -33,9 +34,9 @@ from lcpflex.steppers.adaptive import (
     put_by,
     unmet,
 )
-from lcpflex.steppers.driver import Rescue, link, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
-from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, stages, whole_step
+from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
@@ -129,7 +130,7 @@ class ControlledMoreauJean:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
-        self._advance = link([*stages(), advance_adaptive], {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._advance = link(advance_adaptive, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them; see ``advance_adaptive``."""

@@ -6,8 +6,7 @@ See :mod:`lcpflex.steppers.moreau_jean` for the scheme.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
@@ -42,7 +41,6 @@ __all__ = [
     "predict",
     "record",
     "spots_of",
-    "stages",
     "whole_step",
 ]
 
@@ -240,11 +238,6 @@ def whole_step(
     if not correct(model, settings, t, q, u, work, tape):
         return NOT_FINITE
     return DONE
-
-
-def stages() -> list[Callable[..., Any]]:
-    """The kernels of a step that call what may be replaced, callees first."""
-    return [project_joints, project_contacts, predict, correct, whole_step, store_contacts, record]
 
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:

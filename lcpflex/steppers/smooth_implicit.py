@@ -13,6 +13,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
+from lcpflex.linking import link
 from lcpflex.steppers.smooth_explicit import ALL_OF_IT, HALVINGS, NONE_OF_IT, SAME, STEPPING, SmoothSettings, take_note
 from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
 from lcpflex.steppers.smooth_run import SmoothRun
@@ -33,8 +34,10 @@ class StiffRun(SmoothRun):
     def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, method: type[Any]) -> None:
         super().__init__(system, laws, settings)
         self._method = method
-        self._slope, self._horizon, self._record = self._link(slope), self._link(horizon), self._link(record)
-        self._project, self._begun, self._take_note = self._link(project), self._link(begun), self._link(take_note)
+        kernels = (slope, horizon, record, project, begun, take_note)
+        self._slope, self._horizon, self._record, self._project, self._begun, self._take_note = (
+            link(kernel, system.hooks) for kernel in kernels
+        )
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
 

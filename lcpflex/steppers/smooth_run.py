@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from lcpflex.contact.laws.layout import LawRow
-from lcpflex.dynamics.acceleration import lay_rows, position_errors, project
-from lcpflex.steppers.driver import link
+from lcpflex.linking import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.smooth_explicit import (
@@ -15,12 +13,6 @@ from lcpflex.steppers.smooth_explicit import (
     SmoothSettings,
     advance,
     advance_fixed,
-    close_step,
-    relax,
-    share_before,
-    step,
-    step_fixed,
-    take_note,
 )
 from lcpflex.steppers.smooth_memory import (
     DETAIL,
@@ -29,9 +21,6 @@ from lcpflex.steppers.smooth_memory import (
     STEP,
     STEPS,
     TIME,
-    begun,
-    look,
-    note,
     smooth_memory,
 )
 from lcpflex.steppers.smooth_slope import (
@@ -41,36 +30,12 @@ from lcpflex.steppers.smooth_slope import (
     NOT_FINITE,
     OUT_OF_RANGE,
     TAPE_FULL,
-    horizon,
-    natural_frequency,
-    record,
-    slope,
 )
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import store_contacts
 
 __all__ = ["FixedRun", "SmoothRun"]
 
 STABLE = 2.0  # frequency times step up to which explicit steps of fixed length do not grow
-PARTS: list[Callable[..., Any]] = [
-    lay_rows,
-    position_errors,
-    project,
-    slope,
-    natural_frequency,
-    horizon,
-    store_contacts,
-    record,
-    look,
-    note,
-    begun,
-    share_before,
-    relax,
-    step,
-    step_fixed,
-    close_step,
-    take_note,
-]  # those that call what may be replaced, callees first
 
 
 class SmoothRun:
@@ -87,7 +52,7 @@ class SmoothRun:
         self._work = system.workspace(16)
         self._memory = smooth_memory(system, laws)
         self._memory.clock[STEP] = first_step
-        self._advance = self._link(advance)
+        self._advance = link(advance, system.hooks)
         bouncing = [
             name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
         ]
@@ -97,11 +62,6 @@ class SmoothRun:
                 "rebound follows from the damping of the force law"
             )
         self._own = list(self.records.warnings)
-
-    def _link(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """``function`` for this system: compiled, or in Python with the hooks of the system."""
-        parts = PARTS[: PARTS.index(function)] if function in PARTS else PARTS
-        return link([*parts, function], self.system.hooks)
 
     @property
     def time(self) -> float:
@@ -167,7 +127,7 @@ class FixedRun(SmoothRun):
 
     def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings) -> None:
         super().__init__(system, laws, settings)
-        self._advance = self._link(advance_fixed)
+        self._advance = link(advance_fixed, system.hooks)
 
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.force_law import Law
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts
 from lcpflex.dynamics.workspace import Workspace, workspace
+from lcpflex.linking import Hooks
 from lcpflex.model import Model
 from lcpflex.packed import pack
 from lcpflex.steppers.tape import Tape, tape
@@ -24,7 +24,7 @@ RECORD_CAPACITY = 256  # instants a tape holds before the driver empties it
 class System:
     """A model with its initial state, and the Python functions that stand in for kernels.
 
-    ``hooks`` maps the names of kernels (supply, forces, detect, ...) to replacements; empty, the run is
+    ``hooks`` maps kernels (supply, forces, detect, ...) to replacements; empty, the run is
     compiled throughout. ``watch`` is told of each contact problem that was solved. ``names``: declared contacts.
     ``laws``: their continuous contact forces, None for those by complementarity; empty, all are.
     """
@@ -33,7 +33,7 @@ class System:
     q: FloatArray
     u: FloatArray
     n_external: int
-    hooks: Mapping[str, Callable[..., Any]]
+    hooks: Hooks
     dense: bool
     margin: float
     watch: Callable[[Workspace], None] | None = None

@@ -8,6 +8,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.start import violation
 
 
@@ -197,7 +198,7 @@ def test_force_callbacks_see_the_state():
     from lcpflex.bodies.floating_frame import point_angle, point_position, point_velocity
 
     work = SimpleNamespace(external=external(compiled))
-    compiled.system().hooks["supply"](compiled.model, 0.5, compiled.q.copy(), compiled.u.copy(), work)
+    compiled.system().hooks[supply](compiled.model, 0.5, compiled.q.copy(), compiled.u.copy(), work)
     np.testing.assert_array_equal(work.external[:, 0], [1.5, -2.0])
     model = compiled.model
     p = compiled.layout.points["beam", "right"]
@@ -217,7 +218,7 @@ def test_a_scene_without_python_functions_stays_compiled():
     scene.load(lf.Torque(lower.point("right"), lf.Harmonic(1.0, 2.0)))
     assert not scene.compile().system().hooks
     scene.load(lf.Torque(lower.point("right"), math.sin))
-    assert set(scene.compile().system().hooks) == {"supply"}
+    assert set(scene.compile().system().hooks) == {supply}
 
 
 @pytest.mark.parametrize(
