@@ -124,6 +124,7 @@ class ControlledMoreauJean:
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
         begin_laws(system, self.work)
+        self.records.indentation = self.work.laws.memory.worst
         self.clock = np.zeros(9)
         self.clock[STEP] = self.clock[RECENT] = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings

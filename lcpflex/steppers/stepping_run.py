@@ -13,6 +13,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits, shortest_steps_warning
 from lcpflex.steppers.driver import Rescue, unsolved
+from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 
 __all__ = [
@@ -163,6 +164,9 @@ class FixedRun:
             status = self.scheme.loop(self._start, int(target - clock[MADE]), stride)
             if status == DONE:
                 return ""
+            if status == PASSED:
+                self.records.examine(self.time, self.scheme.step)
+                continue
             message = _remedied(self.scheme, status, self.time)
             if message:
                 return message
