@@ -275,6 +275,7 @@ def _collect(
         contact_names=names,
         by_law=run.records.by_law,
         found_wrong=tuple(run.records.wrong()),
+        notes=tuple(run.records.notes),
     )
 
 

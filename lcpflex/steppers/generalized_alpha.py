@@ -263,6 +263,8 @@ class GeneralizedAlpha:
             self.gap_tolerance,
             self.velocity_threshold,
             self.solver_tolerance,
+            0.0,
+            0.0,
         )
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:

@@ -206,7 +206,7 @@ class MoreauJean:
     def settings(self) -> Settings:
         """The numbers that compiled loops need."""
         return Settings(
-            self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance
+            self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance, 0.0
         )
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:

@@ -48,8 +48,8 @@ def crosses(
 ) -> bool:  # fmt: skip
     """Whether the slave of entry k goes through its feature, or over an arc, between two shares of the path.
 
-    Entry k: as it is at ``low``. Where the path is ``free``, half as deep as that: what was found there, at last, might
-    as well have been missed.
+    Entry k: as it is at ``low``. Where the path is ``free``, half as deep as that, or a little into an arc, wherever it
+    ends: what was found there might as well have been missed.
     """
     limit = deep_enough(model, table, k)
     if free:
@@ -71,7 +71,7 @@ def crosses(
     if table.kind[k] == SEGMENT or table.sense[k] < 0.0:
         return False
     if free:
-        return deepest < -limit
+        return deepest < -CLIPPED / WITHIN * limit
     on_way(before, after, 1.0, q)
     refresh(model, q, table, k)
     return max(-deepest, 0.0) - max(-table.gap[k], 0.0) > CLIPPED * limit

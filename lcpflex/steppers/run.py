@@ -26,6 +26,7 @@ class Records:
         # declared contacts that are a continuous force
         self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
+        self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
         self._passages = Passages(system.model, system.names)
