@@ -151,8 +151,6 @@ class Backup(NamedTuple):
     held_key: IntArray  # (capacity,)
     held_gap: FloatArray  # (capacity,)
     at: FloatArray  # (ndof,) a configuration within the step
-    rows: FloatArray  # (2, 2, width) normal and tangential row of one pair
-    row_body: IntArray  # (2, 2)
 
 
 def backup(system: System, capacity: int) -> Backup:
@@ -173,8 +171,6 @@ def backup(system: System, capacity: int) -> Backup:
             held_key=np.zeros(capacity, dtype=np.int64),
             held_gap=zeros(capacity),
             at=zeros(ndof),
-            rows=zeros((2, 2, int(np.max(np.diff(system.model.bodies.dof), initial=1)))),
-            row_body=np.full((2, 2), -1, dtype=np.int64),
         )
     )
 

@@ -10,8 +10,7 @@ import math
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect, refresh
-from lcpflex.contact.kinematics import contact_rows
-from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.contact.kinematics import gap_rate
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
@@ -19,7 +18,7 @@ from lcpflex.steppers.adaptive import Backup
 from lcpflex.steppers.event_gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
 from lcpflex.steppers.tape import FARTHEST, Tape
 
-__all__ = ["closed_pairs", "first_unmet", "gap_rate"]
+__all__ = ["closed_pairs", "first_unmet"]
 
 NEVER = 2.0  # share of a step
 TURN = 0.25  # [rad] by which a body turns in one part of a step, at most
@@ -234,16 +233,6 @@ def first_unmet(
 
 
 @kernel
-def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int, kept: Backup) -> float:
-    """Rate of the gap of entry k [m/s]."""
-    contact_rows(model, q, table, k, kept.rows[0], kept.rows[1])
-    for i in range(2):
-        kept.row_body[0, i] = table.body[k, i]
-    none = 0 * k  # a literal would have the kernel compiled once more
-    return row_velocity(kept.rows, kept.row_body, none, model.bodies.dof, u)
-
-
-@kernel
 def closed_pairs(
     model: Model, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup
 ) -> tuple[float, float, float]:
@@ -259,8 +248,8 @@ def closed_pairs(
         if len(table.by_law) > 0 and table.by_law[table.law[k]] != SET_VALUED:
             continue
         sunk = max(sunk, -table.gap[k])
-        rate = gap_rate(model, q, u, table, k, kept)
-        pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k, kept)))
+        rate = gap_rate(model, q, u, table, k)
+        pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k)))
         held = False
         for i in range(work.step_size[1]):
             held = held or work.table.key[i] == table.key[k]
