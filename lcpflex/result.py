@@ -126,6 +126,7 @@ class Result:
     compiled: Compiled | None = None  # what the scene was compiled to; None for a system of the user's own
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
     by_law: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
+    notes: tuple[str, ...] = ()  # how the stepper fared, where that is no reason to doubt
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:

@@ -274,7 +274,8 @@ def _collect(
         compiled=compiled,
         contact_names=names,
         by_law=run.records.by_law,
-        found_wrong=tuple(run.records.found_wrong),
+        found_wrong=tuple(run.records.wrong()),
+        notes=tuple(run.records.notes),
     )
 
 

@@ -74,6 +74,7 @@ def _run(result: Result) -> str:
     ]
     if not result.complete:
         lines.append(f"INCOMPLETE: {with_unit(reached, 's')} of {with_unit(result.duration, 's')} - {result.message}")
+    lines.extend(result.notes)
     largest = int(result.size.max(initial=0))
     lines.append(
         f"{result.q.shape[1]} coordinates; {_counted(len(result.contact_names), 'declared contact')}; "

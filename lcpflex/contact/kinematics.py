@@ -57,6 +57,20 @@ def contact_rows(
 
 
 @kernel
+def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
+    """gdot_N [m/s] of entry k."""
+    bodies = model.bodies
+    points = model.points
+    _, _, vx, vy, _, _ = point_motion(bodies, points, q, u, table.slave[k])
+    _, _, wx, wy, _, _ = point_motion(bodies, points, q, u, table.a[k])
+    if table.kind[k] == SEGMENT:
+        _, _, ex, ey, _, _ = point_motion(bodies, points, q, u, table.b[k])
+        wx += table.s[k] * (ex - wx)
+        wy += table.s[k] * (ey - wy)
+    return table.normal[k, 0] * (vx - wx) + table.normal[k, 1] * (vy - wy)
+
+
+@kernel
 def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""
     bodies = model.bodies

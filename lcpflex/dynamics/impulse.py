@@ -70,6 +70,8 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
             before = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u_before)
             if abs(before) > velocity_threshold:
                 work.free[n_joint + k] += e_n * before
+            else:
+                work.stopped[0] = max(work.stopped[0], -before)
     for j in range(n_tangent):
         e_t = model.contacts.tangential_restitution[work.table.law[work.tangent[j]]]
         if e_t > 0.0:

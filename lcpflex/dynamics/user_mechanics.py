@@ -105,6 +105,9 @@ def _contact_hooks(system: Mechanics) -> Hooks:
     def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
         table.gap[k] = system.gaps(q)[table.law[k]]
 
+    def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
+        return float(system.normals(q)[:, table.law[k]] @ u)
+
     def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
         return np.nan, np.nan
 
@@ -135,6 +138,7 @@ def _contact_hooks(system: Mechanics) -> Hooks:
     return {
         detection.detect: detect,
         detection.refresh: refresh,
+        kinematics.gap_rate: gap_rate,
         kinematics.contact_point: contact_point,
         mechanics.fill_contact_rows: fill_contact_rows,
         mechanics.contact_biases: contact_biases,

@@ -58,6 +58,7 @@ class Workspace(NamedTuple):
     p: FloatArray  # (R,) impulses or forces of all rows
     step_size: IntArray  # (5,) joint rows, contacts, tangential rows, LCP size of this step; contacts held
     certificate: FloatArray  # (2,) natural-map residual and pivots of the present step
+    stopped: FloatArray  # (1,) fastest approach so far that was stopped, being slow, and not reflected [m/s]
     last_key: IntArray  # (capacity,) keys of the contacts of the last solved problem
     last_basis: IntArray  # (capacity, 3) whether their lambda_N, lambda_R, xi_L were basic
     solving: IntArray  # (3,) method; number of last_key; what is known beforehand: see impulse.solve_lcp
@@ -120,6 +121,7 @@ def workspace(
         p=zeros(n_rows),
         step_size=np.zeros(5, dtype=np.int64),
         certificate=zeros(2),
+        stopped=zeros(1),
         last_key=np.zeros(capacity, dtype=np.int64),
         last_basis=np.zeros((capacity, 3), dtype=np.int64),
         solving=np.zeros(3, dtype=np.int64),

@@ -2,9 +2,12 @@
 
     |y(2 x h/2) - y(1 x h)| <= atol + rtol |y|   for every coordinate and velocity y,
 
-and no pair has sunk unseen by more than the tolerance of positions. Where an impact falls between the ends of the two,
-their velocities differ by its jump, so that impacts shorten the step by themselves, down to ``shortest``, where steps
-are taken as they come: an error estimate across an impact would mean nothing.
+and no pair has closed unmet (:mod:`lcpflex.steppers.unmet`). Where an impact falls between the ends of the two, their
+velocities differ by its jump, so that impacts shorten the step by themselves, down to ``shortest``, where steps are
+taken as they come: an error estimate across an impact would mean nothing. One that both pass over is located, a trial
+ends there, and a shortest step takes the impact.
+
+Impacts that accumulate end where a pair approaches no faster than a velocity threshold: it is stopped, not reflected.
 Source of step doubling: Hairer, Norsett & Wanner 1993, II.4.
 """
 
@@ -30,7 +33,14 @@ __all__ = [
     "DEEPEST",
     "DETAIL",
     "DUE",
+    "ENTRIES",
+    "FASTEST",
+    "PULL",
     "RECENT",
+    "MOST_STRIKES",
+    "SETTLE",
+    "STOPPED",
+    "STRIKES",
     "SHORTEST",
     "STEP",
     "STEPS",
@@ -39,22 +49,27 @@ __all__ = [
     "Backup",
     "Limits",
     "accept",
+    "after_impact",
     "after_rejection",
     "backup",
-    "deepest",
     "doubling_error",
+    "end_there",
     "next_length",
     "position_tolerance",
     "put_back",
     "put_by",
-    "shortest_steps_warning",
+    "resume",
+    "threshold",
     "unmet",
 ]
 
 # entries of the clock of an adaptive run; the second one explains what a loop returned, as in that of fixed steps
 TIME, DETAIL, STEP, STEPS, RECENT, DUE, SHORTEST, REJECTED, DEEPEST = range(9)
+FASTEST, PULL, CRUISE, STRIKES, STOPPED = range(9, 14)  # and what is known of impacts; see ``after_impact``
+ENTRIES = 14
 PART = 0.01  # of the duration that one step may take, where no limit is given
-MOSTLY = 0.5  # part of the steps at the shortest length from which the result warns
+SETTLE = 4.0  # times what the approach of a pair gains in one shortest step: no faster, it is at rest
+MOST_STRIKES = 20  # shortest steps in a row for impacts
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +82,11 @@ class AdaptiveStep:
         Error of a step at most atol + rtol |y| in each coordinate and velocity y.
     shortest, longest
         Range of the step [s]. Steps at ``shortest`` are not controlled: it bounds the error in the time of an impact.
-        The longest is a hundredth of the duration by default, so that no body passes another unseen in one step.
+        The longest is a hundredth of the duration by default.
+    velocity_threshold
+        Normal velocity [m/s] up to which an approach is stopped instead of reflected (e_N = 0), so that an accumulation
+        of impacts ends. None: atol + rtol times the fastest approach of an impact so far. At least four times
+        what a contact gains in a step of length ``shortest`` in any case. A restitution of 0 is not affected.
 
     Raises
     ------
@@ -79,11 +98,14 @@ class AdaptiveStep:
     atol: float = 1e-8
     shortest: float = 1e-9
     longest: float | None = None
+    velocity_threshold: float | None = None
 
     def __post_init__(self) -> None:
         in_range("rtol", self.rtol, 0.0, 1.0)
         in_range("atol", self.atol, 0.0, math.inf, open_ends=True)
         in_range("shortest", self.shortest, 0.0, math.inf, open_ends=True)
+        if self.velocity_threshold is not None:
+            in_range("velocity_threshold", self.velocity_threshold, 0.0, math.inf)
         given = self.longest is not None
         if given and not (isinstance(self.longest, (int, float)) and self.longest >= self.shortest):
             raise ModelError(
@@ -98,7 +120,8 @@ class AdaptiveStep:
         """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         # never 0: an instant is stored once, however many steps from it are rejected
         apart = max(interval, 4.0 * math.ulp(duration))
-        return Limits(duration, apart, self.rtol, self.atol, self.shortest, self.limit(duration))
+        threshold = -1.0 if self.velocity_threshold is None else float(self.velocity_threshold)
+        return Limits(duration, apart, self.rtol, self.atol, self.shortest, self.limit(duration), threshold)
 
 
 class Limits(NamedTuple):
@@ -110,6 +133,7 @@ class Limits(NamedTuple):
     atol: float
     shortest: float
     longest: float
+    velocity_threshold: float  # negative: from the tolerances
 
 
 class Backup(NamedTuple):
@@ -126,6 +150,7 @@ class Backup(NamedTuple):
     held: IntArray  # (1,)
     held_key: IntArray  # (capacity,)
     held_gap: FloatArray  # (capacity,)
+    at: FloatArray  # (ndof,) a configuration within the step
 
 
 def backup(system: System, capacity: int) -> Backup:
@@ -145,6 +170,7 @@ def backup(system: System, capacity: int) -> Backup:
             held=np.zeros(1, dtype=np.int64),
             held_key=np.zeros(capacity, dtype=np.int64),
             held_gap=zeros(capacity),
+            at=zeros(ndof),
         )
     )
 
@@ -216,18 +242,6 @@ def position_tolerance(limits: Limits, q: FloatArray) -> float:
 
 
 @kernel
-def deepest(model: Model, q: FloatArray, table: ContactTable) -> float:
-    """Largest penetration of a set-valued contact at q [m], 0 if there is none."""
-    touching = 0.0
-    count = detect(model, q, touching, table)
-    sunk = 0.0
-    for k in range(min(count, len(table.key))):
-        if len(table.by_law) == 0 or table.by_law[table.law[k]] == SET_VALUED:
-            sunk = max(sunk, -table.gap[k])
-    return sunk
-
-
-@kernel
 def unmet(model: Model, q: FloatArray, laws: LawContacts, table: ContactTable) -> float:
     """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
     if len(laws.friction) == 0:
@@ -250,6 +264,48 @@ def after_rejection(limits: Limits, clock: FloatArray, h: float, error: float) -
     factor = 0.1 if not error < math.inf else max(0.1, 0.8 / math.sqrt(error))
     clock[STEP] = max(limits.shortest, min(0.5, factor) * h)
     clock[REJECTED] = 1.0
+
+
+@kernel
+def end_there(limits: Limits, clock: FloatArray, h: float, share: float) -> None:
+    """After a trial of length h in which a pair closed unmet: have the next one end where it does."""
+    clock[CRUISE] = max(clock[CRUISE], h)
+    clock[STEP] = max(limits.shortest, share * h)
+    clock[REJECTED] = 1.0
+
+
+@kernel
+def threshold(limits: Limits, clock: FloatArray) -> float:
+    """Normal velocity up to which an approach is stopped [m/s]."""
+    least = limits.velocity_threshold
+    if least < 0.0:
+        least = limits.atol + limits.rtol * clock[FASTEST]
+    return max(least, SETTLE * clock[PULL])
+
+
+@kernel
+def resume(limits: Limits, clock: FloatArray) -> None:
+    """Go on with the step that was tried before one that had to end at an impact."""
+    clock[STEP] = min(limits.longest, max(clock[STEP], clock[CRUISE]))
+    clock[CRUISE] = 0.0
+
+
+@kernel
+def after_impact(limits: Limits, clock: FloatArray, approach: float, pull: float, alone: bool) -> None:
+    """Have a shortest step take an impact that is due, and go on as before once it has.
+
+    approach: fastest one of closed pairs that no problem has held yet [m/s]; pull: what a shortest step adds to it.
+    """
+    if not alone:
+        clock[PULL] = pull
+    if approach > threshold(limits, clock) and clock[STRIKES] < MOST_STRIKES:
+        clock[FASTEST] = max(clock[FASTEST], approach)
+        clock[STEP] = limits.shortest
+        clock[STRIKES] += 1.0
+        return
+    if clock[STRIKES] > 0.0:
+        resume(limits, clock)
+    clock[STRIKES] = 0.0
 
 
 @kernel
@@ -276,13 +332,3 @@ def accept(limits: Limits, clock: FloatArray, h: float, error: float, alone: boo
     clock[RECENT] = h if alone else 0.5 * h
     clock[STEPS] += 1.0 if alone else 2.0
     clock[SHORTEST] += 1.0 if alone else 0.0
-
-
-def shortest_steps_warning(clock: FloatArray, shortest: float) -> list[str]:
-    """A warning if most steps were taken without error control."""
-    if clock[SHORTEST] <= MOSTLY * clock[STEPS]:
-        return []
-    return [
-        f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {shortest:g} s, and are "
-        "not error-controlled: a larger tolerance, a shorter `shortest`, or a fixed step suits this scene better"
-    ]

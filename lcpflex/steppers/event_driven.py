@@ -106,6 +106,7 @@ class EventDrivenRun:
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
         begin_laws(system, self._work)
+        self.records.indentation = self._work.laws.memory.worst
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link(advance, hooks)
 

@@ -176,9 +176,10 @@ def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
     """Twice the largest speed of a material point [m/s]: no gap changes faster. Infinite where bodies are unknown."""
     largest = math.inf if len(model.bodies.mass) == 0 else 0.0
     size = 0.0
-    for extent in model.contacts.surface_extent:
-        if extent < math.inf:
-            size = max(size, extent)
+    c = model.contacts
+    for s in range(len(c.surface_extent)):
+        if c.surface_body[s] >= 0 and c.surface_extent[s] < math.inf:  # from the frame: a tip is far, and a point
+            size = max(size, c.surface_extent[s] + math.hypot(c.surface_center[s, 0], c.surface_center[s, 1]))
     ndof = len(memory.u)
     for b in range(len(model.bodies.mass)):
         d = ndof + model.bodies.dof[b]

@@ -58,6 +58,7 @@ from lcpflex.steppers.generalized_alpha_step import (
 )
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
+from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import (
     DONE,
@@ -107,6 +108,7 @@ def advance(
                 clock[2] = clock[0]
             if clock[0] >= last:
                 return DONE
+            set_out_freely(q, u, settings.step, tape)
         clock[1] = predict(model, settings, t, q, u, work, memory)
         if clock[1] > len(work.table.key):
             return GROW
@@ -122,6 +124,8 @@ def advance(
         status = correct(model, settings, t, q, u, work, memory, tape)
         if status == STEPPED:
             clock[0] += 1.0
+            if may_pass(model, q, tape):
+                return PASSED
         elif status != AGAIN:
             return status
 
@@ -259,6 +263,8 @@ class GeneralizedAlpha:
             self.gap_tolerance,
             self.velocity_threshold,
             self.solver_tolerance,
+            0.0,
+            0.0,
         )
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:

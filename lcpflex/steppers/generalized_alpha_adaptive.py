@@ -20,29 +20,39 @@ from lcpflex.steppers.adaptive import (
     DEEPEST,
     DETAIL,
     DUE,
+    ENTRIES,
+    FASTEST,
+    MOST_STRIKES,
     RECENT,
+    SETTLE,
     STEP,
     STEPS,
+    STOPPED,
+    STRIKES,
     TIME,
     Backup,
     Limits,
     accept,
     after_rejection,
     backup,
-    deepest,
     doubling_error,
+    end_there,
     next_length,
     position_tolerance,
     put_back,
     put_by,
+    resume,
+    threshold,
 )
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
+    APPROACH,
     LIFTED,
     NOW,
     PHASE,
     RECURSIVE,
+    STRUCK,
     VELOCITY,
     WARM,
     AlphaMemory,
@@ -50,6 +60,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     alpha_memory,
     larger,
 )
+from lcpflex.steppers.generalized_alpha_memory import STOPPED as AT_REST
 from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
 from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict
 from lcpflex.steppers.moreau_jean_step import grown, record
@@ -57,14 +68,12 @@ from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledGeneralizedAlpha"]
 
-PART, TRIED, SCALED = (
-    9,
-    10,
-    11,
-)  # further entries of the clock: part of a step, its length, the length a belongs to
+# further entries of the clock: part of a step, its length, the length a belongs to
+PART, TRIED, SCALED = range(ENTRIES, ENTRIES + 3)
 FRESH, LONG, FIRST, SECOND, ALONE = 0.0, 1.0, 2.0, 3.0, 4.0  # clock[PART]
 
 
@@ -110,8 +119,8 @@ def scale_acceleration(clock: FloatArray, length: float, memory: AlphaMemory) ->
 
 
 @kernel
-def with_step(settings: AlphaSettings, h: float) -> AlphaSettings:
-    """The same numbers for steps of length h."""
+def with_step(settings: AlphaSettings, h: float, rebound: float, settle: float) -> AlphaSettings:
+    """The same numbers for steps of length h, with thresholds of restitution."""
     return AlphaSettings(
         h,
         settings.alpha_m,
@@ -121,6 +130,8 @@ def with_step(settings: AlphaSettings, h: float) -> AlphaSettings:
         settings.gap_tolerance,
         settings.velocity_threshold,
         settings.tolerance,
+        rebound,
+        settle,
     )
 
 
@@ -163,6 +174,22 @@ def undo(
 
 
 @kernel
+def touch_down(h: float, limits: Limits, clock: FloatArray, memory: AlphaMemory) -> float:
+    """Share of the step at which the pair closed that a position problem has moved out; above 1: none, or as found.
+
+    A step that is to end at an impact must not end far behind: of a short contact little approach would be left.
+    """
+    approach = memory.value[APPROACH]
+    if approach <= threshold(limits, clock) or clock[STRIKES] >= MOST_STRIKES:
+        return 2.0
+    late = memory.value[STRUCK] / approach
+    if late <= limits.shortest or late >= h:
+        return 2.0
+    clock[STRIKES] += 1.0
+    return 1.0 - late / h
+
+
+@kernel
 def advance_adaptive(
     model: Model,
     settings: AlphaSettings,
@@ -199,7 +226,7 @@ def advance_adaptive(
         part = clock[PART]
         length = h if part in (LONG, ALONE) else 0.5 * h
         now = clock[TIME] + (length if part == SECOND else 0.0)
-        scaled = with_step(settings, length)
+        scaled = with_step(settings, length, threshold(limits, clock), SETTLE if part == ALONE else 0.0)
         at = kept.long_q if part == LONG else q
         rate = kept.long_u if part == LONG else u
         clock[DETAIL] = predict(model, scaled, now, at, rate, work, memory)
@@ -224,7 +251,8 @@ def advance_adaptive(
         if status == STEPPED and part == LONG:
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             scale_acceleration(clock, 0.5 * h, memory)
-            memory.value[LIFTED] = 0.0
+            for i in (LIFTED, APPROACH, STRUCK, AT_REST):
+                memory.value[i] = 0.0
             clock[PART] = FIRST
             continue
         if status == STEPPED and part == FIRST:
@@ -232,8 +260,20 @@ def advance_adaptive(
             continue
         error = 0.0
         sunk = 0.0
+        if status == STEPPED and part == SECOND and doubling_error(limits, q, u, kept) <= 1.0:
+            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
+            share = min(share, touch_down(h, limits, clock, memory))
+            late = (1.0 - share) * h
+            if share < 0.0 or late > limits.shortest:
+                clock[PART] = FRESH
+                undo(clock, q, u, work, memory, tape, kept, kept_memory)
+                if share < 0.0:
+                    clock[DETAIL] = -share
+                    return GROW_TAPE
+                end_there(limits, clock, h, share)
+                continue
         if status == STEPPED:
-            sunk = deepest(model, q, tape.table)
+            sunk = closed_pairs(model, q, u, 0.0, work, tape, kept)[0]
             if part == SECOND:
                 error = doubling_error(limits, q, u, kept)
                 # an impact in the second half is put at the end by both results: what has sunk by then tells
@@ -247,6 +287,10 @@ def advance_adaptive(
             after_rejection(limits, clock, h, error)
             continue
         accept(limits, clock, h, error, part == ALONE, sunk)
+        clock[FASTEST] = max(clock[FASTEST], memory.value[APPROACH])
+        clock[STOPPED] = max(clock[STOPPED], memory.value[AT_REST])
+        resume(limits, clock)
+        clock[STRIKES] = 0.0
 
 
 class ControlledGeneralizedAlpha:
@@ -256,7 +300,7 @@ class ControlledGeneralizedAlpha:
         self.records = Records(system)
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
-        self.clock = np.zeros(12)
+        self.clock = np.zeros(ENTRIES + 3)
         first = min(max(settings.step, limits.shortest), limits.longest)
         self.clock[STEP] = self.clock[RECENT] = self.clock[SCALED] = first
         self._system, self._settings = system, settings

@@ -17,7 +17,7 @@ __all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]
 
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # what is solved next, number[PHASE]
 PHASE, PASS, BETWEEN, SKIP, FOUND, WARM, UNSETTLED = range(7)  # entries of AlphaMemory.number
-CHANGE, NUMERICAL, LIFTED = range(3)  # entries of AlphaMemory.value
+CHANGE, NUMERICAL, LIFTED, APPROACH, STRUCK, STOPPED = range(6)  # entries of AlphaMemory.value
 NOW, NEXT, RECURSIVE = range(3)  # the last: what the acceleration a of the scheme is to w
 FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
@@ -49,8 +49,9 @@ class AlphaMemory(NamedTuple):
     total: FloatArray  # (capacity,) nu of each contact of the table [N s]
     law_force: FloatArray  # (3, laws, 2) smooth contact forces at start and end of the step, and their share in a [N]
     working: FloatArray  # (2, 5, ndof) generalised forces that do work, at start and end of the step
-    value: FloatArray  # (3,) last change of an acceleration; energy lost to numerical damping in this step [J]; deepest
-    # penetration that a position problem has taken out [m]
+    value: FloatArray  # (6,) last change of an acceleration; energy lost to numerical damping in this step [J]; deepest
+    # penetration that a position problem has taken out [m]; fastest approach of a pair that closed [m/s] and how deep
+    # it was [m]; fastest one stopped [m/s]
     number: IntArray  # (7,)
 
 
@@ -84,7 +85,7 @@ def alpha_memory(system: System, capacity: int) -> AlphaMemory:
         total=zeros(capacity),
         law_force=zeros((3, system.n_laws, 2)),
         working=zeros((2, 5, ndof)),
-        value=zeros(3),
+        value=zeros(6),
         number=np.zeros(7, dtype=np.int64),
     )
     arrays.number[BETWEEN] = 1

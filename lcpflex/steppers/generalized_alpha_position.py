@@ -20,6 +20,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     LIFTED,
     PASS,
     PHASE,
+    STRUCK,
     VELOCITY,
     WARM,
     AlphaMemory,
@@ -93,6 +94,8 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
     if memory.number[PASS] == 0:
         for k in range(n):
             memory.value[LIFTED] = max(memory.value[LIFTED], -work.table.gap[k])
+            if -work.table.gap[k] > memory.value[STRUCK] and match(work.table, k, memory.resting) < 0:
+                memory.value[STRUCK] = -work.table.gap[k]
     if worst <= CLOSED * (1.0 + largest) or memory.number[PASS] >= MOST_LIFTS:
         memory.number[PHASE] = VELOCITY
         memory.number[FOUND] = n

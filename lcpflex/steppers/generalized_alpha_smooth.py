@@ -74,6 +74,8 @@ class AlphaSettings(NamedTuple):
     gap_tolerance: float
     velocity_threshold: float
     tolerance: float
+    rebound: float  # slower approach is stopped, not reflected [m/s]
+    settle: float  # and so is one that is slower than so many times what this step adds to it
 
 
 @kernel

@@ -17,6 +17,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
 from lcpflex.steppers.generalized_alpha_memory import (
+    APPROACH,
     BETWEEN,
     DAMPING,
     DRIVE,
@@ -31,6 +32,7 @@ from lcpflex.steppers.generalized_alpha_memory import (
     RESTART,
     SKIP,
     SMOOTH,
+    STOPPED,
     STORED,
     VELOCITY,
     WARM,
@@ -119,8 +121,13 @@ def pose_velocity(
     for k in range(n):
         e_n = model.contacts.restitution[work.table.law[k]]
         if e_n > 0.0 and memory.matched[k] < 0:
-            before = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)
-            work.free[n_joint + k] += e_n * min(before, 0.0)
+            before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
+            memory.value[APPROACH] = max(memory.value[APPROACH], -before)
+            gained = abs(work.free[n_joint + k] - before)
+            if -before > settings.rebound + settings.settle * gained:
+                work.free[n_joint + k] += e_n * before
+            else:
+                memory.value[STOPPED] = max(memory.value[STOPPED], -before)
     for j in range(n_tangent):
         k = work.tangent[j]
         e_t = model.contacts.tangential_restitution[work.table.law[k]]

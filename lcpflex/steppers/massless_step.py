@@ -20,6 +20,7 @@ from lcpflex.dynamics.position import admissible, pose_position, split_forces, s
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.massless_memory import Boundary, Settings
+from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
@@ -332,6 +333,7 @@ def advance(
             if clock[MADE] >= last:
                 return DONE
         h = part_length(settings, clock)
+        set_out(q, tape)
         clock[NUMBER] = predict(model, settings, t + h, h, q, u, boundary, work, tape)
         if clock[NUMBER] > len(work.table.key):
             return GROW
@@ -381,3 +383,5 @@ def advance(
             clock[WITHIN] = 0.0
         else:
             clock[WITHIN] += h
+        if may_pass(model, q, tape):
+            return PASSED

@@ -31,6 +31,7 @@ from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
+from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -69,12 +70,15 @@ def advance(
             clock[2] = clock[0]
         if clock[0] >= last:
             return DONE
+        set_out(q, tape)
         status = whole_step(model, settings, t, q, u, work, tape, clock)
         if status != DONE:
             return status
         clock[0] += 1.0
         if not take_note(model, t + settings.step, q, u, work):
             return OUT_OF_RANGE
+        if may_pass(model, q, tape):
+            return PASSED
 
 
 class MoreauJeanScheme:
@@ -87,6 +91,7 @@ class MoreauJeanScheme:
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
         begin_laws(system, self.work)
+        self.records.indentation = self.work.laws.memory.worst
         self._product = 0.0  # largest sqrt(k G_nn) step of contacts by law
         self.clock = np.array([0.0, 0.0, -1.0])
         self._system, self._settings = system, settings
@@ -201,7 +206,7 @@ class MoreauJean:
     def settings(self) -> Settings:
         """The numbers that compiled loops need."""
         return Settings(
-            self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance
+            self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance, 0.0
         )
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:

@@ -17,21 +17,25 @@ from lcpflex.steppers.adaptive import (
     DEEPEST,
     DETAIL,
     DUE,
+    ENTRIES,
     RECENT,
     STEP,
     STEPS,
+    STOPPED,
     TIME,
     Backup,
     Limits,
     accept,
+    after_impact,
     after_rejection,
     backup,
-    deepest,
     doubling_error,
+    end_there,
     next_length,
     position_tolerance,
     put_back,
     put_by,
+    threshold,
     unmet,
 )
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
@@ -41,6 +45,7 @@ from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledMoreauJean"]
 
@@ -83,7 +88,7 @@ def advance_adaptive(
             trial = not alone and part == 0
             scaled = Settings(
                 length, settings.theta, settings.activation, settings.gap_tolerance, settings.projection,
-                settings.tolerance,
+                settings.tolerance, threshold(limits, clock),
             )  # fmt: skip
             status = whole_step(
                 model, scaled, now, kept.long_q if trial else q, kept.long_u if trial else u, work, tape, clock
@@ -93,13 +98,24 @@ def advance_adaptive(
             if trial:
                 put_back(q, u, work, tape, kept)
         error = math.inf
-        sunk = 0.0
+        closing = (0.0, 0.0, 0.0)
         if status == DONE:
             error = 0.0 if alone else doubling_error(limits, q, u, kept)
         if error <= 1.0 and not alone:
-            # a pair that closes late in the step is seen by neither result
-            sunk = deepest(model, q, tape.table)
-            late = max(sunk - clock[DEEPEST], unmet(model, q, work.laws, tape.table))
+            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
+            if share < 0.0:
+                put_back(q, u, work, tape, kept)
+                clock[DETAIL] = -share
+                return GROW_TAPE
+            if (1.0 - share) * h > limits.shortest:
+                put_back(q, u, work, tape, kept)
+                end_there(limits, clock, h, share)
+                continue
+        if error <= 1.0:
+            closing = closed_pairs(model, q, u, settings.gap_tolerance, work, tape, kept)
+        if error <= 1.0 and not alone:
+            # one that has gone far beyond what it closed with
+            late = max(closing[0] - clock[DEEPEST], unmet(model, q, work.laws, tape.table))
             error = max(error, late / position_tolerance(limits, q))
         if status == GROW or (alone and status != DONE):
             if status != NOT_FINITE:
@@ -109,9 +125,9 @@ def advance_adaptive(
             put_back(q, u, work, tape, kept)
             after_rejection(limits, clock, h, error)
             continue
-        if alone:
-            sunk = deepest(model, q, tape.table)
-        accept(limits, clock, h, error, alone, sunk)
+        accept(limits, clock, h, error, alone, closing[0])
+        clock[STOPPED] = work.stopped[0]
+        after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)
         if not take_note(model, clock[TIME], q, u, work):
             return OUT_OF_RANGE
 
@@ -124,7 +140,8 @@ class ControlledMoreauJean:
         self.work = system.workspace(16)
         self.work.solving[METHOD] = solver_method(solver)
         begin_laws(system, self.work)
-        self.clock = np.zeros(9)
+        self.records.indentation = self.work.laws.memory.worst
+        self.clock = np.zeros(ENTRIES)
         self.clock[STEP] = self.clock[RECENT] = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()

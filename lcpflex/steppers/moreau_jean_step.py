@@ -57,6 +57,7 @@ class Settings(NamedTuple):
     gap_tolerance: float
     projection: bool
     tolerance: float
+    velocity_threshold: float
 
 
 @kernel
@@ -92,7 +93,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     work.step_size[0] = n_joint
     work.step_size[1] = n
     work.step_size[2] = n_tangent
-    pose(model, work, u, (1.0 - settings.theta) * h, 0.0)
+    pose(model, work, u, (1.0 - settings.theta) * h, settings.velocity_threshold)
     return n
 
 
@@ -248,6 +249,7 @@ def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     work.held_key[:, :held] = old.held_key[:, :held]
     work.held_gap[:, :held] = old.held_gap[:, :held]
     work.solving[:] = old.solving
+    work.stopped[:] = old.stopped
     work.last_key[: len(old.last_key)] = old.last_key
     work.last_basis[: len(old.last_basis)] = old.last_basis
     return work

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
+from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
 __all__ = ["Records"]
 
 FIELDS = ("times", "q", "u", "force", "impulse", "state", "gap", "energies", "peaks")
-RUNNING = ("sums", "worst", "gain", "total_impulse", "now_force", "now_state")
+RUNNING = ("sums", "worst", "gain", "total_impulse", "now_force", "now_state", "before", "after", "free")
 
 
 class Records:
@@ -25,7 +26,10 @@ class Records:
         # declared contacts that are a continuous force
         self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
+        self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
+        self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
+        self._passages = Passages(system.model, system.names)
         self.tape: Tape = system.tape(64, 1024)
 
     def empty(self) -> None:
@@ -45,6 +49,17 @@ class Records:
         self.tape = self._system.tape(2 * needed, max(len(old.spots), 8 * needed))
         for name in RUNNING:
             getattr(self.tape, name)[:] = getattr(old, name)
+
+    def examine(self, time: float, step: float) -> None:
+        """Look at the path of a step that may have taken a body through another."""
+        while needed := self._passages.examine(time, step, self.tape):
+            self.grow(needed)
+
+    def wrong(self) -> list[str]:
+        """Clauses: all that went wrong, so that the result is not to be trusted."""
+        system = self._system
+        deep = [] if self.indentation is None else swallowed(system.model, system.names, self.indentation)
+        return [*self.found_wrong, *self._passages.clauses(), *deep]
 
     def collected(self) -> dict[str, FloatArray]:
         """All records so far, one array a field."""

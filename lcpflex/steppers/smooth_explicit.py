@@ -14,6 +14,7 @@ from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.runge_kutta import STAGES, C, E, copy_state, error_norm, interpolate, stage_state, step_factor
 from lcpflex.steppers.smooth_memory import (
     DETAIL,
@@ -51,6 +52,7 @@ __all__ = [
     "advance",
     "advance_fixed",
     "close_step",
+    "note_depths",
     "share_before",
     "step",
     "step_fixed",
@@ -216,6 +218,14 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
 
 
 @kernel
+def note_depths(work: Workspace, memory: SmoothMemory) -> None:
+    """Keep the largest indentations, of contacts as last looked at: laws that remember nothing take no note."""
+    worst = memory.contacts.worst
+    for k in range(work.step_size[1]):
+        worst[work.table.law[k]] = max(worst[work.table.law[k]], -work.table.gap[k])
+
+
+@kernel
 def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
     clock = memory.clock
@@ -225,6 +235,7 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     if clock[TIME] > settings.duration * (1.0 - 1e-14):
         clock[TIME] = settings.duration
     memory.number[STEPS] += 1
+    note_depths(work, memory)
     if len(work.residual) > 0:
         q = memory.y[:ndof]
         u = memory.y[ndof : 2 * ndof]
@@ -376,9 +387,12 @@ def advance_fixed(
             number[STORED] = number[STEPS] + 1
         if ended or number[STEPS] >= last_step:
             return DONE
+        set_out(memory.y[: len(work.free_u)], tape)
         status = step_fixed(model, settings, work, memory)
         if status == DONE:
             status = close_step(model, settings, work, memory, tape)
             number[PHASE] = NOTING
+            if status == DONE and may_pass(model, memory.y[: len(work.free_u)], tape):
+                return PASSED
         if status != DONE:
             return status

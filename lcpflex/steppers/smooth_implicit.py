@@ -14,7 +14,16 @@ from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
 from lcpflex.linking import link
-from lcpflex.steppers.smooth_explicit import ALL_OF_IT, HALVINGS, NONE_OF_IT, SAME, STEPPING, SmoothSettings, take_note
+from lcpflex.steppers.smooth_explicit import (
+    ALL_OF_IT,
+    HALVINGS,
+    NONE_OF_IT,
+    SAME,
+    STEPPING,
+    SmoothSettings,
+    note_depths,
+    take_note,
+)
 from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
 from lcpflex.steppers.smooth_run import SmoothRun
 from lcpflex.steppers.smooth_slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
@@ -109,6 +118,7 @@ class StiffRun(SmoothRun):
             return "the state is no longer finite"
         begin = self.time
         memory.slopes[0] = self._rate(begin, self._ode.y)
+        note_depths(self._work, memory)
         memory.y[:] = self._ode.y
         longest = min(self._settings.max_step, self._ahead())
         share, between = self._try(longest)

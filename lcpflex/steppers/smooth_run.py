@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.linking import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
+from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.smooth_explicit import (
     STEPPING,
@@ -20,6 +21,7 @@ from lcpflex.steppers.smooth_memory import (
     PHASE,
     STEP,
     STEPS,
+    TAKEN,
     TIME,
     smooth_memory,
 )
@@ -52,6 +54,7 @@ class SmoothRun:
         self._work = system.workspace(16)
         self._memory = smooth_memory(system, laws)
         self._memory.clock[STEP] = first_step
+        self.records.indentation = self._memory.contacts.worst
         self._advance = link(advance, system.hooks)
         bouncing = [
             name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
@@ -107,7 +110,9 @@ class SmoothRun:
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
         detail = int(self._memory.clock[DETAIL])
-        if status == TAPE_FULL:
+        if status == PASSED:
+            self.records.examine(self.time, float(self._memory.clock[TAKEN]))
+        elif status == TAPE_FULL:
             self.records.empty()
         elif status == GROW_TAPE:
             self.records.grow(detail)

@@ -11,8 +11,10 @@ from typing import Protocol
 
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits, shortest_steps_warning
+from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits
 from lcpflex.steppers.driver import Rescue, unsolved
+from lcpflex.steppers.pace import Pace, stopped_note
+from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 
 __all__ = [
@@ -163,6 +165,9 @@ class FixedRun:
             status = self.scheme.loop(self._start, int(target - clock[MADE]), stride)
             if status == DONE:
                 return ""
+            if status == PASSED:
+                self.records.examine(self.time, self.scheme.step)
+                continue
             message = _remedied(self.scheme, status, self.time)
             if message:
                 return message
@@ -175,6 +180,7 @@ class AdaptiveRun:
         self.scheme = scheme
         self.records = scheme.records
         self._limits = limits
+        self._pace = Pace(limits.shortest)
 
     @property
     def time(self) -> float:
@@ -203,17 +209,18 @@ class AdaptiveRun:
 
     def advance(self, n_steps: int) -> str:
         """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
-        clock = self.scheme.clock
         target = self.steps + n_steps
-        while True:
-            status = self.scheme.loop(self._limits, target)
-            if status == DONE:
-                shortest = shortest_steps_warning(clock, self._limits.shortest)
-                self.records.warnings[:] = [*self.scheme.remarks(), *shortest]
-                return ""
-            message = _remedied(self.scheme, status, self.time)
-            if message:
-                return message
+        try:
+            while True:
+                status = self.scheme.loop(self._limits, target)
+                message = "" if status == DONE else _remedied(self.scheme, status, self.time)
+                if message or status == DONE:
+                    return message
+        finally:  # of an interrupted run, too
+            clock = self.scheme.clock
+            self._pace.look(clock)
+            self.records.warnings[:] = [*self.scheme.remarks(), *self._pace.warnings(clock)]
+            self.records.notes[:] = stopped_note(self._limits, clock)
 
 
 def _remedied(scheme: Scheme, status: int, time: float) -> str:

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.force_law import Law
+from lcpflex.contact.thickness import farthest, pass_thickness
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.linking import Hooks
@@ -88,4 +91,16 @@ class System:
     def tape(self, table_capacity: int, spots: int) -> Tape:
         """An empty tape."""
         table = self.table(table_capacity, ALL)
-        return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table, self.margin)
+        thin, sway = self._thin()
+        return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table, self.margin, thin, sway)
+
+    def _thin(self) -> tuple[FloatArray, FloatArray]:
+        """What bodies may pass through in a step, and how far a mode moves their surfaces, as a tape takes it."""
+        contacts = self.model.contacts
+        thickness = pass_thickness(contacts)
+        thin = np.array([thickness.min(initial=np.inf), farthest(contacts, self.model.points), *thickness])
+        sway = np.zeros(max(1, len(self.model.bodies.mass)))
+        for body, shapes in zip(contacts.surface_body, contacts.surface_sway, strict=True):
+            if body >= 0:
+                sway[body] = max(sway[body], shapes.max(initial=0.0))
+        return thin, sway

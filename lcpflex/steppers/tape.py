@@ -12,13 +12,26 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.packed import pack
 
-__all__ = ["Tape", "note_contact", "note_gain", "note_laws", "store_contacts", "store_state", "tape"]
+__all__ = [
+    "FARTHEST",
+    "LEAST",
+    "PASSES",
+    "Tape",
+    "note_contact",
+    "note_gain",
+    "note_laws",
+    "store_contacts",
+    "store_state",
+    "tape",
+]
+
+LEAST, FARTHEST, PASSES = range(3)  # entries of Tape.thin
 
 
 class Tape(NamedTuple):
@@ -37,6 +50,12 @@ class Tape(NamedTuple):
     spots: FloatArray  # (spot capacity, 9) instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: FloatArray  # (1,) gaps larger than this are not measured [m]
+    # what bodies may pass through in a step (lcpflex.contact.thickness)
+    thin: FloatArray  # (2 + passes,) least thickness; farthest point of a surface from its frame; of each pass [m]
+    sway: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
+    before: FloatArray  # (ndof,) configuration at the start of the step
+    after: FloatArray  # (ndof,) and at its end, where it is to be examined
+    free: FloatArray  # (ndof,) where its first velocity leads; NaN under schemes that move no body out of another
     # running values
     sums: FloatArray  # (4,)
     worst: FloatArray  # (5,)
@@ -46,7 +65,16 @@ class Tape(NamedTuple):
     now_state: IntArray  # (laws,)
 
 
-def tape(ndof: int, n_laws: int, capacity: int, spots: int, table: ContactTable, margin: float) -> Tape:
+def tape(
+    ndof: int,
+    n_laws: int,
+    capacity: int,
+    spots: int,
+    table: ContactTable,
+    margin: float,
+    thin: FloatArray,
+    sway: FloatArray,
+) -> Tape:
     """Allocate an empty tape."""
     zeros = np.zeros
     arrays = Tape(
@@ -63,6 +91,11 @@ def tape(ndof: int, n_laws: int, capacity: int, spots: int, table: ContactTable,
         spots=zeros((spots, 9)),
         table=table,
         margin=np.array([margin]),
+        thin=thin,
+        sway=sway,
+        before=zeros(ndof),
+        after=zeros(ndof),
+        free=np.full(ndof, np.nan),
         sums=zeros(4),
         worst=zeros(5),
         gain=zeros(3),
@@ -117,15 +150,22 @@ def note_gain(tape: Tape, t: float, work: float) -> None:
 
 @kernel
 def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
-    """Smallest gap of each declared contact; returns the entries that the table of the tape must hold."""
+    """Smallest gap of each declared contact; returns the entries that the table of the tape must hold.
+
+    A set-valued contact below zero counts as penetration: a step that ends there may be the last one.
+    """
     row = tape.filled[0]
     for law in range(len(tape.total_impulse)):
         tape.gap[row, law] = np.nan
     n = detect(model, q, tape.margin[0], tape.table)
-    for k in range(min(n, len(tape.table.key))):
+    if n > len(tape.table.key):
+        return n
+    for k in range(n):
         law = tape.table.law[k]
         if not tape.table.gap[k] >= tape.gap[row, law]:
             tape.gap[row, law] = tape.table.gap[k]
+            if len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED:
+                tape.worst[1] = max(tape.worst[1], -tape.table.gap[k])
     return n
 
 

@@ -1,0 +1,62 @@
+"""How far two bodies can be inside each other before the nearest way out is on the other side, from undeformed shapes.
+
+A step in which they move by more may take one through the other: at no instant looked at is it seen inside, or it is
+seen when it already belongs to the other side. Half-planes have no other side.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.features import ARC
+from lcpflex.model import Contacts, Points
+
+__all__ = ["farthest", "law_thickness", "pass_thickness"]
+
+
+def pass_thickness(contacts: Contacts) -> FloatArray:
+    """(passes,) least radius of a slave plus least depth of what it touches [m]; infinite for half-planes."""
+    depths = _feature_depths(contacts)
+    thickness = np.full(len(contacts.pass_law), math.inf)
+    for w, (a, b) in enumerate(zip(contacts.pass_slave, contacts.pass_feature, strict=True)):
+        radii = contacts.slave_radius[contacts.slave_start[a] : contacts.slave_start[a + 1]]
+        below = depths[contacts.feature_start[b] : contacts.feature_start[b + 1]]
+        if radii.size and below.size:
+            thickness[w] = float(radii.min()) + float(below.min())
+    return thickness
+
+
+def law_thickness(contacts: Contacts) -> FloatArray:
+    """(laws,) the least of the passes of each declared contact, and of the extents of its surfaces [m].
+
+    Indented by more, a body comes out on the other side of one that is thin, or has vanished in one that is thick.
+    """
+    thickness = np.full(len(contacts.friction), math.inf)
+    extents = np.where(contacts.surface_extent > 0.0, 2.0 * contacts.surface_extent, math.inf)
+    sides = zip(contacts.pass_law, contacts.pass_slave, contacts.pass_feature, pass_thickness(contacts), strict=True)
+    for law, a, b, least in sides:
+        thickness[law] = min(thickness[law], least, extents[a], extents[b])
+    return thickness
+
+
+def farthest(contacts: Contacts, points: Points) -> float:
+    """Largest distance of a point of a surface from the frame of its body [m]."""
+    slaves = np.hypot(*points.place[contacts.slave_point].T) + contacts.slave_radius
+    features = np.hypot(*points.place[contacts.feature_point].reshape(-1, 2).T)
+    moving = features[points.body[contacts.feature_point].reshape(-1) >= 0]
+    radii = np.abs(contacts.feature_radius)
+    mobile = slaves[points.body[contacts.slave_point] >= 0]
+    return float(max(mobile.max(initial=0.0), moving.max(initial=0.0) + radii.max(initial=0.0)))
+
+
+def _feature_depths(contacts: Contacts) -> FloatArray:
+    """(features,) how deep below its middle a slave belongs to a feature: no bound below vertices of chains."""
+    depths = contacts.feature_reach[:, 1].astype(float)
+    arcs = contacts.feature_kind == ARC
+    discs = arcs & (contacts.feature_radius > 0.0)
+    depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])
+    depths[arcs & (contacts.feature_radius == 0.0)] = math.inf
+    return depths

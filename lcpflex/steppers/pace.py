@@ -1,0 +1,63 @@
+"""How a run with step control fares: what there is to say of its steps while it runs."""
+
+from __future__ import annotations
+
+import sys
+
+from lcpflex.compiled import FloatArray
+from lcpflex.steppers.adaptive import FASTEST, SHORTEST, STEPS, STOPPED, TIME, Limits
+
+__all__ = ["Pace", "stopped_note"]
+
+MOSTLY = 0.5  # part of the steps at the shortest length from which the result warns
+NOTICED = 1e-3  # of the velocity threshold: slower ones are drift
+WINDOW = 500  # steps of which that is asked at a time, at least
+
+
+class Pace:
+    """Whether a run has come down to its shortest steps: by the last few hundred steps, however many went before."""
+
+    def __init__(self, shortest: float) -> None:
+        self._shortest = shortest
+        self._seen = (0.0, 0.0, 0.0)  # time, steps, and those of them at the shortest length
+        self._stuck: float | None = None  # since when [s]
+
+    def look(self, clock: FloatArray) -> None:
+        """Take the clock of a run into account."""
+        now = (float(clock[TIME]), float(clock[STEPS]), float(clock[SHORTEST]))
+        made = now[1] - self._seen[1]
+        if made < WINDOW:
+            return
+        if now[2] - self._seen[2] > MOSTLY * made and self._stuck is None:
+            self._stuck = self._seen[0]
+            print(f"lcpflex: {self._clause(self._stuck)}", file=sys.stderr, flush=True)
+        self._seen = now
+
+    def _clause(self, since: float) -> str:
+        return (
+            f"from t = {since:.6g} s on, most steps were as short as allowed, {self._shortest:g} s, and are "
+            "not error-controlled: a larger tolerance, a shorter `shortest`, a higher `velocity_threshold`, or a "
+            "fixed step suits this scene better"
+        )
+
+    def warnings(self, clock: FloatArray) -> list[str]:
+        """A warning where most steps, of all or of a few hundred in a row, were taken without error control."""
+        if clock[SHORTEST] > MOSTLY * clock[STEPS]:
+            return [
+                f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {self._shortest:g} s, "
+                "and are not error-controlled: a larger tolerance, a shorter `shortest`, a higher "
+                "`velocity_threshold`, or a fixed step suits this scene better"
+            ]
+        return [] if self._stuck is None else [self._clause(self._stuck)]
+
+
+def stopped_note(limits: Limits, clock: FloatArray) -> list[str]:
+    """That approaches were stopped instead of reflected, where that was so."""
+    given = limits.velocity_threshold
+    threshold = given if given >= 0.0 else limits.atol + limits.rtol * float(clock[FASTEST])
+    if not clock[STOPPED] > NOTICED * threshold:
+        return []
+    how = f"{given:g} m/s" if given >= 0.0 else "that follows from the tolerances"
+    return [
+        f"approaches of up to {clock[STOPPED]:.3g} m/s were stopped, not reflected, below a velocity threshold {how}"
+    ]

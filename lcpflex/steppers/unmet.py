@@ -1,0 +1,258 @@
+"""Pairs that close within a step of a scheme with step control and that neither of its two results has met.
+
+Both may pass over a short contact: it is open wherever they look. So pairs whose speeds leave room for it are followed
+along the step, on the cubic that has the states and velocities of both ends. What closes there ends the next trial.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.contact.detection import SET_VALUED, ContactTable, detect, refresh
+from lcpflex.contact.kinematics import gap_rate
+from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.model import Model
+from lcpflex.steppers.adaptive import Backup
+from lcpflex.steppers.event_gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
+from lcpflex.steppers.tape import FARTHEST, Tape
+
+__all__ = ["closed_pairs", "first_unmet"]
+
+NEVER = 2.0  # share of a step
+TURN = 0.25  # [rad] by which a body turns in one part of a step, at most
+MOST_PARTS = 32
+HALVINGS = 60
+ROUNDING = 1e-14  # of the largest coordinate
+
+
+@kernel
+def on_way(q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup) -> None:
+    """Configuration at a share of the step from what is kept to (q, u), into ``kept.at``."""
+    left = 1.0 - share
+    part = share * share * (3.0 - 2.0 * share)
+    first = h * share * left * left
+    last = h * share * share * left
+    for i in range(len(q)):
+        kept.at[i] = kept.q[i] + part * (q[i] - kept.q[i]) + first * kept.u[i] - last * u[i]
+
+
+@kernel
+def gap_on_way(
+    model: Model, q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup, table: ContactTable, k: int,
+    tolerance: float,
+) -> float:  # fmt: skip
+    """Gap of entry k at a share of the step; positive where the slave is beside its feature: it comes in from there."""
+    on_way(q, u, h, share, kept)
+    refresh(model, kept.at, table, k)
+    gap = table.gap[k]
+    if min(foot_margin(model, kept.at, table, k), slave_margin(model, kept.at, table, k)) < -SPAN_TOLERANCE:
+        return abs(gap) + tolerance
+    return gap
+
+
+@kernel
+def lowest(
+    model: Model, q: FloatArray, u: FloatArray, h: float, kept: Backup, table: ContactTable, k: int, low: float,
+    high: float, sign: float, level: float, tolerance: float,
+) -> float:  # fmt: skip
+    """Share in (low, high) at which ``sign`` times the gap of entry k is below ``level``, by golden sections.
+
+    The lowest that was found, if it is nowhere.
+    """
+    a = low
+    b = high
+    c = b - GOLDEN * (b - a)
+    d = a + GOLDEN * (b - a)
+    f_c = math.inf
+    f_d = math.inf
+    new = 0  # both, c or d
+    for _ in range(DIP_LOOKS):
+        for which in range(2):
+            if (which == 0 and new == 2) or (which == 1 and new == 1):
+                continue
+            share = c if which == 0 else d
+            f = sign * gap_on_way(model, q, u, h, share, kept, table, k, tolerance)
+            if f < level:
+                return share
+            if which == 0:
+                f_c = f
+            else:
+                f_d = f
+        if f_c < f_d:
+            b = d
+            d = c
+            f_d = f_c
+            c = b - GOLDEN * (b - a)
+            new = 1
+        else:
+            a = c
+            c = d
+            f_c = f_d
+            d = a + GOLDEN * (b - a)
+            new = 2
+    return c if f_c < f_d else d
+
+
+@kernel
+def closing_share(
+    model: Model, q: FloatArray, u: FloatArray, h: float, kept: Backup, table: ContactTable, k: int, low: float,
+    high: float, room: float, tolerance: float, dip: float,
+) -> float:  # fmt: skip
+    """Share in (low, high] just behind which the gap of entry k falls below zero, by more than ``dip`` then; or NEVER.
+
+    ``room`` [m]: by how much both ends of this part of the step may be open together for the pair to close within.
+    """
+    f_low = gap_on_way(model, q, u, h, low, kept, table, k, tolerance)
+    f_high = gap_on_way(model, q, u, h, high, kept, table, k, tolerance)
+    if not f_low + f_high < room:
+        return NEVER
+    step = END * (high - low)
+    sign = 1.0
+    level = -dip
+    if f_low <= tolerance:  # closed at the start: it must open first
+        if f_high >= -dip:
+            return NEVER
+        sign = -1.0
+        level = -tolerance
+    elif f_high >= -dip:
+        late = gap_on_way(model, q, u, h, high - step, kept, table, k, tolerance)
+        early = gap_on_way(model, q, u, h, low + step, kept, table, k, tolerance)
+        if late >= f_high or early > f_low:
+            return NEVER
+    if sign < 0.0 or f_high >= -dip:
+        share = lowest(model, q, u, h, kept, table, k, low, high, sign, level, tolerance)
+        if sign * gap_on_way(model, q, u, h, share, kept, table, k, tolerance) >= level:
+            return NEVER
+        if sign < 0.0:
+            low = share
+        else:
+            high = share
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        if not low < share < high:
+            break
+        if gap_on_way(model, q, u, h, share, kept, table, k, tolerance) > 0.0:
+            low = share
+        else:
+            high = share
+    return high
+
+
+@kernel
+def carried(work: Workspace, key: int) -> bool:
+    """Whether the last problem gave the pair an impulse. One that it had without may have been on the way out."""
+    for i in range(work.step_size[1]):
+        if work.table.key[i] == key and work.p[work.step_size[0] + i] > 0.0:
+            return True
+    return False
+
+
+@kernel
+def met(work: Workspace, laws: LawContacts, table: ContactTable, k: int, gap: float, dip: float) -> bool:
+    """Whether the slave of entry k carried something no less deep in another feature; or force laws found it."""
+    for i in range(work.step_size[1]):
+        if work.p[work.step_size[0] + i] <= 0.0:
+            continue
+        same = work.table.law[i] == table.law[k] and work.table.slave[i] == table.slave[k]
+        if same and gap > min(work.table.gap[i], 0.0) - dip:
+            return True
+    if len(laws.friction) > 0:
+        for i in range(laws.found[0]):
+            if laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k]:
+                return True
+    return False
+
+
+@kernel
+def fastest(model: Model, u: FloatArray, tape: Tape) -> float:
+    """Largest speed of a point of a surface [m/s], at most; infinite where bodies are unknown."""
+    largest = math.inf if len(model.bodies.mass) == 0 else 0.0
+    for b in range(len(model.bodies.mass)):
+        d = model.bodies.dof[b]
+        modal = 0.0
+        for m in range(d + 3, model.bodies.dof[b + 1]):
+            modal += abs(u[m])
+        speed = math.hypot(u[d], u[d + 1]) + tape.thin[FARTHEST] * abs(u[d + 2]) + tape.sway[b] * modal
+        largest = max(largest, speed)
+    return largest
+
+
+@kernel
+def parts_of(model: Model, h: float, speed: float, u: FloatArray, kept: Backup) -> int:
+    """Into how many parts a step is divided: in each, bodies turn little and travel less than the smallest surface."""
+    most = 1.0
+    for b in range(len(model.bodies.mass)):
+        d = model.bodies.dof[b]
+        most = max(most, h * max(abs(u[d + 2]), abs(kept.u[d + 2])) / TURN)
+    for extent in model.contacts.surface_extent:
+        if extent > 0.0:
+            most = max(most, 0.5 * h * speed / extent)
+    return math.ceil(min(most, float(MOST_PARTS)))
+
+
+@kernel
+def first_unmet(
+    model: Model, h: float, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, laws: LawContacts,
+    tape: Tape, kept: Backup,
+) -> float:  # fmt: skip
+    """Share of the step from what is kept to (q, u) at which a pair first closes that was not met; above 1: none.
+
+    A negative number: the table of the tape must hold as many entries.
+    """
+    table = tape.table
+    speed = max(fastest(model, kept.u, tape), fastest(model, u, tape))
+    if speed == 0.0 or len(model.contacts.friction) == 0:
+        return NEVER
+    largest = 0.0
+    for i in range(len(q)):
+        largest = max(largest, abs(q[i]))
+    dip = max(tolerance, ROUNDING * largest)
+    parts = parts_of(model, h, speed, u, kept)
+    room = 2.0 * speed * h / parts
+    for part in range(parts):
+        low = part / parts
+        high = (part + 1) / parts
+        on_way(q, u, h, low, kept)
+        n = detect(model, kept.at, room, table)
+        if n > len(table.key):
+            return -float(n)
+        first = NEVER
+        for k in range(n):
+            if carried(work, table.key[k]):
+                continue
+            now = table.gap[k]
+            gap = gap_on_way(model, q, u, h, high, kept, table, k, tolerance)
+            if now + gap < room and not met(work, laws, table, k, gap, dip):
+                share = closing_share(model, q, u, h, kept, table, k, low, high, room, tolerance, dip)
+                first = min(first, share)
+        if first <= 1.0:
+            return first
+    return NEVER
+
+
+@kernel
+def closed_pairs(
+    model: Model, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup
+) -> tuple[float, float, float]:
+    """Of set-valued pairs closed at q: deepest penetration [m], fastest approach of those that the last problem did
+    not hold, and by how much the last step changed a gap rate at most [m/s].
+    """
+    table = tape.table
+    sunk = 0.0
+    approach = 0.0
+    pull = 0.0
+    n = detect(model, q, tolerance, table)
+    for k in range(min(n, len(table.key))):
+        if len(table.by_law) > 0 and table.by_law[table.law[k]] != SET_VALUED:
+            continue
+        sunk = max(sunk, -table.gap[k])
+        rate = gap_rate(model, q, u, table, k)
+        pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k)))
+        held = False
+        for i in range(work.step_size[1]):
+            held = held or work.table.key[i] == table.key[k]
+        if not held:
+            approach = max(approach, -rate)
+    return sunk, approach, pull
