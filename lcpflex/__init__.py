@@ -50,6 +50,7 @@ _HOME = {
     "Revolute": "lcpflex.joints",
     "Weld": "lcpflex.joints",
     "Force": "lcpflex.loads",
+    "Function": "lcpflex.loads",
     "Harmonic": "lcpflex.loads",
     "Spring": "lcpflex.loads",
     "Table": "lcpflex.loads",
@@ -111,6 +112,7 @@ __all__ = [
     "EventDriven",
     "ExplicitRungeKutta",
     "Force",
+    "Function",
     "GeneralizedAlpha",
     "Harmonic",
     "LcpflexError",
@@ -209,7 +211,7 @@ if TYPE_CHECKING:
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
-    from lcpflex.loads import Force, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.recorder import RecordProblems
     from lcpflex.result import Result
     from lcpflex.scene import Scene

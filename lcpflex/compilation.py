@@ -14,13 +14,15 @@ from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.shapes import compile_contacts
+from lcpflex.contact_rules import by_rules
+from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import Callback, SignalTable, State
 from lcpflex.errors import ModelError
 from lcpflex.joints import Joint, Prismatic, Weld
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
 from lcpflex.packed import pack
-from lcpflex.placed import Placed, PlacedSurface, can_touch
+from lcpflex.placed import Placed, PlacedSurface
 from lcpflex.scene import ContactRule, DeclaredContact, Layout
 
 if TYPE_CHECKING:
@@ -73,7 +75,17 @@ def compiled_parts(
     rules: Sequence[ContactRule],
     surfaces: Sequence[PlacedSurface],
     project: bool,
-) -> tuple[Model, Layout, FloatArray, FloatArray, float, int, tuple[Callback, ...], tuple[Law | None, ...]]:
+) -> tuple[
+    Model,
+    Layout,
+    FloatArray,
+    FloatArray,
+    float,
+    int,
+    tuple[Callback, ...],
+    tuple[Law | None, ...],
+    tuple[CompiledFunction, ...],
+]:
     """The fields of :class:`lcpflex.scene.Compiled`. Raises ModelError for a start that cannot be."""
     if not placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
@@ -90,8 +102,12 @@ def compiled_parts(
         for name in p.source.points
     }
     outlines, circles = _drawn(placed, surfaces, assembly)
-    declared = {**contacts, **_by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
-    arrays = (_joints(joints, assembly), _loads(gravity, loads, assembly), _contacts(declared, surfaces, assembly))
+    declared = {**contacts, **by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
+    arrays = (
+        _joints(joints, assembly, project),
+        _loads(gravity, loads, assembly),
+        _contacts(declared, surfaces, assembly),
+    )
     signals, callbacks = assembly.signals.compile()
     model = Model(bodies, assembly.points.compile(), signals, *arrays)
     meshes = [p.source.resolution if p.source else None for p in placed]
@@ -107,7 +123,8 @@ def compiled_parts(
         q, u = _consistent(model, joints, q, u, external, size, project)
     if declared:
         _refuse_penetration(model, q.copy(), tuple(declared), size)
-    return model, layout, frozen(q), frozen(u), size, len(external), callbacks, tuple(c.law for c in declared.values())
+    laws = tuple(c.law for c in declared.values())
+    return model, layout, frozen(q), frozen(u), size, len(external), callbacks, laws, assembly.signals.functions
 
 
 def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: State) -> None:
@@ -188,7 +205,9 @@ def _drawn(
     return tuple(outlines), tuple(circles)
 
 
-def _joints(joints: Mapping[str, Joint], assembly: Assembly) -> Joints:
+def _joints(joints: Mapping[str, Joint], assembly: Assembly, project: bool) -> Joints:
+    from lcpflex.dynamics import start
+
     kind, point, value, signal, row = [], [], [], [], [0]
     for name, joint in joints.items():
         form = joint.form()
@@ -199,7 +218,11 @@ def _joints(joints: Mapping[str, Joint], assembly: Assembly) -> Joints:
         kind.append(form.kind)
         point.append((assembly.of(joint.P), assembly.of(joint.Q)))
         value.append((angle, *form.axis, length))
-        signal.append(-1 if form.motion is None else assembly.signals.motion(f"joint {name!r}: motion", form.motion))
+        number = -1
+        if form.motion is not None:
+            rate = None if project else start.drive_rate(joint, form, assembly.state)
+            number = assembly.signals.motion(f"joint {name!r}: motion", form.motion, rate)
+        signal.append(number)
         row.append(row[-1] + len(form.rows))
     return Joints(
         kind=frozen(kind, np.int64),
@@ -244,40 +267,6 @@ def _components(force: Force, signals: SignalTable) -> tuple[int, int]:
         return signals.force_pair(name, force.value)
     x, y = force.value
     return signals.force(f"{name}, x", x), signals.force(f"{name}, y", y)
-
-
-def _by_rules(
-    placed: Sequence[Placed],
-    surfaces: Sequence[PlacedSurface],
-    declared: Mapping[str, DeclaredContact],
-    rules: Sequence[ContactRule],
-    joints: Sequence[Joint],
-) -> dict[str, DeclaredContact]:
-    """The contacts that "everything against everything" adds, by name; an earlier rule has precedence."""
-    if not rules:
-        return {}
-    outlines = [p.surface() for p in placed if p.source and "outline" in p.source.surfaces]
-    candidates = [*outlines, *surfaces]
-    taken = {frozenset(surface.label for surface in contact.pair) for contact in declared.values()}
-    jointed = {frozenset((joint.P.body, joint.Q.body)) for joint in joints if joint.P.body >= 0 and joint.Q.body >= 0}
-    found = {}
-    for rule in rules:
-        for i, a in enumerate(candidates):
-            for b in candidates[i + 1 :]:
-                pair = frozenset((a.label, b.label))
-                apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
-                if apart and pair not in taken and can_touch(a, b) and not _excluded(rule, a, b):
-                    taken.add(pair)
-                    numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
-                    found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *numbers, law=rule.law)
-    return found
-
-
-def _excluded(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> bool:
-    def matches(side: Placed | PlacedSurface, surface: PlacedSurface) -> bool:
-        return side.body == surface.body if isinstance(side, Placed) else side.label == surface.label
-
-    return any((matches(x, a) and matches(y, b)) or (matches(x, b) and matches(y, a)) for x, y in rule.exclude)
 
 
 def _contacts(

@@ -72,13 +72,21 @@ class Points(NamedTuple):
     psi: FloatArray  # (total,) rotation of the material at the point, of each mode
 
 
+def _empty(dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """A read-only array of no elements."""
+    array = np.zeros(0, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
 class Signals(NamedTuple):
-    """Scalar functions of time: cubic pieces, harmonics, or values supplied from outside at each call.
+    """Scalar functions of time: cubic pieces, harmonics, values from outside, or compiled functions of a user's.
 
     kind 0: pieces ``breaks[first:last]`` with the coefficients of powers 3, 2, 1, 0 of (t - break), constant outside;
     the last row holds the end value;
     kind 1: mean + amplitude sin(omega t + phase), the four in coefficients[first];
-    kind 2: external: value, first and second derivative are read from ``external[slot]``, slot = first.
+    kind 2: external: value, first and second derivative are read from ``external[slot]``, slot = first;
+    kind 3: function at ``address[first]``: its component ``last``, or value, rate and acceleration where last = -1.
     """
 
     kind: IntArray  # (ns,)
@@ -86,6 +94,9 @@ class Signals(NamedTuple):
     last: IntArray  # (ns,)
     breaks: FloatArray
     coefficients: FloatArray  # (total, 4)
+    address: IntArray = _empty(np.int64)  # of compiled functions
+    stops: FloatArray = _empty(np.float64)  # increasing instants [s] at which steps with error control end
+    longest: FloatArray = _empty(np.float64)  # (0,) or (1,) longest step [s] that looks at all of them often enough
 
 
 class Joints(NamedTuple):

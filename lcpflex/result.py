@@ -127,6 +127,8 @@ class Result:
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
     by_law: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
     notes: tuple[str, ...] = ()  # how the stepper fared, where that is no reason to doubt
+    python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
+    python_time: float = 0.0  # [s] of wall_time spent in them
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -220,7 +222,7 @@ class Result:
 
         kept = self.compiled
         if kept is not None:
-            kept = replace(kept, callbacks=(), laws=(None,) * len(kept.laws))
+            kept = replace(kept, callbacks=(), functions=(), laws=(None,) * len(kept.laws))
         return write(replace(self, compiled=kept), path)
 
     @classmethod

@@ -21,6 +21,7 @@ from lcpflex.model import Model
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
+    from lcpflex.dynamics.compiled_function import CompiledFunction
     from lcpflex.dynamics.time_functions import Callback
     from lcpflex.steppers.system import System
 
@@ -54,28 +55,27 @@ class Compiled:
     n_external: int  # slots that callbacks fill
     callbacks: tuple[Callback, ...] = field(default=(), repr=False)
     laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
+    functions: tuple[CompiledFunction, ...] = field(default=(), repr=False)  # called by address while they live
 
     def system(self) -> System:
         """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
         from lcpflex.dynamics import mechanics
-        from lcpflex.dynamics.time_functions import State
+        from lcpflex.dynamics.time_functions import Calls, supplier
         from lcpflex.steppers.system import System
 
-        def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Any) -> None:
-            state = State(t, _read_only(q), _read_only(u), model.bodies.dof)
-            for callback in self.callbacks:
-                callback.fill(t, state, work.external)
-
+        calls = Calls()
         return System(
             model=self.model,
             q=self.q.copy(),
             u=self.u.copy(),
             n_external=self.n_external,
-            hooks={mechanics.supply: supply} if self.callbacks else {},
+            hooks={mechanics.supply: supplier(self.callbacks, calls)} if self.callbacks else {},
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,
             laws=self.laws,
+            functions=self.functions,
+            calls=calls if self.callbacks else None,
         )
 
 
@@ -393,9 +393,3 @@ def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:
     if name in taken:
         raise ModelError(f"name: {name!r} was given twice, expected a name other than {listed(taken)}")
     return name
-
-
-def _read_only(values: FloatArray) -> FloatArray:
-    view = values.view()
-    view.setflags(write=False)
-    return view

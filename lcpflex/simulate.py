@@ -14,6 +14,8 @@ from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
+from lcpflex.stopwatch import Stopwatch
+from lcpflex.unseen_loads import unseen_loads
 
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
@@ -109,30 +111,44 @@ def simulate(
         raise ModelError(
             f"energy_growth: {energy_growth!r} was given, expected one of {', '.join(map(str, EnergyGrowth))}"
         )
+    from lcpflex.dynamics.time_functions import State
+    from lcpflex.dynamics.time_structure import for_system, with_instants
+    from lcpflex.steppers.own_laws import with_own_functions
+
     system, compiled, names = _system(scene, project)
+    if system.probe is not None:
+        system = replace(system, model=for_system(system.model, system.probe, duration))
+    if compiled is not None:
+        known = (*compiled.callbacks, *compiled.functions)
+        start = State(0.0, system.q, system.u, system.model.bodies.dof)
+        system = replace(system, model=with_instants(system.model, known, start, duration))
     _check_solver(stepper, system)
     recorder = None
     if record_problems is not None:
         recorder = Recorder(record_problems, names)
         system = replace(system, watch=recorder.watch)
-    began = time.perf_counter()
-    run: Run = stepper.start(system, duration, interval)
+    clock = Stopwatch()
+    run: Run = with_own_functions(stepper.start(system, duration, interval), system.functions)
     if energy_growth is EnergyGrowth.ERROR:
         run = _WithoutGrowth(run)
-    message, cause = _guarded(run, 0)  # compiles, or loads from the cache
-    compile_time = time.perf_counter() - began
+    # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
+    message, cause = _guarded(run, 1 if system.hooks else 0)
+    clock.started()
     interrupted = False
-    began = time.perf_counter()
     if not message:
         try:
             message, cause = _advance_all(run, duration, progress)
         except KeyboardInterrupt:
             interrupted = True
-    timing = (time.perf_counter() - began, compile_time)
+    timing = clock.ended()
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
     result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, complete, energy_growth)
     result = replace(result, warnings=(*result.warnings, *unresolved(result)))
+    if system.calls is not None:
+        result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
+    if step := getattr(run, "fixed_step", 0.0):
+        result = replace(result, warnings=(*result.warnings, *unseen_loads(result, step)))
     if recorder is not None:
         result = _save_problems(recorder, result)
     if message:

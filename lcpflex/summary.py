@@ -72,6 +72,12 @@ def _run(result: Result) -> str:
         f"and {with_unit(result.wall_time, 's')} of computing{cost}; "
         f"compiling or loading the kernels took {with_unit(result.compile_time, 's')}",
     ]
+    if result.python_calls:
+        lines.append(
+            f"Python functions of time: {_counted(result.python_calls, 'call')} took "
+            f"{with_unit(result.python_time, 's')} of the computing; the rest is slow, too, as the loop runs in Python "
+            "for them: it stays compiled with functions under numba.njit"
+        )
     if not result.complete:
         lines.append(f"INCOMPLETE: {with_unit(reached, 's')} of {with_unit(result.duration, 's')} - {result.message}")
     lines.extend(result.notes)

@@ -143,6 +143,7 @@ class UserSystem:
             dense=True,
             margin=math.inf,
             names=tuple(self.names),
+            probe=lambda t: self._functions.force(t, q.copy(), u.copy()),
         )
 
 

@@ -1,4 +1,4 @@
-"""Generalised forces of springs, dampers, forces and torques, and the functions of time behind them."""
+"""Generalised forces of springs, dampers, forces and torques."""
 
 from __future__ import annotations
 
@@ -12,44 +12,12 @@ from lcpflex.bodies.floating_frame import (
     point_velocity,
 )
 from lcpflex.compiled import FloatArray, kernel
-from lcpflex.model import Model, Signals
+from lcpflex.dynamics.load_means import force_value
+from lcpflex.model import Model
 
-__all__ = ["applied_forces", "signal_value", "spring_energy"]
+__all__ = ["applied_forces", "spring_energy"]
 
 SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
-
-
-@kernel
-def signal_value(signals: Signals, index: int, t: float, external: FloatArray) -> tuple[float, float, float]:
-    """Value, first and second derivative at time t of function ``index`` (see :class:`lcpflex.model.Signals`)."""
-    first = signals.first[index]
-    if signals.kind[index] == 2:
-        return external[first, 0], external[first, 1], external[first, 2]
-    if signals.kind[index] == 1:
-        mean = signals.coefficients[first, 0]
-        amplitude = signals.coefficients[first, 1]
-        omega = signals.coefficients[first, 2]
-        phase = omega * t + signals.coefficients[first, 3]
-        swing = amplitude * math.sin(phase)
-        return mean + swing, omega * amplitude * math.cos(phase), -omega * omega * swing
-    low = first
-    high = signals.last[index] - 1
-    if t < signals.breaks[low]:
-        return signals.coefficients[low, 3], 0.0, 0.0
-    if t > signals.breaks[high]:
-        return signals.coefficients[high, 3], 0.0, 0.0
-    while high - low > 1:
-        middle = (low + high) // 2
-        if signals.breaks[middle] <= t:
-            low = middle
-        else:
-            high = middle
-    s = t - signals.breaks[low]
-    cubic = signals.coefficients[low, 0]
-    square = signals.coefficients[low, 1]
-    slope = signals.coefficients[low, 2]
-    value = ((cubic * s + square) * s + slope) * s + signals.coefficients[low, 3]
-    return value, (3.0 * cubic * s + 2.0 * square) * s + slope, 6.0 * cubic * s + 2.0 * square
 
 
 @kernel
@@ -113,6 +81,7 @@ def applied_forces(
     t: float,
     q: FloatArray,
     u: FloatArray,
+    span: FloatArray,
     external: FloatArray,
     conservative: FloatArray,
     dissipative: FloatArray,
@@ -120,16 +89,17 @@ def applied_forces(
 ) -> None:
     """Add the generalised forces of springs, of dampers, and of forces and torques at time t, each (ndof,).
 
-    ``external`` (slots, 3) holds what Python callbacks supply at t.
+    ``span`` (2,) [s] before and after t over which forces and torques are averaged; ``external`` (slots, 3) holds what
+    Python callbacks supply at t.
     """
     spring_forces(model, q, u, conservative, dissipative)
     for k in range(len(model.loads.force_kind)):
         p = model.loads.force_point[k]
-        fx, _, _ = signal_value(model.signals, model.loads.force_signal[k, 0], t, external)
+        fx = force_value(model.signals, model.loads.force_signal[k, 0], t, span, external)
         if model.loads.force_kind[k] == 2:
             twist(model, p, fx, driving)
             continue
-        fy, _, _ = signal_value(model.signals, model.loads.force_signal[k, 1], t, external)
+        fy = force_value(model.signals, model.loads.force_signal[k, 1], t, span, external)
         if model.loads.force_kind[k] == 1:
             angle = point_angle(model.bodies, model.points, q, p)
             cos = math.cos(angle)

@@ -26,7 +26,7 @@ from lcpflex.bodies.floating_frame import (
     point_velocity,
 )
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.dynamics.applied_forces import signal_value
+from lcpflex.dynamics.signal_values import signal_value
 from lcpflex.model import Model
 
 __all__ = ["joint_residual", "joint_rows"]

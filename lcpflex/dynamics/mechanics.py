@@ -43,7 +43,7 @@ def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
         work.driving[i] = 0.0
     inertial_forces(model.bodies, model.loads, q, u, work.conservative)
     elastic_forces(model.bodies, q, u, work.conservative, work.dissipative)
-    applied_forces(model, t, q, u, work.external, work.conservative, work.dissipative, work.driving)
+    applied_forces(model, t, q, u, work.span, work.external, work.conservative, work.dissipative, work.driving)
     for i in range(n):
         work.total[i] = work.conservative[i] + work.dissipative[i] + work.driving[i]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Real
@@ -12,16 +13,31 @@ import numpy as np
 
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.dynamics.compiled_function import (
+    DIFFERENCE_STEP,
+    MOTION,
+    PAIR,
+    VALUE,
+    CompiledFunction,
+    compiled_source,
+)
 from lcpflex.errors import ModelError
 from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
-from lcpflex.model import Signals, frozen
+from lcpflex.model import Model, Signals, frozen
 
-__all__ = ["DIFFERENCE_STEP", "Callback", "ForceCallback", "MotionCallback", "SignalTable", "State"]
+__all__ = [
+    "DIFFERENCE_STEP",
+    "Callback",
+    "Calls",
+    "ForceCallback",
+    "MotionCallback",
+    "SignalTable",
+    "State",
+    "supplier",
+]
 
-PIECES, HARMONIC, EXTERNAL = range(3)
-# Fourth-order differences of f(t): relative errors below (omega h)^4 / 90 in truncation and, for the second derivative,
-# about 20 eps |f| / h^2 = 1e-7 |f| / s^2 in rounding.
-DIFFERENCE_STEP = 2e-4  # [s]
+PIECES, HARMONIC, EXTERNAL, COMPILED = range(4)
+WHOLE = -1  # in place of a component: a motion with its derivatives
 
 
 class OnBody(Protocol):
@@ -156,6 +172,34 @@ class MotionCallback:
 Callback = ForceCallback | MotionCallback
 
 
+@dataclass(slots=True)
+class Calls:
+    """How often Python functions of time of a scene were called in a run, and how long they took."""
+
+    number: int = 0
+    time: float = 0.0  # [s]
+
+
+def supplier(callbacks: tuple[Callback, ...], calls: Calls) -> Callable[..., None]:
+    """What stands in for the kernel ``supply``: it fills ``work.external`` from Python functions, and counts."""
+
+    def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Any) -> None:
+        began = time.perf_counter()
+        state = State(t, _read_only(q), _read_only(u), model.bodies.dof)
+        for callback in callbacks:
+            callback.fill(t, state, work.external)
+        calls.number += len(callbacks)
+        calls.time += time.perf_counter() - began
+
+    return supply
+
+
+def _read_only(values: FloatArray) -> FloatArray:
+    view = values.view()
+    view.setflags(write=False)
+    return view
+
+
 class SignalTable:
     """Collects functions of time while a scene is compiled; hands out their indices."""
 
@@ -166,17 +210,27 @@ class SignalTable:
         self._breaks: list[float] = []
         self._coefficients: list[tuple[float, ...]] = []
         self._callbacks: list[Callback] = []
+        self._functions: list[CompiledFunction] = []
         self.n_external = 0
 
-    def motion(self, name: str, value: Motion) -> int:
-        """Register a prescribed motion; a table becomes a cubic spline."""
+    @property
+    def functions(self) -> tuple[CompiledFunction, ...]:
+        """The compiled functions so far, which must live as long as the arrays of :meth:`compile`."""
+        return tuple(self._functions)
+
+    def motion(self, name: str, value: Motion, rate: float | None = None) -> int:
+        """Register a prescribed motion; a table becomes a cubic spline, with ``rate`` at the start where it fits."""
+        if compiled_source(value) is not None:
+            return self._compiled(name, value, MOTION, (WHOLE,))[0]
         if callable(value):
             self._callbacks.append(MotionCallback(name, value, self.n_external))
             return self._external()
-        return self._add(value, smooth=True)
+        return self._add(value, smooth=True, rate=rate)
 
     def force(self, name: str, value: Signal) -> int:
         """Register a component of a force or a torque; a table becomes straight lines."""
+        if compiled_source(value) is not None:
+            return self._compiled(name, value, VALUE, (0,))[0]
         if callable(value):
             self._callbacks.append(ForceCallback(name, value, (self.n_external,), takes_state(value)))
             return self._external()
@@ -184,6 +238,9 @@ class SignalTable:
 
     def force_pair(self, name: str, value: Callable[..., Any]) -> tuple[int, int]:
         """Register a Python function that returns both components of a force."""
+        if compiled_source(value) is not None:
+            x, y = self._compiled(name, value, PAIR, (0, 1))
+            return x, y
         slots = (self.n_external, self.n_external + 1)
         self._callbacks.append(ForceCallback(name, value, slots, takes_state(value)))
         return self._external(), self._external()
@@ -196,18 +253,26 @@ class SignalTable:
             last=frozen(self._last, np.int64),
             breaks=frozen(self._breaks),
             coefficients=frozen(self._coefficients, columns=4),
+            address=frozen([function.address for function in self._functions], np.int64),
         )
         return signals, tuple(self._callbacks)
+
+    def _compiled(self, name: str, value: Any, form: int, components: tuple[int, ...]) -> list[int]:
+        """The functions of the components of a compiled one."""
+        self._functions.append(CompiledFunction(name, value, form))
+        for component in components:
+            self._put(COMPILED, len(self._functions) - 1, component)
+        return [len(self._kind) - len(components) + k for k in range(len(components))]
 
     def _external(self) -> int:
         self._put(EXTERNAL, self.n_external, self.n_external + 1)
         self.n_external += 1
         return len(self._kind) - 1
 
-    def _add(self, value: float | Harmonic | Table, smooth: bool) -> int:
+    def _add(self, value: float | Harmonic | Table, smooth: bool, rate: float | None = None) -> int:
         first = len(self._breaks)
         if isinstance(value, Table):
-            breaks, coefficients = value.pieces(smooth)
+            breaks, coefficients = value.pieces(smooth, rate)
             self._breaks.extend(float(b) for b in breaks)
             self._coefficients.extend(tuple(float(c) for c in row) for row in coefficients)
             self._put(PIECES, first, len(self._breaks))

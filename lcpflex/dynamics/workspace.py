@@ -21,6 +21,7 @@ class Workspace(NamedTuple):
 
     dof: IntArray  # (nb + 1,)
     external: FloatArray  # (slots, 3) values, rates, accelerations supplied by callbacks
+    span: FloatArray  # (2,) [s] before and after the time asked for over which forces in time are averaged
     table: ContactTable
     arrow: Arrow
     dense: FloatArray  # (n, n) Cholesky factor of the matrix of the step, user-defined systems only
@@ -84,6 +85,7 @@ def workspace(
     arrays = Workspace(
         dof=np.array(dof),
         external=zeros((n_external, 3)),
+        span=zeros(2),
         table=table,
         arrow=arrow(len(dof) - 1, n_modes),
         dense=zeros((ndof, ndof) if dense else (0, 0)),

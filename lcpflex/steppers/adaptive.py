@@ -21,6 +21,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
+from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, in_range
@@ -70,6 +71,7 @@ ENTRIES = 14
 PART = 0.01  # of the duration that one step may take, where no limit is given
 SETTLE = 4.0  # times what the approach of a pair gains in one shortest step: no faster, it is at rest
 MOST_STRIKES = 20  # shortest steps in a row for impacts
+ENDED_EARLY = 0.99  # of the length planned: a shorter step was to end at a stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,10 +311,10 @@ def after_impact(limits: Limits, clock: FloatArray, approach: float, pull: float
 
 
 @kernel
-def next_length(limits: Limits, clock: FloatArray) -> float:
-    """Length of the step to try [s]: to the very end where little would be left."""
-    rest = limits.duration - clock[TIME]
-    h = min(clock[STEP], rest)
+def next_length(model: Model, limits: Limits, clock: FloatArray) -> float:
+    """Length of the step to try [s]: to the very end, or stop of a load, where little would be left."""
+    rest = time_left(model.signals, clock[TIME], limits.duration)
+    h = min(clock[STEP], rest, longest_look(model.signals))
     return rest if rest - h < 0.01 * h else h
 
 
@@ -325,7 +327,8 @@ def accept(limits: Limits, clock: FloatArray, h: float, error: float, alone: boo
     factor = min(2.0, 0.8 / math.sqrt(max(error, 1e-4)))
     if clock[REJECTED] == 1.0:
         factor = min(factor, 1.0)
-    clock[STEP] = min(limits.longest, max(limits.shortest, factor * h))
+    planned = clock[STEP] if h < ENDED_EARLY * clock[STEP] else 0.0  # a stop says nothing of the step behind it
+    clock[STEP] = min(limits.longest, max(limits.shortest, factor * h, planned))
     clock[REJECTED] = 0.0
     clock[DEEPEST] = sunk
     clock[TIME] = limits.duration if clock[TIME] + h >= limits.duration else clock[TIME] + h

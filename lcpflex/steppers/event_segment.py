@@ -10,6 +10,7 @@ import math
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_contacts import begun, law_horizon
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
@@ -217,7 +218,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
     The slope at y is in ``slopes[0]``.
     """
     t = memory.clock[TIME]
-    rest = settings.duration - t
+    rest = time_left(model.signals, t, settings.duration)
     ndof = len(memory.u)
     h = memory.clock[STEP]
     if not h > 0.0:
@@ -229,7 +230,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         u = memory.y[ndof : 2 * ndof]
         reach = law_horizon(model, memory.y[:ndof], u, memory.slopes[0, ndof : 2 * ndof], settings.margin, h, work)
         longest = min(longest / SAMPLES, reach, unseen_step(model, settings.margin, memory))
-    longest = min(settings.max_step, longest)
+    longest = min(settings.max_step, longest, longest_look(model.signals))
     left = REPEATS
     while True:
         h = min(h, longest)

@@ -143,6 +143,7 @@ class GeneralizedAlphaScheme:
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._memory = alpha_memory(system, 16)
+        self.work.span[:] = 0.5 * settings.step  # loads by their mean about the end of a step
         self._rescue = Rescue(solver, settings.tolerance)
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
@@ -176,6 +177,7 @@ class GeneralizedAlphaScheme:
         share = memory.law_force
         share[RECURSIVE] = share[NOW] + (share[RECURSIVE] - share[NOW]) * ratio
         self._settings = self._settings._replace(step=step)
+        self.work.span[:] = 0.5 * step
         self.clock[:] = 0.0
 
     def warn(self, steps: int) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.instants import at_stop
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.linking import link
 from lcpflex.model import Model
@@ -52,6 +53,8 @@ from lcpflex.steppers.generalized_alpha_memory import (
     NOW,
     PHASE,
     RECURSIVE,
+    RESTART,
+    SMOOTH,
     STRUCK,
     VELOCITY,
     WARM,
@@ -137,6 +140,7 @@ def with_step(settings: AlphaSettings, h: float, rebound: float, settle: float) 
 
 @kernel
 def begin(
+    model: Model,
     limits: Limits,
     clock: FloatArray,
     q: FloatArray,
@@ -148,7 +152,9 @@ def begin(
     kept_memory: AlphaMemory,
 ) -> None:
     """Choose the length of the next step and keep the state it starts from."""
-    h = next_length(limits, clock)
+    h = next_length(model, limits, clock)
+    if memory.number[PHASE] == SMOOTH and at_stop(model.signals, clock[TIME], limits.duration):
+        memory.number[PHASE] = RESTART  # forces may jump there, and the recursion with them
     clock[TRIED] = h
     clock[PART] = ALONE if h <= limits.shortest else LONG
     put_by(q, u, work, tape, kept)
@@ -221,7 +227,7 @@ def advance_adaptive(
                 clock[DUE] = math.inf if ended else t + limits.interval
             if ended or clock[STEPS] >= last_step:
                 return DONE
-            begin(limits, clock, q, u, work, memory, tape, kept, kept_memory)
+            begin(model, limits, clock, q, u, work, memory, tape, kept, kept_memory)
         h = clock[TRIED]
         part = clock[PART]
         length = h if part in (LONG, ALONE) else 0.5 * h

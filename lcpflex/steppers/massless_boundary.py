@@ -99,6 +99,7 @@ class MasslessBoundaryScheme:
         self._asked = stepper.step
         give = expected_compliance(self._system, self._compliance)
         self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0)
+        self.work.span[:] = 0.5 * self._settings.step  # loads by their mean about the end of a step
         self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
@@ -135,6 +136,7 @@ class MasslessBoundaryScheme:
     def change_step(self, step: float) -> None:
         """Go on with steps of another length; its forces are known: it begins where the steps so far ended."""
         self._settings = self._settings._replace(step=step)
+        self.work.span[:] = 0.5 * step
         self.clock[:BEGUN] = 0.0
 
     def make_room(self, contacts: int) -> None:

@@ -97,6 +97,7 @@ class MoreauJeanScheme:
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._rescue = Rescue(solver, settings.tolerance)
+        self._average()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
@@ -123,7 +124,13 @@ class MoreauJeanScheme:
     def change_step(self, step: float) -> None:
         """Go on with steps of another length."""
         self._settings = self._settings._replace(step=step)
+        self._average()
         self.clock[:] = 0.0
+
+    def _average(self) -> None:
+        """Take the mean of loads over a step."""
+        theta = self._settings.theta
+        self.work.span[:] = theta * self.step, (1.0 - theta) * self.step
 
     def warn(self, steps: int) -> None:
         """Say so where contacts by law are too stiff for the step, or out of their range."""

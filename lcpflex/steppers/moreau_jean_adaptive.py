@@ -76,7 +76,7 @@ def advance_adaptive(
             clock[DUE] = math.inf if ended else t + limits.interval
         if ended or clock[STEPS] >= last_step:
             return DONE
-        h = next_length(limits, clock)
+        h = next_length(model, limits, clock)
         alone = h <= limits.shortest  # not controlled
         put_by(q, u, work, tape, kept)
         status = DONE

@@ -250,6 +250,7 @@ def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     work.held_gap[:, :held] = old.held_gap[:, :held]
     work.solving[:] = old.solving
     work.stopped[:] = old.stopped
+    work.span[:] = old.span
     work.last_key[: len(old.last_key)] = old.last_key
     work.last_basis[: len(old.last_basis)] = old.last_basis
     return work

@@ -1,48 +1,55 @@
-"""Runs under contact laws of users' own: what their functions raise ends the run, and comes out."""
+"""Runs under contact laws and compiled loads of users' own: what goes wrong in them ends the run, and comes out."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.contact.laws.layout import LawRow
+from lcpflex.contact.laws.layout import LawRow, UserLaw
+from lcpflex.dynamics.compiled_function import CompiledFunction
 
-__all__ = ["with_own_laws"]
+__all__ = ["with_own_functions", "with_own_laws"]
 
 
 def with_own_laws(run: Any, names: Sequence[str], rows: Sequence[LawRow]) -> Any:
     """``run`` as it is, or one that tells of the functions among its ``rows``, those of the contacts ``names``."""
-    return _OwnLawRun(run, names, rows) if any(row.own is not None for row in rows) else run
+    own = [(f"contact {name!r}: ", row.own) for name, row in zip(names, rows, strict=True) if row.own is not None]
+    return _OwnFunctionRun(run, own) if own else run
 
 
-class _OwnLawRun:
-    """A run that ends with what a user's law raised, or says which law is not a finite number."""
+def with_own_functions(run: Any, functions: Sequence[CompiledFunction]) -> Any:
+    """``run`` as it is, or one that tells of the users' functions of time, which name themselves."""
+    return _OwnFunctionRun(run, [("", function) for function in functions]) if functions else run
 
-    def __init__(self, run: Any, names: Sequence[str], rows: Sequence[LawRow]) -> None:
+
+class _OwnFunctionRun:
+    """A run that ends with what a user's function raised, or says which is not a finite number."""
+
+    def __init__(self, run: Any, functions: Sequence[tuple[str, UserLaw]]) -> None:
         self._run = run
-        self._laws = [(name, row.own) for name, row in zip(names, rows, strict=True) if row.own is not None]
+        self._functions = functions
         self._begin()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._run, name)
 
     def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on. Raises what a law has raised."""
+        """Make up to n_steps steps; empty, or why the run cannot go on. Raises what one of them has raised."""
         try:
             message: str = self._run.advance(n_steps)
-        except Exception:  # of numbers that are none, perhaps: then the law says more
+        except Exception:  # of numbers that are none, perhaps: then the function says more
             words = self._complaint()
             if not words:
                 raise
             return words
         words = self._complaint()
         if not message:
-            self._begin()  # trial states where a law is no number do not matter, if shorter steps do without them
+            self._begin()  # trial states where one is no number do not matter, if shorter steps do without them
         return words if message and words else message
 
     def _begin(self) -> None:
-        for _, law in self._laws:
-            law.begin()
+        for _, function in self._functions:
+            function.begin()
 
     def _complaint(self) -> str:
-        return "; ".join(f"contact {name!r}: {words}" for name, law in self._laws if (words := law.complaint()))
+        return "; ".join(prefix + words for prefix, function in self._functions if (words := function.complaint()))

@@ -12,6 +12,7 @@ from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
@@ -28,6 +29,7 @@ from lcpflex.steppers.smooth_memory import (
     STORED,
     TAKEN,
     TIME,
+    WORK,
     SmoothMemory,
     begun,
     early,
@@ -129,12 +131,12 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
     """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. DONE, GROW or STEP_TOO_SHORT."""
     clock = memory.clock
     t = clock[TIME]
-    rest = settings.duration - t
+    rest = time_left(model.signals, t, settings.duration)
     n = 2 * len(work.free_u)
     h = clock[STEP]
     rejected = False
     shortened = False
-    longest = settings.max_step
+    longest = min(settings.max_step, longest_look(model.signals))
     stage = 0
     while True:
         if stage == 0:
@@ -359,6 +361,8 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         memory.end[i] += h * memory.slope[i]
     for i in range(ndof):
         memory.end[i] += 0.5 * h * memory.end[ndof + i]
+        # a load does its work at the mean velocity: one step may hold all of it
+        memory.end[2 * ndof + WORK] += 0.5 * h * work.driving[i] * (memory.end[ndof + i] - memory.y[ndof + i])
     clock[TAKEN] = h
     return DONE
 

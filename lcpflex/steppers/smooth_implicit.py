@@ -13,6 +13,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
+from lcpflex.dynamics.instants import time_left
 from lcpflex.linking import link
 from lcpflex.steppers.smooth_explicit import (
     ALL_OF_IT,
@@ -47,6 +48,7 @@ class StiffRun(SmoothRun):
         self._slope, self._horizon, self._record, self._project, self._begun, self._take_note = (
             link(kernel, system.hooks) for kernel in kernels
         )
+        self._stop = self.duration
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
 
@@ -70,7 +72,10 @@ class StiffRun(SmoothRun):
         return message
 
     def _start(self, first_step: float | None) -> None:
-        """Let the method start from the present state."""
+        """Let the method start from the present state, up to the next stop of a load or to the end."""
+        left = float(time_left(self.system.model.signals, self.time, self.duration))
+        self._stop = self.time + left
+        first_step = None if first_step is None else min(first_step, left)
         ny, n = len(self._memory.y), 2 * len(self.system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
@@ -79,7 +84,7 @@ class StiffRun(SmoothRun):
             self._rate,
             self.time,
             self._memory.y.copy(),
-            self.duration,
+            self._stop,
             rtol=self._settings.rtol,
             atol=atol,
             jac=self._jacobian,
@@ -120,7 +125,7 @@ class StiffRun(SmoothRun):
         memory.slopes[0] = self._rate(begin, self._ode.y)
         note_depths(self._work, memory)
         memory.y[:] = self._ode.y
-        longest = min(self._settings.max_step, self._ahead())
+        longest = min(self._settings.max_step, self._ahead(), *self.system.model.signals.longest.tolist())
         share, between = self._try(longest)
         taken = float(self._ode.t) - begin
         again = NONE_OF_IT < share < ALL_OF_IT and not self._short
@@ -144,7 +149,8 @@ class StiffRun(SmoothRun):
         message, changed = self._note()
         if not message:
             self._store_end()
-        if not message and self.time < self.duration and (off or changed or share < 1.0):
+        stopped = self._ode.status == "finished"  # at a stop, or at the end
+        if not message and self.time < self.duration and (off or changed or stopped or share < 1.0):
             if changed:
                 self._enter(ENTRY * min(taken, self.duration - self.time))
             self._start(min(taken, self.duration - self.time))

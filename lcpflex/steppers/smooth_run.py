@@ -117,7 +117,9 @@ class SmoothRun:
         elif status == GROW_TAPE:
             self.records.grow(detail)
         elif status == GROW:
+            span = self._work.span
             self._work = self.system.workspace(2 * detail)
+            self._work.span[:] = span
         elif status == OUT_OF_RANGE:
             return too_deep(self.system.names, self._memory.contacts, detail)
         elif status == NOT_FINITE:
@@ -132,6 +134,8 @@ class FixedRun(SmoothRun):
 
     def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings) -> None:
         super().__init__(system, laws, settings)
+        self.fixed_step = settings.max_step
+        self._work.span[:] = 0.5 * settings.max_step  # loads by their mean over a step
         self._advance = link(advance_fixed, system.hooks)
 
     def _warn(self) -> None:

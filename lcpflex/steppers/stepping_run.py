@@ -106,7 +106,7 @@ class FixedRun:
         self.scheme = scheme
         self.records = scheme.records
         self.duration = duration
-        step = scheme.step
+        self.fixed_step = step = scheme.step
         whole = math.floor(duration / step * (1.0 + 1e-12) + 1e-9)
         rest = duration - whole * step
         self._phases = [(step, whole)] + ([(rest, 1)] if rest > 1e-9 * step else [])

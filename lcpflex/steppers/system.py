@@ -11,7 +11,9 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.thickness import farthest, pass_thickness
+from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts
+from lcpflex.dynamics.time_functions import Calls
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.linking import Hooks
 from lcpflex.model import Model
@@ -42,6 +44,9 @@ class System:
     watch: Callable[[Workspace], None] | None = None
     names: tuple[str, ...] = ()
     laws: tuple[Law | None, ...] = ()
+    functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
+    probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
+    calls: Calls | None = None  # of Python functions of time, where there are any
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "model", pack(self.model))

@@ -143,10 +143,10 @@ def closing_share(
 @kernel
 def carried(work: Workspace, key: int) -> bool:
     """Whether the last problem gave the pair an impulse. One that it had without may have been on the way out."""
+    found = False
     for i in range(work.step_size[1]):
-        if work.table.key[i] == key and work.p[work.step_size[0] + i] > 0.0:
-            return True
-    return False
+        found = found or (work.table.key[i] == key and work.p[work.step_size[0] + i] > 0.0)
+    return found
 
 
 @kernel

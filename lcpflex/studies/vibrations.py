@@ -148,7 +148,7 @@ class _Turning:
         force = np.zeros_like(q)
         inertial_forces(model.bodies, model.loads, q, u, force)
         elastic_forces(model.bodies, q, u, force, force)
-        applied_forces(model, 0.0, q, u, self._external(q, u), force, force, force)
+        applied_forces(model, 0.0, q, u, np.zeros(2), self._external(q, u), force, force, force)
         return np.asarray(self.mass(q) @ udot - force - self.joints(q)[1].T @ reaction)
 
 

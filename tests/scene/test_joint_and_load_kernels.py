@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from lcpflex.dynamics.applied_forces import applied_forces, signal_value, spring_energy
+from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
+from lcpflex.dynamics.signal_values import signal_value
 from lcpflex.model import Bodies, Joints, Loads, Model, PointTable, Signals, frozen
 
 MODES = (3, 2)
@@ -163,7 +164,7 @@ def test_signals_end_in_constants_and_external_ones_are_passed_through():
 
 def summed_forces(model, t, q, u, f=applied_forces):
     kinds = [np.zeros(len(q)) for _ in range(3)]
-    f(model, t, q, u, EXTERNAL, *kinds)
+    f(model, t, q, u, np.zeros(2), EXTERNAL, *kinds)
     return kinds
 
 

@@ -209,7 +209,7 @@ def test_force_callbacks_see_the_state():
     assert seen["angle"] == pytest.approx(point_angle(model.bodies, model.points, compiled.q, p), rel=1e-14)
     assert seen["body"] == pytest.approx(0.3)
     driving = [np.zeros(len(compiled.q)) for _ in range(3)]
-    applied_forces(model, 0.5, compiled.q.copy(), compiled.u.copy(), work.external, *driving)
+    applied_forces(model, 0.5, compiled.q.copy(), compiled.u.copy(), np.zeros(2), work.external, *driving)
     np.testing.assert_allclose(driving[2][:2], [1.5, -2.0], rtol=1e-15)
 
 

@@ -1,0 +1,156 @@
+"""A user's function of time that numba has compiled, called from kernels by its address.
+
+As with force laws of users (:mod:`lcpflex.contact.laws.own_function`) no exception passes through a kernel: the value
+is not a number from then on, and what happened comes out of :meth:`CompiledFunction.complaint`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from lcpflex.contact.laws.own_function import is_compiled
+from lcpflex.errors import ModelError
+from lcpflex.loads import Function, takes_state
+
+__all__ = ["DIFFERENCE_STEP", "CompiledFunction", "compiled_source"]
+
+VALUE, PAIR, MOTION, TRIPLE = range(4)  # a force, both components of one, a motion, that with its derivatives
+SIZES = {VALUE: 1, PAIR: 2, MOTION: 1, TRIPLE: 3}
+EXPECTED = {
+    VALUE: "a finite number",
+    PAIR: "2 finite numbers",
+    MOTION: "a finite number or three: value, rate, acceleration",
+}
+MISHAP, TIME = 0, 1  # entries of the data block: what went wrong first, and when
+NO_NUMBER, RAISED = 1.0, 2.0
+# Fourth-order differences of f(t): relative errors below (omega h)^4 / 90 in truncation and, for the second derivative,
+# about 20 eps |f| / h^2 = 1e-7 |f| / s^2 in rounding.
+DIFFERENCE_STEP = 2e-4  # [s]
+
+
+def compiled_source(function: Any) -> Any:
+    """The dispatcher of numba behind a function of time alone, ``lf.Function`` or not; None where there is none."""
+    if isinstance(function, Function):
+        function = function.function
+    if hasattr(function, "native_name") and hasattr(function, "__wrapped__"):  # numba.cfunc
+        import numba
+
+        function = numba.njit(function.__wrapped__)
+    return function if is_compiled(function) and not takes_state(function) else None
+
+
+class CompiledFunction:
+    """A function of time at an address; ``form``: VALUE, PAIR or MOTION."""
+
+    def __init__(self, name: str, function: Callable[..., Any], form: int) -> None:
+        self.name, self.function = name, function
+        self._source = compiled_source(function)
+        self.motion = form == MOTION
+        first = self._at(0.0, form)
+        self.form = TRIPLE if form == MOTION and first.size == 3 else form
+        self._data = np.zeros(2)
+        self._code = _compiled(self._source, self.form)
+        self._words = np.array([self._code.address, self._data.ctypes.data], dtype=np.int64)
+
+    @property
+    def address(self) -> int:
+        """As :func:`lcpflex.contact.laws.own_call.own_force` takes it."""
+        return int(self._words.ctypes.data)
+
+    def begin(self) -> None:
+        """Forget what went wrong."""
+        self._data[:] = 0.0
+
+    def complaint(self) -> str:
+        """What went wrong since ``begin``, in words; empty if nothing did."""
+        mishap, time = self._data.tolist()
+        if mishap == 0.0:
+            return ""
+        try:
+            self._at(time, MOTION if self.motion else self.form)
+        except ModelError as error:
+            return str(error)
+        return f"{self.name}: the function is not a finite number about t = {time:.9g} s"
+
+    def _at(self, t: float, form: int) -> np.ndarray[Any, Any]:
+        """What the function returns; raises ModelError where that is something else."""
+        try:
+            returned = self._source(t)
+        except Exception as error:
+            raise ModelError(
+                f"{self.name}: the function raised {type(error).__name__} at t = {t:.9g} s: {error}"
+            ) from error
+        values = np.atleast_1d(np.asarray(returned, dtype=float))
+        sizes = (1, 3) if form == MOTION else (SIZES[form],)
+        if values.ndim != 1 or values.size not in sizes or not np.isfinite(values).all():
+            raise ModelError(
+                f"{self.name}: the function returned {returned!r} at t = {t:.9g} s, expected {EXPECTED[form]}"
+            )
+        return values
+
+
+@lru_cache(maxsize=256)
+def _compiled(source: Any, form: int) -> Any:
+    """Numba's callback (time, component, unused, data block) -> float. Raises ModelError for what does not compile."""
+    import numba
+
+    ask = numba.njit({VALUE: _value, PAIR: _component, MOTION: _difference, TRIPLE: _component}[form](source))
+
+    def call(t, component, unused, block):  # type: ignore[no-untyped-def]
+        data = numba.carray(block, (2,))
+        mishap = NO_NUMBER
+        value = math.nan
+        try:
+            value = ask(t, component)
+        except Exception:
+            mishap = RAISED
+        if not math.isfinite(value) and data[MISHAP] == 0.0:
+            data[MISHAP] = mishap
+            data[TIME] = t
+        return value
+
+    double = numba.types.float64
+    try:
+        return numba.cfunc(double(double, double, double, numba.types.CPointer(double)))(call)
+    except Exception as error:
+        raise ModelError(f"function: {source!r} was given, which does not compile: {error}") from error
+
+
+def _value(function: Any) -> Callable[..., Any]:
+    def ask(t, component):  # type: ignore[no-untyped-def]
+        return float(function(t))
+
+    return ask
+
+
+def _component(function: Any) -> Callable[..., Any]:
+    def ask(t, component):  # type: ignore[no-untyped-def]
+        values = function(t)
+        if component < 0.5:
+            return float(values[0])
+        if component < 1.5:
+            return float(values[1])
+        return float(values[-1])
+
+    return ask
+
+
+def _difference(function: Any) -> Callable[..., Any]:
+    h = DIFFERENCE_STEP
+
+    def ask(t, component):  # type: ignore[no-untyped-def]
+        now = float(function(t))
+        if component < 0.5:
+            return now
+        before, after = float(function(t - h)), float(function(t + h))
+        far_before, far_after = float(function(t - 2.0 * h)), float(function(t + 2.0 * h))
+        if component < 1.5:
+            return (8.0 * (after - before) - (far_after - far_before)) / (12.0 * h)
+        return (16.0 * (after + before) - (far_after + far_before) - 30.0 * now) / (12.0 * h * h)
+
+    return ask

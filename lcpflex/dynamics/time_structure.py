@@ -1,0 +1,216 @@
+"""What is known of the functions of time of a scene before it runs: where they bend, and how fast they go.
+
+A piecewise linear force and a spline's piecewise linear acceleration are described by those of their knots that a
+straight line would miss; a Python function by its values at a few thousand instants.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.dynamics.compiled_function import CompiledFunction
+from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
+from lcpflex.loads import Function
+from lcpflex.model import Model, Signals, frozen
+
+__all__ = ["LEAST_LOOKS", "bends", "for_system", "probe_of", "probed", "with_instants", "with_signals"]
+
+BENT = 1e-3  # of the distance from the median: a straight line may be off by this before it counts as bent
+NO_BEND = 1e-9  # and of the whole range
+BENT_PROBED, NO_BEND_PROBED = 0.05, 2e-3  # the same for a Python function
+BENT_MOTION = 0.01  # and for a motion, of which accelerations matter
+PER_PERIOD = 4.0  # steps that a harmonic takes at least
+PER_SHORTEST = 2.0  # steps in the shortest thing that a function does
+LEAST_LOOKS = 100  # steps over the duration where a function depends on more than the time
+INTERVALS = 512  # of the first probe of a function, two calls each
+MOST_CALLS = 20_000
+FINEST = 1e-6  # of the duration, to which a jump is located
+BESIDE = 1e-10  # of the duration: a step ends as much before a break as the next but one begins behind it
+NEAR_BENDS = (
+    2.0 / INTERVALS
+)  # of the duration: a step ends at bends so near to each other, and never passes over others
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+def bends(times: FloatArray, values: FloatArray, bent: float = BENT, floor: float = NO_BEND) -> FloatArray:
+    """The instants between which straight lines come near to all values, ends included; none for a constant.
+
+    Near: within ``bent`` of a value's distance from the median, so that what oscillates about a large mean is seen, and
+    within ``floor`` of the whole range.
+    """
+    span = float(np.ptp(values))
+    if span == 0.0 or len(times) < 2:
+        return np.zeros(0)
+    allowed = np.maximum(bent * np.abs(values - np.median(values)), floor * span)
+    t, f, e = times.tolist(), values.tolist(), allowed.tolist()
+    kept, low, high, anchor = [0], -math.inf, math.inf, 0
+    for k in range(1, len(t)):
+        length = t[k] - t[anchor]
+        slope = (f[k] - f[anchor]) / length
+        if not low <= slope <= high:
+            anchor = k - 1
+            kept.append(anchor)
+            low, high = -math.inf, math.inf
+            length = t[k] - t[anchor]
+            slope = (f[k] - f[anchor]) / length
+        low, high = max(low, slope - e[k] / length), min(high, slope + e[k] / length)
+    kept.append(len(t) - 1)
+    return times[kept]
+
+
+def probed(function: Callable[[float], Any], duration: float) -> tuple[FloatArray, FloatArray]:
+    """Values of a function of time at up to 20,000 instants, close to each other where it bends.
+
+    The first thousand are spread unevenly, so that no period hides between them. What raises or returns no finite
+    number is left out: if a run comes there, it says so itself.
+    """
+    called: dict[float, FloatArray | None] = {}
+
+    def at(t: float) -> FloatArray | None:
+        if t not in called:
+            called[t] = _value(function, t)
+        return called[t]
+
+    spread = np.arange(1, INTERVALS) + 0.6 * ((np.arange(1, INTERVALS) * GOLDEN) % 1.0 - 0.5)
+    edges = [0.0, *(spread * duration / INTERVALS).tolist(), duration]
+    known = [value for t in edges if (value := at(t)) is not None]
+    if len(known) < 2 or len({value.size for value in known}) > 1:
+        return np.zeros(0), np.zeros((0, 1))
+    waiting = list(pairwise(edges))
+    span = np.ptp(np.array(known), axis=0)
+    while waiting and len(called) < MOST_CALLS:
+        finer: list[tuple[float, float]] = []
+        for low, high in waiting:
+            middle = 0.5 * (low + high)
+            first, value, last = at(low), at(middle), at(high)
+            if first is None or value is None or last is None or value.size != span.size:
+                continue
+            span = np.maximum(span, np.abs(value - known[0]))
+            bent = np.abs(value - 0.5 * (first + last)) > BENT_PROBED * span
+            if bent.any() and high - low > FINEST * duration and len(called) < MOST_CALLS:
+                finer += [(low, middle), (middle, high)]
+        waiting = finer
+    times = [t for t in sorted(called) if called[t] is not None]
+    return np.array(times), np.array([called[t] for t in times])
+
+
+def _value(function: Callable[[float], Any], t: float) -> FloatArray | None:
+    """What the function returns, as an array; None where that is no finite number."""
+    try:
+        values = np.atleast_1d(np.asarray(function(t), dtype=float)).ravel()
+    except Exception:  # left to the run, which tells where it was
+        return None
+    return values if np.isfinite(values).all() else None
+
+
+def with_signals(model: Model, **changes: Any) -> Model:
+    """``model``, packed or not, with other arrays among its functions of time."""
+    signals = Signals(*(changes.get(name, getattr(model.signals, name)) for name in Signals._fields))
+    parts = {name: getattr(model, name) for name in Model._fields}
+    return Model(**(parts | {"signals": signals}))
+
+
+def with_instants(
+    model: Model, callbacks: Sequence[Callback | CompiledFunction], start: State, duration: float
+) -> Model:
+    """``model`` with the instants at which steps with error control end, and with their greatest length."""
+    stops, longest = _built_in(model)
+    for callback in callbacks:
+        more, length = _of_function(callback, start, duration)
+        stops.append(more)
+        longest = min(longest, length)
+    instants = np.unique(np.concatenate([np.zeros(0), *stops]))
+    instants = instants[(instants > 0.0) & (instants < duration)]
+    limit = frozen([longest] if longest < math.inf else [])
+    return with_signals(model, stops=frozen(instants), longest=limit)
+
+
+def _built_in(model: Model) -> tuple[list[FloatArray], float]:
+    """Knots of tables, and the longest step for harmonics."""
+    signals = model.signals
+    drives = set(model.joints.signal.tolist())
+    stops, longest = [], math.inf
+    for k, kind in enumerate(signals.kind.tolist()):
+        first, last = int(signals.first[k]), int(signals.last[k])
+        if kind == PIECES:
+            knots, pieces = signals.breaks[first:last], signals.coefficients[first:last]
+            stops.append(bends(knots, pieces[:, 3]) if k not in drives else _bends_of_motion(knots, pieces))
+        elif kind == HARMONIC:
+            _, amplitude, omega, _ = signals.coefficients[first]
+            if amplitude != 0.0 and omega != 0.0:
+                longest = min(longest, 2.0 * math.pi / (PER_PERIOD * abs(float(omega))))
+    return stops, longest
+
+
+def _bends_of_motion(knots: FloatArray, pieces: FloatArray) -> FloatArray:
+    """Where the acceleration of a spline bends, and where it begins and ends to move."""
+    if not pieces[:-1, :3].any():
+        return np.zeros(0)
+    accelerations = 2.0 * pieces[:, 1]
+    accelerations[-1] = 6.0 * pieces[-2, 0] * (knots[-1] - knots[-2]) + 2.0 * pieces[-2, 1]
+    return np.unique([knots[0], knots[-1], *bends(knots, accelerations)])
+
+
+def _of_function(callback: Callback | CompiledFunction, start: State, duration: float) -> tuple[FloatArray, float]:
+    """Stops of a Python function, and the longest step."""
+    function = callback.function
+    told = function if isinstance(function, Function) else None
+    breaks = np.asarray(told.breaks) if told else np.zeros(0)
+    stops = [breaks - BESIDE * duration, breaks + BESIDE * duration]
+    longest = math.inf
+    by_state = isinstance(callback, ForceCallback) and callback.with_state
+    if by_state:
+        longest = duration / LEAST_LOOKS
+    if told and told.shortest is not None:
+        return np.concatenate(stops), told.shortest / PER_SHORTEST
+
+    times, values = probe_of(callback, start, duration)
+    more, slowest = _steps_for(times, values, BENT_MOTION if _is_motion(callback) else BENT_PROBED, duration)
+    return np.concatenate([*stops, more]), min(longest, slowest)
+
+
+def for_system(model: Model, function: Callable[[float], Any], duration: float) -> Model:
+    """``model`` of a user's own system, whose forces at the start are ``function``, with stops and greatest step."""
+    times, values = probed(function, duration)
+    if not len(times) or not np.ptp(values, axis=0).any():
+        return model  # the time does not matter
+    stops, longest = _steps_for(times, values, BENT_PROBED, duration)
+    stops = stops[(stops > 0.0) & (stops < duration)]
+    return with_signals(model, stops=frozen(stops), longest=frozen([min(longest, duration / LEAST_LOOKS)]))
+
+
+def _steps_for(times: FloatArray, values: FloatArray, bent: float, duration: float) -> tuple[FloatArray, float]:
+    """Of the bends of a probe: those to stop at, near to each other, and the longest step over the others."""
+    stops, longest = [np.zeros(0)], math.inf
+    for column in values.T:
+        knots = bends(times, column, bent, NO_BEND_PROBED)
+        apart = np.diff(knots)
+        near = apart < NEAR_BENDS * duration
+        beside = np.concatenate([near, [False]]) | np.concatenate([[False], near])
+        stops.append(knots[beside[: len(knots)]])
+        # the last piece ends with the duration, not where it bends
+        longest = min(longest, float(apart[:-1][~near[:-1]].min(initial=math.inf)))
+    return np.unique(np.concatenate(stops)), longest
+
+
+def probe_of(callback: Callback | CompiledFunction, start: State, duration: float) -> tuple[FloatArray, FloatArray]:
+    """Instants (k,) and values (k, components) of a Python function, by :func:`probed`; at ``start`` if by state."""
+    function = callback.function
+    by_state = isinstance(callback, ForceCallback) and callback.with_state
+
+    def asked(t: float) -> Any:
+        return function(t, replace(start, time=t)) if by_state else function(t)
+
+    times, values = probed(asked, duration)
+    return times, values[:, :1] if _is_motion(callback) else values
+
+
+def _is_motion(callback: Callback | CompiledFunction) -> bool:
+    return callback.motion if isinstance(callback, CompiledFunction) else isinstance(callback, MotionCallback)
