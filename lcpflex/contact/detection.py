@@ -11,16 +11,14 @@ can move a point of either surface, sum_k |q_k| max |Phi_k|.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from lcpflex.bodies.floating_frame import local_place, point_position
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
+from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
 from lcpflex.model import Model
-from lcpflex.packed import pack
 
 __all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
 
@@ -28,56 +26,7 @@ FACING = -1e-9  # a node whose own outward normal has a larger component along t
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
 SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
 BESIDE = -1  # instead of the law of a candidate
-SET_VALUED, BY_LAW, ALL = range(3)  # contacts that a table collects
-
-
-class ContactTable(NamedTuple):
-    """Near contacts, one an entry, in the order of detection. Work arrays apart, the first length is the capacity."""
-
-    key: IntArray  # slave and feature in one number, the same from call to call
-    law: IntArray  # declared contact
-    slave: IntArray  # material point P
-    slave_radius: FloatArray  # [m]
-    kind: IntArray  # of the feature: SEGMENT or ARC
-    a: IntArray  # material points of the feature
-    b: IntArray
-    s: FloatArray  # foot on a segment, 0 at a and 1 at b
-    radius: FloatArray  # of an arc, signed [m]
-    sense: FloatArray  # of an arc: +1 solid inside, -1 hole
-    span: FloatArray  # (., 2) of the feature
-    body: IntArray  # (., 2) i of the slave, j of the feature; -1: ground
-    gap: FloatArray  # [m]
-    normal: FloatArray  # (., 2) from j to i
-    bound: FloatArray  # (surfaces, 5) work: world centre, sway, and cosine and sine of the angle of its body
-    frame: FloatArray  # (4,) work: cosine, sine, x, y of the slaves' body in the frame of the features' body
-    by_law: IntArray  # (laws,) 1: has a continuous contact force, 0: is set-valued; (0,): of no matter
-    collects: IntArray  # (1,) which of these two the table is for, or ALL
-
-
-def contact_table(capacity: int, n_surfaces: int = 0, by_law: Sequence[int] = (), collects: int = ALL) -> ContactTable:
-    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with)."""
-    ints = np.int64
-    table = ContactTable(
-        key=np.zeros(capacity, ints),
-        law=np.zeros(capacity, ints),
-        slave=np.zeros(capacity, ints),
-        slave_radius=np.zeros(capacity),
-        kind=np.zeros(capacity, ints),
-        a=np.zeros(capacity, ints),
-        b=np.zeros(capacity, ints),
-        s=np.zeros(capacity),
-        radius=np.zeros(capacity),
-        sense=np.zeros(capacity),
-        span=np.zeros((capacity, 2)),
-        body=np.zeros((capacity, 2), ints),
-        gap=np.zeros(capacity),
-        normal=np.zeros((capacity, 2)),
-        bound=np.zeros((n_surfaces, 5)),
-        frame=np.zeros(4),
-        by_law=np.array(by_law, ints),
-        collects=np.array([collects]),
-    )
-    return pack(table)
+AWAY = 0  # column of ``span`` where candidates have the distance from the feature to the centre of the slave
 
 
 @kernel
@@ -159,20 +108,28 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
 
 
 @kernel
+def below_or_beyond(table: ContactTable, k: int) -> bool:
+    """Whether the slave of the candidate k is below its segment, or beyond an end of it."""
+    d = table.gap[k] + table.slave_radius[k]
+    return d < 0.0 or table.span[k, AWAY] > (1.0 + WIDEN) * d
+
+
+@kernel
 def dominated(model: Model, table: ContactTable, k: int, i: int) -> bool:
     """Whether what one slave has with the feature of entry k is no contact because of what it has with that of i.
 
     The nearest feature tells whether the slave is in the solid, and which is the way out. So a slave below a segment
     has no contact with it if another is nearer, and none with two that meet in a bulge. Those that meet in a hollow
-    hold it between them.
+    hold it between them, if their corner is the nearest: near is who is near the segment itself, not its line, which
+    passes anything.
     """
     neighbour = model.contacts.feature_neighbour
     count = len(model.contacts.feature_kind)
     f = table.key[k] % count
     g = table.key[i] % count
-    d = table.gap[k] + table.slave_radius[k]
-    e = table.gap[i] + table.slave_radius[i]
-    if i == k or abs(e) > abs(d) or (abs(e) == abs(d) and i > k):
+    d = table.span[k, AWAY]
+    e = table.span[i, AWAY]
+    if i == k or e > d or (e == d and i > k):
         return False
     before = neighbour[f, 0] == g
     if before or neighbour[f, 1] == g or neighbour[g, 0] == f or neighbour[g, 1] == f:
@@ -188,7 +145,7 @@ def dominated(model: Model, table: ContactTable, k: int, i: int) -> bool:
         s = table.s[k] if before else table.s[i]  # of the later of the two, whose beginning is the end of the other
         r = table.s[i] if before else table.s[k]
         return s <= SEAM and r >= 1.0 - SEAM  # one foot, on a node of a straight piece
-    return d < 0.0
+    return below_or_beyond(table, k)
 
 
 @kernel
@@ -253,7 +210,7 @@ def collect(
     """Candidates of one slave, at most ``highest`` above a feature, from entry n on; returns the count.
 
     (x, y): place of the slave, undeformed, in the frame of the features. A candidate that looks the slave's way is
-    marked as BESIDE: it is none, but tells that the slave is outside.
+    marked as BESIDE: it is none, but tells that the slave is outside. So is a vertex near a point: they cannot touch.
     """
     c = model.contacts
     surface = c.pass_feature[w]
@@ -262,6 +219,8 @@ def collect(
     cos = table.frame[0]
     sin = table.frame[1]
     directed = c.slave_normal[slave, 0] != 0.0 or c.slave_normal[slave, 1] != 0.0
+    point = c.slave_radius[slave] == 0.0
+    sunk = False
     placed = False
     px = 0.0
     py = 0.0
@@ -269,8 +228,9 @@ def collect(
         if not near_block(model, block, x, y, reach):
             continue
         f = c.block_start[block]
-        if c.slave_radius[slave] == 0.0 and c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0:
-            break  # a point has no contact with a vertex; those come last
+        vertex = c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0
+        if vertex and point and not sunk:
+            break  # those come last
         for f in range(c.block_start[block], c.block_start[block + 1]):
             if not may_touch(model, f, x, y, reach, sway):
                 continue
@@ -279,15 +239,18 @@ def collect(
                 sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
                 px = cos * sx - sin * sy + table.frame[2]
                 py = sin * sx + cos * sy + table.frame[3]
-            there, s, d, nx, ny = over(model, q, f, px, py, highest)
+            there, s, d, nx, ny, away = over(model, q, f, px, py, highest)
             if not there:
                 continue
-            facing = faces(model, q, table, slave, nx, ny)
-            if not facing and not (directed and d > WIDEN * c.surface_extent[surface]):
+            aside = vertex and point
+            facing = not aside and faces(model, q, table, slave, nx, ny)
+            if not facing and not aside and not (directed and d > WIDEN * c.surface_extent[surface]):
                 continue
+            sunk = sunk or d < 0.0 or away > (1.0 + WIDEN) * d
             if n < len(table.key):
                 load_entry(model, table, n, c.pass_law[w] if facing else BESIDE, slave, f)
                 table.s[n] = s
+                table.span[n, AWAY] = away
                 table.gap[n] = d - c.slave_radius[slave]
                 table.normal[n, 0] = nx
                 table.normal[n, 1] = ny
@@ -305,8 +268,8 @@ def detect_slave(
     n = collect(model, q, margin + radius, table, w, slave, x, y, first)
     depth = 0.0
     for k in range(first, min(n, len(table.key))):
-        if table.kind[k] == SEGMENT:
-            depth = max(depth, -(table.gap[k] + radius))
+        if table.kind[k] == SEGMENT and below_or_beyond(table, k):
+            depth = max(depth, table.span[k, AWAY])
     if depth > margin + radius:  # whatever is nearer than that decides
         n = collect(model, q, depth, table, w, slave, x, y, first)
     if first < n <= len(table.key):

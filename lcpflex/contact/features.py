@@ -15,7 +15,7 @@ ARC = 1
 WIDEN = 1e-9  # relative, at the ends of segments and arcs: no slave falls between two
 COINCIDENT = 1e-12  # [m] two points so close have no direction from one to the other
 ASIDE = 1.75  # more than tan 60 degrees
-NOWHERE = (False, 0.0, 0.0, 0.0, 0.0)
+NOWHERE = (False, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
@@ -118,10 +118,11 @@ def in_arc(model: Model, q: FloatArray, p: int, angle: float, start: float, exte
 
 @kernel
 def held(model: Model, q: FloatArray, f: int, side: int, x: float, y: float, nx: float, ny: float) -> bool:
-    """Whether a slave beyond the end ``side`` of segment f belongs to it because it is below the next segment.
+    """Whether a slave beyond the end ``side`` of segment f may belong to it because of the next segment.
 
-    At a hollow corner, a slave that is below both segments may be over neither. It belongs to f if it is beyond the
-    next one, too, or if its foot is on f after it has been lifted out of the next one.
+    At a hollow corner, a slave that is over neither segment is in the solid: only both together lead it out, by the
+    corner. One that is over the next segment, and below it, belongs to f as well if its foot is on f after it has been
+    lifted out of the next one. Either way only where nothing else is nearer, which the table of candidates tells.
     """
     c = model.contacts
     g = c.feature_neighbour[f, side]
@@ -131,10 +132,14 @@ def held(model: Model, q: FloatArray, f: int, side: int, x: float, y: float, nx:
     bx, by = local_place(model.bodies, model.points, q, c.feature_point[g, 1])
     r, d, mx, my = foot(ax, ay, bx, by, x, y)
     turn = nx * my - ny * mx
-    if d >= 0.0 or (turn if side == 1 else -turn) >= 0.0:
+    if (turn if side == 1 else -turn) >= 0.0:
         return False
-    if (r if side == 1 else 1.0 - r) <= 0.0:
+    if side == 0:
+        r = 1.0 - r
+    if r <= 0.0:
         return True
+    if d >= 0.0 or r > 1.0 + WIDEN:
+        return False
     vx = bx if side == 0 else ax
     vy = by if side == 0 else ay
     # lifted by -d along (mx, my); the direction of f is (-ny, nx)
@@ -170,10 +175,11 @@ def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
 @kernel
 def over(
     model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
-) -> tuple[bool, float, float, float, float]:
+) -> tuple[bool, float, float, float, float, float]:
     """Whether a slave at (x, y), in the frame of the body of f, is over f, at most ``highest`` above and not too deep.
 
-    Further s, the signed distance without radius of the slave, and the normal.
+    Further s, the signed distance without radius of the slave from the line or circle of f, the normal, and how far
+    the slave is from f itself: beyond the end of a segment from that end, not from its line.
     """
     c = model.contacts
     ax, ay = local_place(model.bodies, model.points, q, c.feature_point[f, 0])
@@ -182,11 +188,13 @@ def over(
         s, d, nx, ny = foot(ax, ay, bx, by, x, y)
         if d > highest or d < -deep(model, f, s):
             return NOWHERE
-        if s < -WIDEN:
-            return held(model, q, f, 0, x, y, nx, ny), s, d, nx, ny
-        if s > 1.0 + WIDEN:
-            return held(model, q, f, 1, x, y, nx, ny), s, d, nx, ny
-        return True, s, d, nx, ny
+        if -WIDEN <= s <= 1.0 + WIDEN:
+            return True, s, d, nx, ny, abs(d)
+        side = 0 if s < 0.0 else 1
+        away = abs(d)
+        if c.feature_neighbour[f, side] >= 0:
+            away = math.hypot(x - ax, y - ay) if side == 0 else math.hypot(x - bx, y - by)
+        return held(model, q, f, side, x, y, nx, ny), s, d, nx, ny, away
     R = c.feature_radius[f]
     sense = c.feature_sense[f]
     dx = x - ax
@@ -196,9 +204,9 @@ def over(
     if d > highest or d < -c.feature_reach[f, 1]:
         return NOWHERE
     if D < COINCIDENT:  # no direction: any will do, but a vertex leaves the slave to its segments
-        return R != 0.0, 0.0, d, 0.0, 1.0
+        return R != 0.0, 0.0, d, 0.0, 1.0, abs(d)
     if R == 0.0:
-        return in_wedge(model, q, f, x, y), 0.0, d, dx / D, dy / D
+        return in_wedge(model, q, f, x, y), 0.0, d, dx / D, dy / D, D
     p = c.feature_point[f, 0]
     inside = in_arc(model, q, p, math.atan2(dy, dx), c.feature_span[f, 0], c.feature_span[f, 1])
-    return inside, 0.0, d, sense * dx / D, sense * dy / D
+    return inside, 0.0, d, sense * dx / D, sense * dy / D, abs(d)

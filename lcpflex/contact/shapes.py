@@ -122,11 +122,15 @@ def carried(point: MaterialPoint, offset: FloatArray) -> MaterialPoint:
 def chain(points: Sequence[MaterialPoint], closed: bool = False, goes_over: bool = False) -> Surface:
     """Straight pieces from node to node, solid on the left; ``goes_over``: its ends are no corners but go over to arcs.
 
+    A chain that ends where it begins is closed: ends that may be bulges would hide the solid behind them.
+
     Raises
     ------
     ModelError
         If two successive nodes coincide.
     """
+    if not closed and not goes_over and len(points) > 3 and _coincide(points[0], points[-1]):
+        points, closed = points[:-1], True
     places = np.array([point.place for point in points])
     steps = np.diff(np.vstack([places, places[:1]]) if closed else places, axis=0)
     if len(steps) and np.hypot(*steps.T).min() == 0.0:
@@ -134,6 +138,11 @@ def chain(points: Sequence[MaterialPoint], closed: bool = False, goes_over: bool
             f"chain: nodes {places.tolist()} were given, expected no two successive ones at the same place"
         )
     return Surface(Kind.CHAIN, tuple(points), closed=closed, goes_over=goes_over)
+
+
+def _coincide(a: MaterialPoint, b: MaterialPoint) -> bool:
+    """Whether two material points are one, however their body deforms."""
+    return np.array_equal(a.place, b.place) and np.array_equal(a.phi, b.phi) and np.array_equal(a.psi, b.psi)
 
 
 def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surface:
