@@ -32,6 +32,7 @@ from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape, note_contact, note_gain, note_laws, store_contacts, store_state
+from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [
     "OUT_OF_RANGE",
@@ -189,6 +190,7 @@ def spots_of(work: Workspace) -> int:
 @kernel
 def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length ``step`` [s]."""
+    least_impulses(work)
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
