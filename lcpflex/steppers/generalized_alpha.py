@@ -59,6 +59,7 @@ from lcpflex.steppers.generalized_alpha_step import (
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import (
     DONE,
     GROW,
@@ -140,6 +141,7 @@ class GeneralizedAlphaScheme:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._memory = alpha_memory(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
+        self._several = SeveralMotions()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
@@ -175,13 +177,14 @@ class GeneralizedAlphaScheme:
         self.clock[:] = 0.0
 
     def warn(self, steps: int) -> None:
-        """Of steps in which Newton's method did not converge."""
+        """Of steps in which Newton's method did not converge, and of those that might have gone another way."""
         unsettled = int(self._memory.number[UNSETTLED])
+        self.records.warnings[:] = self._several.remarks(self.work, self._system.contact_name)
         if unsettled:
-            self.records.warnings[:] = [
+            self.records.warnings.append(
                 f"Newton's method on the smooth motion did not converge in {unsettled} of {steps} steps: "
                 "a shorter step is needed for the forces of this scene"
-            ]
+            )
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content."""

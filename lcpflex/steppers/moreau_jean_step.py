@@ -28,6 +28,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
+from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
@@ -163,6 +164,7 @@ def correct(
 ) -> bool:
     """Second half of a step: impulses from the solution z, then u+ and q+ in place. False where they are not finite."""
     h = settings.step
+    keep_doubtful(work, t)
     distribute(work)
     total = work.step_size[0] + work.step_size[1] + work.step_size[2]
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
@@ -252,4 +254,6 @@ def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     work.solving[:] = old.solving
     work.last_key[: len(old.last_key)] = old.last_key
     work.last_basis[: len(old.last_basis)] = old.last_basis
+    work.doubtful[:] = old.doubtful
+    work.doubtful_kind[:] = old.doubtful_kind
     return work
