@@ -154,7 +154,7 @@ def _closed(touching: tuple[str, ...]) -> str:
     if not touching:
         return "no contact closed"
     more = f" and {len(touching) - NAMED} more" if len(touching) > NAMED else ""
-    return f"contact{'s' if len(touching) > 1 else ''} {', '.join(touching[:NAMED])}{more} closed"
+    return f"contact{'s' if len(touching) > 1 else ''} {', '.join(touching[:NAMED])}{more}"
 
 
 def _save_problems(recorder: Recorder, result: Result) -> Result:
