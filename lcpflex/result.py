@@ -99,6 +99,9 @@ class Result:
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
     The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model`: per body x, y, angle and its modal coordinates.
+
+    Where contacts share a load in more than one way, the forces of an instant are the least that give the motion; an
+    event-driven run keeps only as many redundant supports as carry it. Impulses are those that the solver found.
     """
 
     times: FloatArray  # (m,) [s]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from lcpflex.contact.impact_laws import Newton
 from lcpflex.energy import Energies, EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.recorder import Recorder, RecordProblems
@@ -29,6 +30,7 @@ __all__ = ["simulate"]
 INSTANTS = 1000  # stored when no interval is asked for
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
 GROWTH = 1e-4  # created energy, relative to the largest stored one, above which the result warns
+NAMED = 8  # closed contacts that an error names
 REMAINDER = 0.02  # unexplained energy, relative to the largest stored one, above which the result warns
 
 
@@ -130,7 +132,7 @@ def simulate(
     clock = Stopwatch()
     run: Run = with_own_functions(stepper.start(system, duration, interval), system.functions)
     if energy_growth is EnergyGrowth.ERROR:
-        run = _WithoutGrowth(run)
+        run = _WithoutGrowth(run, _growth_cause(stepper, system))
     # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
     message, cause = _guarded(run, 1 if system.hooks else 0)
     clock.started()
@@ -143,7 +145,7 @@ def simulate(
     timing = clock.ended()
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
-    result = _collect(run, system, compiled, names, duration, repr(stepper), timing, note, complete, energy_growth)
+    result = _collect(run, system, compiled, names, duration, stepper, timing, note, complete, energy_growth)
     result = replace(result, warnings=(*result.warnings, *unresolved(result)))
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
@@ -154,13 +156,21 @@ def simulate(
     if message:
         touching = tuple(names[k] for k in run.touching)
         raise StepError(
-            f"at t = {run.time:.9g} s, after {run.steps} steps, contacts {', '.join(touching) or 'none'}: {message}",
+            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}",
             time=run.time,
             step=run.steps,
             contacts=touching,
             result=result,
         ) from cause
     return result
+
+
+def _closed(touching: tuple[str, ...]) -> str:
+    """The contacts that are closed, in words."""
+    if not touching:
+        return "no contact closed"
+    more = f" and {len(touching) - NAMED} more" if len(touching) > NAMED else ""
+    return f"contact{'s' if len(touching) > 1 else ''} {', '.join(touching[:NAMED])}{more}"
 
 
 def _save_problems(recorder: Recorder, result: Result) -> Result:
@@ -240,7 +250,7 @@ def _collect(
     compiled: Compiled | None,
     names: tuple[str, ...],
     duration: float,
-    stepper: str,
+    stepper: Stepper,
     timing: tuple[float, float],
     message: str,
     complete: bool,
@@ -248,6 +258,7 @@ def _collect(
 ) -> Result:
     """Everything that the run has stored, as a result."""
     data = run.records.collected()
+    growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     spots = data["spots"]
     events = tuple(
@@ -278,14 +289,14 @@ def _collect(
         events=events,
         warnings=(
             *run.records.warnings,
-            *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps),
+            *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
         ),
         complete=complete,
         message=message,
         steps=run.steps,
         wall_time=timing[0],
         compile_time=timing[1],
-        stepper=stepper,
+        stepper=repr(stepper),
         duration=duration,
         compiled=compiled,
         contact_names=names,
@@ -298,8 +309,9 @@ def _collect(
 class _WithoutGrowth:
     """A run that ends where contact impulses have created more energy than rounding explains."""
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, cause: str) -> None:
         self._run = run
+        self._cause = cause
         self._known = 0.0  # energy created so far that has been found to be rounding [J]
 
     def __getattr__(self, name: str) -> Any:
@@ -322,19 +334,30 @@ class _WithoutGrowth:
         self._known = float(gain[0])
         if gain[0] <= GROWTH * self._run.records.energy_scale():
             return ""
-        return _created(gain) + "; energy_growth=EnergyGrowth.WARN goes on"
+        return _created(gain, self._cause) + "; energy_growth=EnergyGrowth.WARN goes on"
 
 
-def _created(gain: FloatArray) -> str:
-    """How much energy contact impulses created, and when."""
+def _growth_cause(stepper: Stepper, system: System) -> str:
+    """What lets contact impulses create energy in a run of ``stepper``: only a law that is in it is blamed."""
+    contacts = system.model.contacts
+    bounces = bool(contacts.restitution.any() or contacts.tangential_restitution.any())
+    fixed = hasattr(stepper, "step") and getattr(stepper, "adaptive", None) is None
+    shorter = "a shorter step" if fixed else "tighter tolerances"
+    if bounces and contacts.friction.any() and isinstance(getattr(stepper, "impact", Newton()), Newton):
+        return f"Newton's restitution with friction does so; if not, {shorter} will help"
+    return f"no contact law of this run does so: take {shorter}"
+
+
+def _created(gain: FloatArray, cause: str) -> str:
+    """How much energy contact impulses created, when, and why."""
     return (
         f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
-        f"{gain[2]:.6g} s (Newton's restitution with friction does so; too long a step may)"
+        f"{gain[2]:.6g} s ({cause})"
     )
 
 
 def _warnings(
-    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int
+    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int, cause: str
 ) -> tuple[str, ...]:
     """What a reader must know before trusting the result."""
     warnings = [] if complete else ["the run is incomplete"]
@@ -348,7 +371,7 @@ def _warnings(
     if energy_growth is EnergyGrowth.ACCEPT:
         accepted = float(gain[0])
     elif gain[0] > max(GROWTH * scale, rounding):
-        warnings.append(_created(gain))
+        warnings.append(_created(gain, cause))
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
     if growth - accepted > max(GROWTH * scale, rounding):
         warnings.append(

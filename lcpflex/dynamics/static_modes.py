@@ -11,6 +11,7 @@ and 1/2 q_S^T Omega_S^2 q_S = 1/2 lambda^T F lambda is the energy stored in the 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -165,15 +166,17 @@ def _compliance(model: Model, flexibility: FloatArray, q: FloatArray, p: int) ->
     return np.asarray(A @ local @ A.T)
 
 
-def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray, soft: IntArray) -> None:
+def check_compliance(
+    model: Model, flexibility: FloatArray, q: FloatArray, soft: IntArray, name: Callable[[int], str]
+) -> None:
     """Refuse a contact that has no compliance where it may touch, as its bodies stand at q.
 
-    Along the normal, those of ``soft`` (laws,) have their own.
+    Along the normal, those of ``soft`` (laws,) have their own. ``name``: what a contact is called.
 
     Raises
     ------
     ModelError
-        Naming the number of the contact and the direction: normal, or tangential where it has friction.
+        Naming the contact and the direction: normal, or tangential where it has friction.
     """
     contacts = model.contacts
     for law in range(len(contacts.friction)):
@@ -193,7 +196,7 @@ def check_compliance(model: Model, flexibility: FloatArray, q: FloatArray, soft:
         if not all(gives):
             which = "normal" if not gives[0] else "tangential"
             raise ModelError(
-                f"contact number {law + 1} in the order of declaration: its bodies have no {which} compliance where "
+                f"contact {name(law)}: its bodies have no {which} compliance where "
                 "they touch (rigid bodies, or modes that do not move that way), expected some in the modes above "
                 f"dynamic_modes; use more modes or bodies that give way there, {_OTHERWISE[which]}or MoreauJean or "
                 "EventDriven"

@@ -13,7 +13,10 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.packed import pack
 from lcpflex.solvers.auto import auto_workspace
 
-__all__ = ["Workspace", "workspace"]
+__all__ = ["DOUBTFUL_CONTACTS", "Workspace", "workspace"]
+
+DOUBTFUL_CONTACTS = 3  # of problems that are tested for several solutions
+DOUBTFUL_KEPT, DOUBTFUL_SIZE = 32, 64
 
 
 class Workspace(NamedTuple):
@@ -63,6 +66,8 @@ class Workspace(NamedTuple):
     last_key: IntArray  # (capacity,) keys of the contacts of the last solved problem
     last_basis: IntArray  # (capacity, 3) whether their lambda_N, lambda_R, xi_L were basic
     solving: IntArray  # (3,) method; number of last_key; what is known beforehand: see impulse.solve_lcp
+    doubtful: FloatArray  # (DOUBTFUL_KEPT, ...) problems that may have several solutions, see steppers.doubtful
+    doubtful_kind: IntArray  # (2,) how many; the kind of the present one
     laws: LawContacts  # contacts by a continuous force law beside the others, in a table of their own
 
 
@@ -127,6 +132,8 @@ def workspace(
         last_key=np.zeros(capacity, dtype=np.int64),
         last_basis=np.zeros((capacity, 3), dtype=np.int64),
         solving=np.zeros(3, dtype=np.int64),
+        doubtful=zeros((DOUBTFUL_KEPT, DOUBTFUL_SIZE)),
+        doubtful_kind=np.zeros(2, dtype=np.int64),
         laws=laws,
     )
     return pack(arrays)

@@ -18,12 +18,12 @@ from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, in_range
 from lcpflex.linking import link
-from lcpflex.model import OPEN, STICK
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_loop import (
+    CALM,
     CHATTER,
     CHOOSING,
     COLLIDING,
@@ -43,30 +43,32 @@ from lcpflex.steppers.event_loop import (
 )
 from lcpflex.steppers.event_memory import (
     CONTACTS,
-    CUTS,
     DEEPEST,
     DETAIL,
     EVENT_KINDS,
     EVENTS,
+    FASTEST,
     FIRST_JAM,
-    FIRST_SEVERAL,
-    FIRST_TIE,
     FOUND,
+    GENTLEST,
     JAMS,
     LAST_EVENT,
+    LOCATED,
     NUDGES,
     NUDGING,
     PHASE,
-    SEVERAL,
     STEP,
     STEPS,
+    STUCK,
     TARGET,
-    TIES,
     TIME,
+    TOO_MANY,
     WINDOW,
     EventSettings,
     event_memory,
 )
+from lcpflex.steppers.event_remarks import event_remarks, listed
+from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.system import System
@@ -82,7 +84,7 @@ class EventDrivenRun:
         self.records = Records(system)
         self.duration = duration
         self._events: list[tuple[float, str, int, float]] = []
-        self._settings = EventSettings(
+        settings = EventSettings(
             duration,
             interval,
             stepper.rtol,
@@ -95,7 +97,10 @@ class EventDrivenRun:
             stepper.impact.sequential,
             WINDOW / stepper.most_events,
             system.margin,
+            SLIP_PART * stepper.velocity_threshold,
+            math.inf,
         )
+        self._thresholds = Thresholds(settings)
         self._impact = stepper.impact
         self._first_jam = ""
         self._proven = True  # that there was no solution where none was found
@@ -105,6 +110,7 @@ class EventDrivenRun:
         self._memory = event_memory(system, 16, 64)
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
+        self._memory.clock[GENTLEST] = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.laws.memory.worst
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
@@ -150,7 +156,7 @@ class EventDrivenRun:
     def _advance_to(self, target: int) -> str:
         while True:
             status = self._advance(
-                self.system.model, self._settings, self._work, self._memory, self.records.tape, target
+                self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
             )
             detail = self._memory.clock[DETAIL]
             if status == DONE:
@@ -166,18 +172,21 @@ class EventDrivenRun:
             elif status == SOLVER_FAILED:
                 if self._rescue(self._work, self.time) or self._jam():
                     continue
-                return unsolved(self._work, int(detail), self._settings.tolerance)
+                return unsolved(self._work, int(detail), self._thresholds.settings.tolerance)
             elif status == HIT_TOGETHER:
                 return (
                     f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
                     "close together here: use Energetic(sequential=True), Poisson() or Newton()"
                 )
+            elif status == CALM:
+                self._thresholds.fall()
+            elif status in (TOO_OFTEN, CHATTER) and self._calm():
+                continue
             elif status == TOO_OFTEN:
-                names = ", ".join(self._name(law) for law in sorted({event[2] for event in self.events[-WINDOW:]}))
+                named = listed(sorted({event[2] for event in self.events[-WINDOW:]}), self.system.contact_name)
                 return (
-                    f"the last {WINDOW} events, of contacts {names}, followed each other at more than "
-                    f"{WINDOW / self._settings.least_window:g} a second (most_events): MoreauJean(step=...) takes the "
-                    "impacts of a step together"
+                    f"the last {WINDOW} events, of {named}, followed each other at more than "
+                    f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
                 )
             elif status == CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
@@ -187,6 +196,16 @@ class EventDrivenRun:
                 return "no step is short enough: the forces are not smooth, or the state grows without bound"
             else:
                 return "the state is no longer finite"
+
+    def _calm(self) -> bool:
+        """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised."""
+        memory = self._memory
+        clock = memory.clock
+        if not self._thresholds.rise(self.events, self.time, float(clock[FASTEST]), float(clock[GENTLEST])):
+            return False
+        clock[GENTLEST] = math.inf
+        memory.number[LOCATED] = memory.number[TOO_MANY] = memory.number[STUCK] = 0
+        return True
 
     def _jam(self) -> bool:
         """Where the acceleration level has no solution: let an impact without collision follow, at most ten.
@@ -212,49 +231,23 @@ class EventDrivenRun:
         number[PHASE] = COLLIDING
         if number[JAMS] == 1:
             self._memory.clock[FIRST_JAM] = self.time
-            self._first_jam = self._name(work.table.law[number[TARGET]])
+            self._first_jam = self.system.contact_name(work.table.law[number[TARGET]])
         return True
 
-    def _name(self, law: int) -> str:
-        return repr(self.system.names[law]) if self.system.names else f"number {law}"
-
     def _warnings(self) -> list[str]:
-        """What the run has met so far that a reader must know: how often, and when first."""
-        number, clock = self._memory.number, self._memory.clock
-        warnings = law_warnings(self.system.names, self._work.laws.memory)
-        if number[JAMS]:
-            known = "admissible" if self._proven else "found"
-            warnings.append(
-                f"no acceleration was {known} (Painleve's paradox) {_times(number[JAMS])}, first at t = "
-                f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {self._first_jam} resolved it"
-            )
-        if number[SEVERAL]:
-            taken = ", ".join(
-                f"{self._name(law)} {'opens' if state == OPEN else 'sticks' if state == STICK else 'slides'}"
-                for law, state in enumerate(self._memory.taken.tolist())
-                if state >= 0
-            )
-            warnings.append(
-                f"several motions were admissible (Painleve's paradox) {_times(number[SEVERAL])}, first at t = "
-                f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
-            )
-        if number[TIES]:
-            first, other = (self._name(law) for law in self._memory.tied.tolist())
-            both = f"contacts {first} and {other}" if first != other else f"two points of contact {first}"
-            warnings.append(
-                f"the order of impacts was arbitrary {_times(number[TIES])}, first at t = {clock[FIRST_TIE]:.9g} s: "
-                f"{both} approached equally fast; another order may lead to another motion"
-            )
-        if clock[DEEPEST] > DEEP * self._settings.gap_tolerance:
-            warnings.append(
-                f"bodies overlapped by {clock[DEEPEST]:.3g} m without an impact: shorter steps (max_step) may find it"
-            )
-        if number[CUTS]:
-            warnings.append(
-                f"a chain of impacts did not end by itself {_times(number[CUTS])}: simultaneous impacts without "
-                "restitution ended it"
-            )
-        return warnings
+        """What the run has met so far that a reader must know."""
+        return [
+            *law_warnings(self.system.names, self._work.laws.memory),
+            *event_remarks(self._memory, self.system.contact_name, self._proven, self._first_jam),
+            *self._overlap(),
+            *self._thresholds.remarks(self.system.contact_name),
+        ]
+
+    def _overlap(self) -> list[str]:
+        deepest = self._memory.clock[DEEPEST]
+        if deepest <= DEEP * self._thresholds.settings.gap_tolerance:
+            return []
+        return [f"bodies overlapped by {deepest:.3g} m without an impact: shorter steps (max_step) may find it"]
 
     def _grow(self, needed: int) -> None:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
@@ -265,13 +258,9 @@ class EventDrivenRun:
         new = event_memory(self.system, capacity, near)
         _copy(old_work.table, self._work.table, ContactTable._fields)
         _copy(old.sets, new.sets, ContactSets._fields)
-        for name in ("y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied"):
+        for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)
         self._memory = new
-
-
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
 
 
 def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
@@ -281,6 +270,10 @@ def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
         getattr(new, name)[tuple(slice(size) for size in source.shape)] = source
 
 
+# what of the memory goes on as it is where tables grow
+CARRIED = (
+    "y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied", "struck_key", "struck_time",
+)  # fmt: skip
 DEEP = 2e3  # gap tolerances: deeper overlap than may be at the start
 MOST_JAMS = 10  # impacts without collision at one instant
 MOST_TRIED = 12  # unknowns of problems that are proven to have no solution
@@ -306,7 +299,9 @@ class EventDriven:
     impact
         :class:`Newton`, :class:`Poisson` or :class:`Energetic`: the meaning of the restitution of the contacts.
     most_events
-        Events a second of simulated time, over the last 1000, beyond which the run ends.
+        Events a second of simulated time, over the last 1000, beyond which the velocity threshold, or the slip below
+        which a contact may stick, rises for a while to end them, with a warning. If none of at most a hundredth of the
+        largest velocity of a contact would, the run ends.
     solver
         Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance

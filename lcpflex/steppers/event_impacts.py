@@ -16,15 +16,19 @@ from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_norma
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.steppers.event_bounces import note_strike, too_low
 from lcpflex.steppers.event_memory import (
     ALONE,
     CUTS,
     DETAIL,
+    FASTEST,
     FIRST_TIE,
     FOUND,
     GAINED,
+    GENTLEST,
     HITS,
     JAMMING,
+    LOW,
     NUDGING,
     ROUND,
     STAGE,
@@ -82,6 +86,8 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
             memory.y[base] -= done
         law = work.table.law[k]
         memory.law_work[law] += done
+        if part == 0 and memory.number[JAMMING] == 0 and memory.number[STOPPING] != 1:
+            note_strike(memory, work.table.key[k])
         if memory.law_state[2, law] == 0 and memory.number[STOPPING] != 1:
             memory.law_state[2, law] = JAM if memory.number[JAMMING] == 1 else HIT
         memory.y[base + 3 + 2 * law + part] += p
@@ -150,9 +156,12 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
             at = k
     if coupled:
         return COUPLED
+    memory.clock[FASTEST] = max(memory.clock[FASTEST], -lowest)
     if number[NUDGING] == 0:
         if lowest >= -threshold:
             return RESOLVED
+        if number[STOPPING] == 0:
+            memory.clock[GENTLEST] = min(memory.clock[GENTLEST], -lowest)
         number[TARGET] = at
     return AGAIN
 
@@ -232,9 +241,9 @@ def strike_by_energy(
 
 @kernel
 def without_restitution(memory: EventMemory) -> bool:
-    """Whether the approach is slow, or there have been so many impacts at this instant that they are to end."""
+    """Whether approach or bounce are too small, or so many impacts were at this instant that they are to end."""
     most = CHAIN if memory.number[ALONE] == 1 or memory.number[ROUND] > CHAIN else 2 * ROUNDS // 3
-    return memory.number[ROUND] > most or memory.number[STOPPING] == 1
+    return memory.number[ROUND] > most or memory.number[STOPPING] == 1 or memory.number[LOW] == 1
 
 
 @kernel
@@ -270,10 +279,13 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         if found == RESOLVED or number[ROUND] >= limit:
             keep_closed(settings, work, memory, u)
             return RESOLVED
+        number[LOW] = 0
+        if number[NUDGING] == 0 and too_low(model, settings, work, memory, number[TARGET]):
+            number[LOW] = 1
         begin(settings, work, memory)
         if number[ALONE] == 1:
             return AGAIN
-    law = NEWTON if number[ROUND] > CHAIN or number[STOPPING] == 1 else settings.law
+    law = NEWTON if number[ROUND] > CHAIN or number[STOPPING] == 1 or number[LOW] == 1 else settings.law
     threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
     for i in range(ndof):
         memory.u[i] = u[i]

@@ -39,12 +39,12 @@ from lcpflex.steppers.event_memory import (
     EventMemory,
     EventSettings,
 )
-from lcpflex.steppers.event_segment import SLIP_PART, search, slope, step, watch
+from lcpflex.steppers.event_segment import search, slope, step, watch
 from lcpflex.steppers.event_sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.runge_kutta import copy_state, interpolate
 from lcpflex.steppers.tape import Tape, note_contact, note_laws, store_contacts, store_state
 
-__all__ = ["CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
+__all__ = ["CALM", "CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 
 # what the loop returns
 DONE = 0
@@ -59,6 +59,7 @@ STEP_TOO_SHORT = 8
 TOO_OFTEN = 9
 HIT_TOGETHER = 10
 OUT_OF_RANGE = 11
+CALM = 12  # raised thresholds are to be lowered
 
 # where it is, number[PHASE]
 BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
@@ -102,7 +103,7 @@ def record(
             tangent = work.step_size[0] + n + memory.sets.tangent_of[k]
             force_t = work.p[tangent]
             slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
-            if abs(slip) <= SLIP_PART * settings.velocity_threshold:
+            if abs(slip) <= settings.slip_threshold:
                 state = STICK
         place = contact_point(model, q, work.table, k)
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
@@ -269,6 +270,8 @@ def advance(
             else:
                 if number[EVENTS] >= EVENT_CAPACITY:
                     return EVENTS_FULL
+                if clock[TIME] >= settings.calm:
+                    return CALM
                 if number[STUCK] > MOST_EVENTS:
                     return CHATTER
                 if number[TOO_MANY] == 1:

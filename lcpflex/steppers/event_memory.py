@@ -30,6 +30,7 @@ EVENT_CAPACITY = 256
 WINDOW = 1000  # events over which their rate is measured
 TESTED = 6  # unknowns: choices of sets up to this size are tested for several motions
 SEVERAL_KEPT = 8
+REMEMBERED = 64  # pairs whose last impact is remembered
 
 # watched functions of a maintained contact, all positive while its sets hold
 PRESSURE, CONE, SLIDING, SPAN = 0, 1, 2, 3
@@ -51,6 +52,8 @@ class EventSettings(NamedTuple):
     sequential: bool
     least_window: float  # [s] that WINDOW events take at least
     margin: float  # contacts by law farther apart are not looked at [m]
+    slip_threshold: float  # slower slip counts as none [m/s]
+    calm: float  # time at which raised thresholds return to what they were [s]
 
 
 class EventMemory(NamedTuple):
@@ -85,6 +88,8 @@ class EventMemory(NamedTuple):
     taken: IntArray  # (laws,) state where several motions were possible for the first time; -1: not closed
     tied: IntArray  # (2,) declared contacts of the first tie, the one that was struck first
     law_work: FloatArray  # (laws,) work of its impulses [J]
+    struck_key: IntArray  # (REMEMBERED,) pairs struck last
+    struck_time: FloatArray  # (REMEMBERED, 2) when each was, and at the instant before [s]
     events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
     number: IntArray  # see the names below
     clock: FloatArray
@@ -97,8 +102,12 @@ JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # c
 STOPPING = 24  # of contacts that approach slower than the threshold: 1 while, 2 after
 TIES = 25  # impacts one after another whose order was arbitrary
 HIDDEN = 26  # whether a pair penetrates that came in where it was not looked for
+STRUCK = 27  # pairs noted as struck, also those forgotten since
+LOW = 28  # 1 while an impact whose bounces are too low to be resolved is stopped
 # clock
 TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE, DEEPEST = range(12)
+FASTEST = 12  # largest normal or tangential velocity of a closed contact so far [m/s]
+GENTLEST = 13  # approach of the slowest impact since events were last counted anew [m/s]
 
 
 def event_memory(system: System, capacity: int, near: int) -> EventMemory:
@@ -138,9 +147,11 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         taken=np.full(laws, -1, dtype=np.int64),
         tied=np.zeros(2, dtype=np.int64),
         law_work=zeros(laws),
+        struck_key=np.zeros(REMEMBERED, dtype=np.int64),
+        struck_time=zeros((REMEMBERED, 2)),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(27, dtype=np.int64),
-        clock=zeros(12),
+        number=np.zeros(29, dtype=np.int64),
+        clock=zeros(14),
     )
     memory = pack(arrays)
     memory.y[:ndof] = system.q

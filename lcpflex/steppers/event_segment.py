@@ -47,7 +47,7 @@ from lcpflex.steppers.event_memory import (
 from lcpflex.steppers.event_root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
 
-__all__ = ["FORCE_TOLERANCE", "SLIP_PART", "measure", "search", "slope", "step", "watch"]
+__all__ = ["FORCE_TOLERANCE", "measure", "search", "slope", "step", "watch"]
 
 NOTHING = -1
 SAMPLES = 4
@@ -58,7 +58,6 @@ LEAST_SHARE = 1e-6  # of a step: what is not understood in so short a time is to
 HALVINGS = 45  # of a step, to find where a contact by law begins
 REPEATS = 3  # of a step, to end where it begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated for that
-SLIP_PART = 1e-3  # of the velocity threshold: slower slip counts as none
 
 
 @kernel
@@ -140,7 +139,7 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
     if kind == SPAN:
         return SPAN_TOLERANCE
     if kind == SLIDING:
-        return SLIP_PART * settings.velocity_threshold
+        return settings.slip_threshold
     return FORCE_TOLERANCE * memory.force[0]
 
 

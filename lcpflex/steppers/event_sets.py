@@ -34,6 +34,7 @@ from lcpflex.steppers.event_memory import (
     CONE,
     CONTACTS,
     DETAIL,
+    FASTEST,
     FIRST_SEVERAL,
     FOUND,
     HITS,
@@ -61,7 +62,7 @@ from lcpflex.steppers.event_memory import (
     copy_entry,
     note_event,
 )
-from lcpflex.steppers.event_segment import FORCE_TOLERANCE, SLIP_PART
+from lcpflex.steppers.event_segment import FORCE_TOLERANCE
 from lcpflex.steppers.tape import Tape
 
 __all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
@@ -96,7 +97,8 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
         memory.sets.mode[k] = SMOOTH
         if tangent >= 0:
             slip = row_velocity(work.rows, work.row_body, work.step_size[0] + n + tangent, work.dof, u)
-            if abs(slip) <= SLIP_PART * settings.velocity_threshold:
+            memory.clock[FASTEST] = max(memory.clock[FASTEST], abs(slip))
+            if abs(slip) <= settings.slip_threshold:
                 memory.sets.mode[k] = STICKING
             else:
                 memory.sets.mode[k] = SLIDE_FORTH if slip > 0.0 else SLIDE_BACK

@@ -60,6 +60,7 @@ from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import (
     DONE,
     GROW,
@@ -145,6 +146,7 @@ class GeneralizedAlphaScheme:
         self._memory = alpha_memory(system, 16)
         self.work.span[:] = 0.5 * settings.step  # loads by their mean about the end of a step
         self._rescue = Rescue(solver, settings.tolerance)
+        self._several = SeveralMotions()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
@@ -181,13 +183,14 @@ class GeneralizedAlphaScheme:
         self.clock[:] = 0.0
 
     def warn(self, steps: int) -> None:
-        """Of steps in which Newton's method did not converge."""
+        """Of steps in which Newton's method did not converge, and of those that might have gone another way."""
         unsettled = int(self._memory.number[UNSETTLED])
+        self.records.warnings[:] = self._several.remarks(self.work, self._system.contact_name)
         if unsettled:
-            self.records.warnings[:] = [
+            self.records.warnings.append(
                 f"Newton's method on the smooth motion did not converge in {unsettled} of {steps} steps: "
                 "a shorter step is needed for the forces of this scene"
-            ]
+            )
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content."""

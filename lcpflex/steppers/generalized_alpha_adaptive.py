@@ -68,6 +68,7 @@ from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
 from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
@@ -314,6 +315,7 @@ class ControlledGeneralizedAlpha:
         self._memory, self._kept_memory = alpha_memory(system, 16), alpha_memory(system, 16)
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
+        self._several = SeveralMotions()
         self._advance = link(advance_adaptive, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     def loop(self, limits: Limits, last_step: int) -> int:
@@ -335,8 +337,8 @@ class ControlledGeneralizedAlpha:
         return status
 
     def remarks(self) -> list[str]:
-        """Nothing to warn of."""
-        return []
+        """Steps that might have gone another way."""
+        return self._several.remarks(self.work, self._system.contact_name)
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content: a step that is under way goes on."""

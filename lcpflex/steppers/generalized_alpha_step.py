@@ -16,6 +16,7 @@ from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
+from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha_memory import (
     APPROACH,
     BETWEEN,
@@ -226,6 +227,7 @@ def apply_velocity(
     settings: AlphaSettings, t: float, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape
 ) -> bool:
     """The state at the end of the step, in place. False where it is not finite."""
+    keep_doubtful(work, t)
     distribute(work)
     n_joint = work.step_size[0]
     total = n_joint + work.step_size[1] + work.step_size[2]

@@ -89,7 +89,7 @@ class MasslessBoundaryScheme:
         soft = self._compliance.soft
         flexibility = flexibilities(system.model, stepper.dynamic_modes, soft)
         model = with_static_modes(system.model, flexibility)
-        check_compliance(model, flexibility, system.q, soft)
+        check_compliance(model, flexibility, system.q, soft, system.contact_name)
         self._system = replace(system, model=model, q=system.q.copy(), u=np.where(flexibility > 0.0, 0.0, system.u))
         self.records = Records(self._system)
         self.work = self._system.workspace(16)
@@ -148,8 +148,8 @@ class MasslessBoundaryScheme:
         number = int(self.clock[NUMBER])
         if status == STIFF:
             return (
-                f"contact number {self.work.table.law[number] + 1} closes in a direction in which neither body "
-                "has any compliance: use more modes, or MoreauJean or EventDriven"
+                f"contact {self._system.contact_name(self.work.table.law[number])} closes in a direction in which "
+                "neither body has any compliance: use more modes, or MoreauJean or EventDriven"
             )
         if status == TOO_LONG:
             return self._limit()
@@ -284,7 +284,7 @@ def _refuse(system: System) -> None:
         values = getattr(contacts, name)
         if values.size and values.max() > 0.0:
             raise ModelError(
-                f"{name}: contact number {int(values.argmax()) + 1} in the order of declaration has {values.max():g}, "
+                f"{name}: contact {system.contact_name(int(values.argmax()))} has {values.max():g}, "
                 "expected 0: with a massless boundary nothing is reflected by a law, the rebound is a result; use "
                 "MoreauJean or EventDriven for a coefficient"
             )

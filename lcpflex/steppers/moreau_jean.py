@@ -33,6 +33,7 @@ from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
@@ -98,6 +99,7 @@ class MoreauJeanScheme:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._rescue = Rescue(solver, settings.tolerance)
         self._average()
+        self._several = SeveralMotions()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     @property
@@ -137,6 +139,7 @@ class MoreauJeanScheme:
         self.records.warnings[:] = [
             *law_warnings(self._system.names, self.work.laws.memory),
             *self._instability(),
+            *self._several.remarks(self.work, self._system.contact_name),
         ]
 
     def _instability(self) -> list[str]:

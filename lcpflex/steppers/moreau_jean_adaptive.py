@@ -42,6 +42,7 @@ from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
@@ -147,6 +148,7 @@ class ControlledMoreauJean:
         self._q, self._u = system.q.copy(), system.u.copy()
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
+        self._several = SeveralMotions()
         self._advance = link(advance_adaptive, {**system.hooks, **solver_hooks(solver, system.watch)})
 
     def loop(self, limits: Limits, last_step: int) -> int:
@@ -166,8 +168,11 @@ class ControlledMoreauJean:
         return status
 
     def remarks(self) -> list[str]:
-        """Contacts that have left the range of their laws."""
-        return law_warnings(self._system.names, self.work.laws.memory)
+        """Contacts that have left the range of their laws, steps that might have gone another way."""
+        return [
+            *law_warnings(self._system.names, self.work.laws.memory),
+            *self._several.remarks(self.work, self._system.contact_name),
+        ]
 
     def make_room(self, contacts: int) -> None:
         """Larger memory; between steps nothing needs to be kept of what undoes one."""

@@ -28,10 +28,12 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import SLIP, STICK, Model
+from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape, note_contact, note_gain, note_laws, store_contacts, store_state
+from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [
     "OUT_OF_RANGE",
@@ -163,6 +165,7 @@ def correct(
 ) -> bool:
     """Second half of a step: impulses from the solution z, then u+ and q+ in place. False where they are not finite."""
     h = settings.step
+    keep_doubtful(work, t)
     distribute(work)
     total = work.step_size[0] + work.step_size[1] + work.step_size[2]
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
@@ -190,6 +193,7 @@ def spots_of(work: Workspace) -> int:
 @kernel
 def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length ``step`` [s]."""
+    least_impulses(work)
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
@@ -253,4 +257,6 @@ def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     work.span[:] = old.span
     work.last_key[: len(old.last_key)] = old.last_key
     work.last_basis[: len(old.last_basis)] = old.last_basis
+    work.doubtful[:] = old.doubtful
+    work.doubtful_kind[:] = old.doubtful_kind
     return work

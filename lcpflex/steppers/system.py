@@ -56,6 +56,10 @@ class System:
         """Number of declared contacts."""
         return len(self.model.contacts.friction)
 
+    def contact_name(self, law: int) -> str:
+        """What a text calls a declared contact: its name or, if it has none, its number in the order of declaration."""
+        return repr(self.names[law]) if self.names else f"number {law + 1} in the order of declaration"
+
     @property
     def n_joint(self) -> int:
         """Number of joint rows."""

@@ -1,0 +1,65 @@
+"""Small contact problems that may have several solutions, kept as they were solved, to be looked at between steps.
+
+Where friction couples the normal and the tangential motion of a contact strongly, mu |G_NT| against G_NN, the matrix of
+the problem need not be a P-matrix, and several velocities may follow from one state (Painleve). A problem is kept where
+it is of another kind than the one before: other sets, another sign of what is free, another coupling.
+"""
+
+from __future__ import annotations
+
+from lcpflex.compiled import FloatArray, kernel
+from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
+
+__all__ = ["COUNT", "keep_doubtful"]
+
+COUPLED = 0.5  # mu |G_NT| / G_NN of a contact from which on its problems are looked at
+COUNT, KIND = 0, 1  # entries of Workspace.doubtful_kind
+
+
+@kernel
+def keep_doubtful(work: Workspace, t: float) -> None:
+    """Keep the contact problem just solved, of the step from time ``t`` [s], where it may have several solutions."""
+    n = work.step_size[1]
+    if work.step_size[2] == 0 or n > DOUBTFUL_CONTACTS:
+        return
+    kind = n
+    coupled = False
+    for j in range(work.step_size[2]):
+        k = work.tangent[j]
+        c = work.mu[k] * abs(work.Gc[k, n + j])
+        coupled = coupled or c > COUPLED * work.Gc[k, k]
+        kind = 2 * kind + (1 if c > work.Gc[k, k] else 0)
+    if not coupled:
+        work.doubtful_kind[KIND] = 0
+        return
+    for k in range(n):
+        kind = 4 * kind + (2 if work.bc[k] < 0.0 else 0) + (1 if work.z[k] > 0.0 else 0)
+    for j in range(work.step_size[2]):
+        right, left = work.z[n + j] > 0.0, work.z[n + work.step_size[2] + j] > 0.0
+        kind = 4 * kind + (2 if right else 0) + (1 if left else 0)
+    if kind == work.doubtful_kind[KIND]:
+        return
+    work.doubtful_kind[KIND] = kind
+    if work.doubtful_kind[COUNT] < len(work.doubtful):
+        write_problem(work, t, work.doubtful[work.doubtful_kind[COUNT]])
+        work.doubtful_kind[COUNT] += 1
+
+
+@kernel
+def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
+    """Time, sizes, laws, friction, free velocities, Delassus operator and solution, one after the other."""
+    n = work.step_size[1]
+    m = n + work.step_size[2]
+    row[0], row[1], row[2] = t, n, m
+    at = 3
+    for k in range(n):
+        row[at + k] = work.table.law[k]
+        row[at + n + k] = work.mu[k]
+    at += 2 * n
+    for r in range(m):
+        row[at + r] = work.bc[r]
+        for s in range(m):
+            row[at + m + r * m + s] = work.Gc[r, s]
+    at += m + m * m
+    for i in range(work.step_size[3]):
+        row[at + i] = work.z[i]

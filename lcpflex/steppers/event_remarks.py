@@ -1,0 +1,70 @@
+"""What an event-driven run has met that a reader must know, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lcpflex.model import OPEN, STICK
+from lcpflex.steppers.event_memory import (
+    CUTS,
+    FIRST_JAM,
+    FIRST_SEVERAL,
+    FIRST_TIE,
+    JAMS,
+    SEVERAL,
+    TIES,
+    EventMemory,
+)
+
+__all__ = ["event_remarks", "listed", "times"]
+
+LISTED = 6  # contacts that are named
+
+
+def event_remarks(memory: EventMemory, name: Callable[[int], str], proven: bool, first_jam: str) -> list[str]:
+    """Warnings of impacts and choices, each with how often, and when first; ``name``: what a contact is called.
+
+    proven: that there was no acceleration where none was found; first_jam: the contact that then was struck.
+    """
+    number, clock = memory.number, memory.clock
+    warnings = []
+    if number[JAMS]:
+        known = "admissible" if proven else "found"
+        warnings.append(
+            f"no acceleration was {known} (Painleve's paradox) {times(number[JAMS])}, first at t = "
+            f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {first_jam} resolved it"
+        )
+    if number[SEVERAL]:
+        taken = ", ".join(
+            f"{name(law)} {'opens' if state == OPEN else 'sticks' if state == STICK else 'slides'}"
+            for law, state in enumerate(memory.taken.tolist())
+            if state >= 0
+        )
+        warnings.append(
+            f"several motions were admissible (Painleve's paradox) {times(number[SEVERAL])}, first at t = "
+            f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
+        )
+    if number[TIES]:
+        first, other = (name(law) for law in memory.tied.tolist())
+        both = f"contacts {first} and {other}" if first != other else f"two points of contact {first}"
+        warnings.append(
+            f"the order of impacts was arbitrary {times(number[TIES])}, first at t = {clock[FIRST_TIE]:.9g} s: "
+            f"{both} approached equally fast; another order may lead to another motion"
+        )
+    if number[CUTS]:
+        warnings.append(
+            f"a chain of impacts did not end by itself {times(number[CUTS])}: simultaneous impacts without "
+            "restitution ended it"
+        )
+    return warnings
+
+
+def times(count: int) -> str:
+    """A number of times, in words."""
+    return "once" if count == 1 else f"{count} times"
+
+
+def listed(contacts: list[int], name: Callable[[int], str]) -> str:
+    """Contacts by their names, the first ones where they are many."""
+    more = f" and {len(contacts) - LISTED} more" if len(contacts) > LISTED else ""
+    return ("contacts " if len(contacts) > 1 else "contact ") + ", ".join(map(name, contacts[:LISTED])) + more

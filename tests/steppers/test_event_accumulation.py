@@ -1,0 +1,133 @@
+"""Impacts and reversals of slip that accumulate: bounces too low to be resolved end, too many events end earlier."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.contact.impact_laws import Energetic, Poisson
+from lcpflex.steppers.event_memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
+from lcpflex.steppers.event_thresholds import Thresholds
+
+
+def pressed_ball(restitution: float, gravity: float, height: float) -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, -gravity))
+    ball = scene.add(lf.Disc(0.1, mass=1.0), name="ball", position=(0.0, 0.1 + height))
+    scene.contact(ball.surface(), scene.ground.half_plane((0, 0), (0, 1)), restitution=restitution, name="floor")
+    return scene
+
+
+@pytest.mark.parametrize("impact", [lf.Newton(), Poisson(), Energetic()], ids=repr)
+@pytest.mark.parametrize("restitution", [0.02, 0.2, 0.5])
+@pytest.mark.parametrize(
+    ("gravity", "height"), [(1e4, 1e-3), (1e6, 1e-2), (9810.0, 1.0)], ids=["pressed", "hard", "millimetres"]
+)
+def test_bounces_under_a_large_force_end(gravity: float, height: float, restitution: float, impact: Any) -> None:
+    """At t1 (1 + e) / (1 - e), exactly; a ball that is pressed on went on to bounce in the last figures of its gap."""
+    first = math.sqrt(2.0 * height / gravity)
+    end = first * (1.0 + restitution) / (1.0 - restitution)
+    result = lf.simulate(pressed_ball(restitution, gravity, height), 1.5 * end, lf.EventDriven(impact=impact))
+    impacts = [event.time for event in result.events if event.kind == "impact"]
+    expected = [first * (1.0 + 2.0 * sum(restitution**k for k in range(1, n + 1))) for n in range(len(impacts))]
+    assert impacts == pytest.approx(expected, abs=1e-6 * end)
+    assert math.log(1e-8) / math.log(restitution) < 2 * len(impacts) < 2 + 2 * math.log(1e-10) / math.log(restitution)
+    assert impacts[-1] == pytest.approx(end, abs=1e-5 * end)
+    assert result.q[-1, 1] == pytest.approx(0.1, abs=1e-9)
+    assert result.energies.relative_remainder < 1e-6
+    assert not result.warnings
+
+
+def flexible_links(count: int, restitution: float, friction: float = 0.0, modes: int = 2) -> lf.Scene:
+    """Steel strips on pins with play, released from rest in a row; the first one hangs on the ground."""
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    strip = lf.Beam(0.1, 0.02, 0.005, density=7800, youngs_modulus=2.1e11).reduce(modes=modes)
+    holder: Any = scene.ground.at(0.0, 0.0)
+    for k in range(count):
+        link = scene.add(strip, name=f"link{k + 1}", position=(0.1 * k, 0.0))
+        scene.revolute_with_clearance(
+            holder, link.point("left"), 5e-3, 5.2e-3, friction, restitution, name=f"joint{k + 1}"
+        )
+        holder = link.point("right")
+    return scene
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_chain_with_clearances(friction: float) -> None:
+    """The pin of the first joint falls through its play, and bounces six times on a strip that vibrates."""
+    scene = flexible_links(2, 0.2, friction)
+    result = lf.simulate(scene, 8e-3, lf.EventDriven(), record=1e-4)
+    impacts = [event for event in result.events if event.kind == "impact"]
+    assert impacts[0].time == pytest.approx(math.sqrt(2 * 2e-4 / 9.81), abs=1e-6)
+    assert 6 <= len(impacts) <= 9
+    assert not result.warnings
+    assert result.energies.relative_remainder < 1e-6
+    stepped = lf.simulate(scene, 8e-3, lf.MoreauJean(step=2e-7), record=1e-4)
+    rigid = [0, 1, 2, 5, 6, 7]
+    moved = np.abs(stepped.q[-1, rigid] - stepped.q[0, rigid]).max()
+    assert np.abs(result.q[-1, rigid] - stepped.q[-1, rigid]).max() < 5e-4 * moved
+    fastest = np.abs(stepped.u[-1, rigid]).max()
+    assert np.abs(result.u[-1, rigid] - stepped.u[-1, rigid]).max() < 5e-4 * fastest
+
+
+@pytest.mark.parametrize(("modes", "told"), [(2, False), (4, True)])
+def test_ten_links_go_on_with_a_word_where_they_rattle_too_fast(modes: int, told: bool) -> None:
+    """With four modes a link, ten joints have more than a hundred thousand impacts a second."""
+    result = lf.simulate(flexible_links(10, 0.2, modes=modes), 0.05, lf.EventDriven(), record=1e-3)
+    assert result.complete
+    assert result.energies.relative_remainder < 1e-5
+    if not told:
+        assert not result.warnings
+        return
+    fastest = np.abs(result.u[:, 1 :: 3 + modes]).max()
+    (said,) = result.warnings
+    assert "events accumulated faster than 100000 a second (most_events)" in said
+    assert "'joint1'" in said
+    stopped = float(said.split("approach slower than ")[1].split(" m/s")[0])
+    assert 1e-5 <= stopped <= 1e-2 * fastest
+
+
+def test_thresholds_return_and_say_what_they_were() -> None:
+    """A ball of e = 0.99 on a run that may see 500 events a second: it comes to rest a little earlier, and says so."""
+    scene = gallery.bouncing_ball(height=2e-4, restitution=0.99)
+    exact = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.01)
+    sooner = lf.simulate(scene, 2.0, lf.EventDriven(most_events=500.0), record=0.01)
+    assert not exact.warnings
+    (said,) = sooner.warnings
+    assert "approach slower than 1e-05 m/s was stopped" in said
+    assert "once" in said
+    rest = [next(e.time for e in result.events if e.kind == "touch-down") for result in (exact, sooner)]
+    assert 0.0 < rest[0] - rest[1] < 2.0 * 1e-5 / (9.81 * 0.01)
+    assert np.abs(exact.q[-1] - sooner.q[-1]).max() < 1e-9
+    assert sooner.energies.relative_remainder < 1e-7
+
+
+def settings() -> EventSettings:
+    return EventSettings(1.0, 0.1, 1e-8, 1e-10, 1.0, 1e-9, 1e-6, 1e-9, 0, False, WINDOW / 1e5, 0.1, 1e-9, math.inf)
+
+
+def test_the_threshold_that_rises_is_that_of_what_accumulates() -> None:
+    """Reversals raise that of slip, impacts that of approach; none beyond a hundredth of what contacts have had."""
+    slips = [(1e-6 * k, EVENT_KINDS[REVERSES], k % 2, 0.0) for k in range(WINDOW)]
+    impacts = [(1e-6 * k, EVENT_KINDS[0], 0, 0.0) for k in range(WINDOW)]
+    of_slip, of_impacts = Thresholds(settings()), Thresholds(settings())
+    assert of_slip.rise(slips, 0.5, 1.0, 0.1)
+    assert (of_slip.settings.slip_threshold, of_slip.settings.velocity_threshold) == pytest.approx((1e-7, 1e-6))
+    assert of_impacts.rise(impacts, 0.5, 1.0, 2e-6)
+    assert (of_impacts.settings.slip_threshold, of_impacts.settings.velocity_threshold) == pytest.approx((1e-9, 1e-5))
+    assert of_impacts.settings.calm == pytest.approx(0.5 + 4.0 * 0.01)
+    (said,) = of_slip.remarks(lambda law: f"'{law}'")
+    assert "slip slower than 1e-07 m/s counted as none" in said
+    assert "contacts '0', '1'" in said
+    while of_slip.rise(slips, 0.6, 1.0, 0.1):
+        pass
+    assert of_slip.settings.slip_threshold == pytest.approx(1e-2)
+    of_slip.fall()
+    assert of_slip.settings == settings()
+    assert not Thresholds(settings()).rise(impacts, 0.5, 1e-5, 2e-8)
+    assert not Thresholds(settings()).rise(impacts, 0.5, 1.0, 2e-2)  # no threshold would end these
+    assert not Thresholds(settings()).remarks(str)
