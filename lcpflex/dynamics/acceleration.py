@@ -148,7 +148,7 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
     lay_rows(model, t, q, u, n, work, sets)
     forces(model, t, q, u, work)
-    law_forces(model, q, u, 0.0, work)
+    law_forces(model, t, q, u, 0.0, work)
     contact_biases(model, q, u, n, work.step_size[2], work.step_size[0], work)
     for i in range(len(q)):
         work.free_u[i] = work.total[i]

@@ -37,12 +37,16 @@ class LawContacts(NamedTuple):
     p: FloatArray  # (capacity, 2) normal and tangential force [N]
     sticks: IntArray  # (capacity,) 1: slips slower than the slip speed of the law
     last: FloatArray  # (capacity, 3) key, friction over normal force and sticking of the entries of the last step
+    before: FloatArray  # (capacity, 2) key and friction over normal force of the entries of the last step
+    missed: (
+        FloatArray  # (laws, 2) impulses [N s]: by how much friction is not that of the slip; mu times the normal one
+    )
     friction: FloatArray  # (ndof,) generalised forces of friction
     free: FloatArray  # (ndof,) velocities at the end of a step with the friction found so far
     push: FloatArray  # (ndof,) scratch
     states: FloatArray  # (0, 2) of friction: laws with states of their own are refused
     stored: FloatArray  # (2,) energy stored [J]; 2 / (step that bears stiffness and damping)
-    found: IntArray  # (3,) touching entries; law out of its range, or -1; 1: the table was too small for once
+    found: IntArray  # (4,) touching entries; law out of its range, or -1; 1: table once too small; entries of before
 
 
 def law_contacts(
@@ -73,12 +77,14 @@ def law_contacts(
         p=zeros((capacity, 2)),
         sticks=np.zeros(capacity, dtype=np.int64),
         last=zeros((capacity, 3)),
+        before=zeros((capacity, 2)),
+        missed=zeros((len(rows), 2)),
         friction=zeros(ndof),
         free=zeros(ndof),
         push=zeros(ndof),
         states=zeros((0, 2)),
         stored=zeros(2),
-        found=np.array([0, -1, 0]),
+        found=np.array([0, -1, 0, 0]),
     )
     return pack(arrays)
 

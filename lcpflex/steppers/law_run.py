@@ -11,12 +11,24 @@ from typing import Any
 from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.contact.laws.memory import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
+from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.system import System
 
-__all__ = ["begin_laws", "law_trouble", "law_warnings", "refuse_laws", "refuse_states", "too_deep", "with_laws"]
+__all__ = [
+    "begin_laws",
+    "friction_warnings",
+    "law_trouble",
+    "law_warnings",
+    "refuse_laws",
+    "refuse_states",
+    "too_deep",
+    "with_laws",
+]
+
+MISSED = 0.05  # of mu times the normal force: mean error of friction from which a run warns
 
 
 def refuse_laws(system: System, stepper: str, instead: str) -> None:
@@ -67,6 +79,17 @@ def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
         "law is valid"
         for name, worst, limit, stop in zip(names, memory.worst, limits, memory.stop, strict=False)
         if stop > limit and worst > limit
+    ]
+
+
+def friction_warnings(names: Sequence[str], laws: LawContacts) -> list[str]:
+    """A warning for each contact by law whose friction was not that of its slip at the end of the steps."""
+    return [
+        f"the friction of contact {name!r} is off by {100.0 * missed / most:.3g} % of mu times its normal force, on "
+        "the mean: steps of Moreau-Jean balance it contact by contact, without the contacts by complementarity that "
+        "hold the same bodies; take shorter steps, or EventDriven, which takes them all together"
+        for name, (missed, most) in zip(names, laws.missed.tolist(), strict=False)
+        if missed > MISSED * most
     ]
 
 

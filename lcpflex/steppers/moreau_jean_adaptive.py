@@ -39,7 +39,7 @@ from lcpflex.steppers.adaptive import (
     unmet,
 )
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
+from lcpflex.steppers.law_run import begin_laws, friction_warnings, law_trouble, law_warnings
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
@@ -168,9 +168,11 @@ class ControlledMoreauJean:
         return status
 
     def remarks(self) -> list[str]:
-        """Contacts that have left the range of their laws, steps that might have gone another way."""
+        """Contacts out of the range of their laws or off them, steps that might have gone another way."""
+        laws, names = self.work.laws, self._system.names
         return [
-            *law_warnings(self._system.names, self.work.laws.memory),
+            *law_warnings(names, laws.memory),
+            *friction_warnings(names, laws),
             *self._several.remarks(self.work, self._system.contact_name),
         ]
 

@@ -16,6 +16,7 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.law_contacts import law_forces, law_forces_after
+from lcpflex.dynamics.law_friction import compare_friction
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -79,7 +80,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     supply(model, t + lean, work.middle, u, work)
     forces(model, t + lean, work.middle, u, work)
     factorise(model, work.middle, lean, lean * lean, work)
-    law_forces(model, work.middle, u, h, work)
+    law_forces(model, t + lean, work.middle, u, h, work)
     spare_spin(model, lean, u, work)
     for i in range(len(q)):
         work.free_u[i] = h * work.total[i]
@@ -170,6 +171,7 @@ def correct(
     total = work.step_size[0] + work.step_size[1] + work.step_size[2]
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(model, settings, t, work, u, tape)
+    compare_friction(model, work.middle, work.free_u, h, work)
     largest = 0.0
     for i in range(len(q)):
         q[i] += h * (settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i])
