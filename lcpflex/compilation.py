@@ -75,6 +75,7 @@ def compiled_parts(
     rules: Sequence[ContactRule],
     surfaces: Sequence[PlacedSurface],
     project: bool,
+    indents: Callable[[str], bool] | None,
 ) -> tuple[
     Model,
     Layout,
@@ -122,7 +123,8 @@ def compiled_parts(
     if joints:
         q, u = _consistent(model, joints, q, u, external, size, project)
     if declared:
-        _refuse_penetration(model, q.copy(), tuple(declared), size)
+        hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
+        _refuse_penetration(model, q.copy(), tuple(declared), hard, size)
     laws = tuple(c.law for c in declared.values())
     return model, layout, frozen(q), frozen(u), size, len(external), callbacks, laws, assembly.signals.functions
 
@@ -364,8 +366,8 @@ def _refuse_violation(
             )
 
 
-def _refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], size: float) -> None:
-    """Raise ModelError for the deepest initial penetration beyond tolerance."""
+def _refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], hard: set[str], size: float) -> None:
+    """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``."""
     from lcpflex.contact.detection import contact_table, detect
 
     model = pack(model)
@@ -376,11 +378,9 @@ def _refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], size:
         if found <= capacity:
             break
         capacity = 2 * found
-    if not found:
-        return
-    deepest = int(np.argmin(table.gap[:found]))
-    depth = -float(table.gap[deepest])
-    if not depth <= PENETRATION * size:
+    depths = {k: -float(table.gap[k]) for k in range(found) if names[table.law[k]] in hard}
+    deepest = max(depths, key=depths.__getitem__, default=-1)
+    if deepest >= 0 and not (depth := depths[deepest]) <= PENETRATION * size:
         raise ModelError(
             f"contact {names[table.law[deepest]]!r}: its surfaces penetrate by {depth:.6g} m at the start, "
             f"expected at most {PENETRATION * size:.1g} m: move the bodies apart"

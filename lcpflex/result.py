@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.laws.creep import CREEP
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError
 from lcpflex.model import OPEN, SLIP, STICK, Model
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     StateArray = NDArray[np.int8]
 
 __all__ = [
+    "CREEP",
     "OPEN",
     "SLIP",
     "STICK",
@@ -58,7 +60,7 @@ class ContactSpots:
     place: FloatArray  # (k, 2) [m], world axes
     normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (slave), world axes
     force: FloatArray  # (k, 2) normal and tangential force [N], t = (n_y, -n_x)
-    state: StateArray  # (k,) OPEN, STICK or SLIP
+    state: StateArray  # (k,) OPEN, STICK, SLIP or CREEP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,10 +71,11 @@ class ContactHistory:
     times: FloatArray  # (m,) [s]
     force: FloatArray  # (m, 2) normal and tangential force, summed over its points [N]
     impulse: FloatArray  # (m, 2) accumulated since the start, impacts included [N s]
-    state: StateArray  # (m,) OPEN, STICK or SLIP
-    gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin
+    state: StateArray  # (m,) OPEN, STICK, SLIP or CREEP
+    gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin, see ``least_gap``
     pairs: IntArray  # (m,) pairs of touching points that carry a normal force
     first_event: float  # [s] first event that names the contact; infinite if there is none
+    crept: float = 0.0  # [m] path of slip while creeping
 
     @property
     def first_touch(self) -> float | None:
@@ -89,9 +92,19 @@ class ContactHistory:
 
     @property
     def shares(self) -> tuple[float, float, float]:
-        """Shares of the stored instants spent open, sticking and slipping; they sum to 1."""
-        count = max(self.state.size, 1)
-        return tuple(float(np.count_nonzero(self.state == kind)) / count for kind in (OPEN, STICK, SLIP))  # type: ignore[return-value]
+        """Shares of the stored instants spent open, sticking and slipping; they sum to 1. Creeping is slipping."""
+        state = np.where(self.state == CREEP, SLIP, self.state)
+        return tuple(float(np.count_nonzero(state == kind)) / max(state.size, 1) for kind in (OPEN, STICK, SLIP))  # type: ignore[return-value]
+
+    @property
+    def creeping(self) -> float:
+        """Share of the stored instants spent creeping: slower than the slip speed of a law that cannot stick."""
+        return float(np.count_nonzero(self.state == CREEP)) / max(self.state.size, 1)
+
+    @property
+    def least_gap(self) -> float:
+        """Smallest gap at a stored instant [m]; infinite for a contact that never came within the detection margin."""
+        return float(np.min(self.gap, initial=np.inf, where=~np.isnan(self.gap)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,6 +115,12 @@ class Result:
 
     Where contacts share a load in more than one way, the forces of an instant are the least that give the motion; an
     event-driven run keeps only as many redundant supports as carry it. Impulses are those that the solver found.
+
+    ``gap`` is NaN where a contact was farther than the distance up to which gaps are measured, and so is any sum or
+    minimum over it: take ``np.nanmin``, or ``result.contact(name).least_gap``. A NaN says "far", never "lost".
+
+    A contact whose friction is a law without states of its own (all but LuGre and Bristle) never sticks: below the slip
+    speed of its law it is in the state CREEP, and ``crept`` says how far it went in it.
     """
 
     times: FloatArray  # (m,) [s]
@@ -109,8 +128,8 @@ class Result:
     u: FloatArray  # (m, ndof) their rates
     force: FloatArray  # (m, nc, 2) normal and tangential force of each contact at that instant [N]
     impulse: FloatArray  # (m, nc, 2) accumulated since the start, impacts included [N s]
-    state: StateArray  # (m, nc) OPEN, STICK or SLIP
-    gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin
+    state: StateArray  # (m, nc) OPEN, STICK, SLIP or CREEP
+    gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin, see below
     spots: ContactSpots
     energies: Energies
     residual: FloatArray  # (m,) largest natural-map residual of the contact problems since the previous instant
@@ -132,6 +151,7 @@ class Result:
     notes: tuple[str, ...] = ()  # how the stepper fared, where that is no reason to doubt
     python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
     python_time: float = 0.0  # [s] of wall_time spent in them
+    crept: tuple[float, ...] = ()  # path of slip of each contact while creeping [m]; empty if none of them can
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -167,7 +187,8 @@ class Result:
         pressed = (self.spots.contact == k) & (self.spots.force[:, 0] > 0.0)
         pairs = np.bincount(self.spots.record[pressed], minlength=len(self.times))
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
-        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first)
+        crept = self.crept[k] if self.crept else 0.0
+        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.

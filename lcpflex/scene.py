@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -315,15 +315,15 @@ class Scene(Clearances):
 
         return exchanged(self, bodies)
 
-    def compile(self, project: bool = False) -> Compiled:
+    def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> Compiled:
         """Check the scene as a whole and compile it; the scene is not changed.
 
-        With ``project``, an initial state that violates joints is moved onto them, by the shortest way in the mass
-        metric; otherwise it is an error that states the violation. So is an initial penetration.
+        With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
+        is an error. So is an initial penetration, but of contacts by a force law, and of those that ``indents`` names.
         """
         from lcpflex.compilation import compiled_parts
 
-        return Compiled(*compiled_parts(self.gravity, *self.parts(), project))
+        return Compiled(*compiled_parts(self.gravity, *self.parts(), project, indents))
 
     def parts(self) -> Parts:
         """What has been declared, in the order in which it was."""

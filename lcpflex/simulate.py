@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from lcpflex.contact.impact_laws import Newton
+from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import Energies, EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
+from lcpflex.kept_depth import kept_depths
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
@@ -117,7 +120,8 @@ def simulate(
     from lcpflex.dynamics.time_structure import for_system, with_instants
     from lcpflex.steppers.own_laws import with_own_functions
 
-    system, compiled, names = _system(scene, project)
+    indents = getattr(stepper, "indents", None)  # of contacts that the stepper gives a force law
+    system, compiled, names = _system(scene, project, indents)
     if system.probe is not None:
         system = replace(system, model=for_system(system.model, system.probe, duration))
     if compiled is not None:
@@ -146,7 +150,7 @@ def simulate(
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
     result = _collect(run, system, compiled, names, duration, stepper, timing, note, complete, energy_growth)
-    result = replace(result, warnings=(*result.warnings, *unresolved(result)))
+    result = replace(result, warnings=(*result.warnings, *unresolved(result), *kept_depths(result)))
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):
@@ -182,16 +186,18 @@ def _save_problems(recorder: Recorder, result: Result) -> Result:
     return result
 
 
-def _system(scene: Scene | UserSystem, project: bool) -> tuple[System, Compiled | None, tuple[str, ...]]:
+def _system(
+    scene: Scene | UserSystem, project: bool, indents: Callable[[str], bool] | None
+) -> tuple[System, Compiled | None, tuple[str, ...]]:
     """The system that a stepper takes, what the scene was compiled to, and the names of the declared contacts."""
     from lcpflex.scene import Scene
     from lcpflex.user_system import UserSystem
 
     if isinstance(scene, UserSystem):
-        return scene.system(project=project), None, tuple(scene.names)
+        return scene.system(project=project, indents=indents), None, tuple(scene.names)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
-    compiled = scene.compile(project=project)
+    compiled = scene.compile(project=project, indents=indents)
     return compiled.system(), compiled, compiled.layout.contacts
 
 
@@ -261,6 +267,9 @@ def _collect(
     growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     spots = data["spots"]
+    everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
+    laws = run.records.laws
+    state = creeping(laws, everywhere, data["state"]).astype(np.int8)
     events = tuple(
         Event(time=at, kind=kind, contact=names[law] if law >= 0 else "", energy_change=change)
         for at, kind, law, change in run.events
@@ -271,7 +280,7 @@ def _collect(
         u=data["u"],
         force=data["force"],
         impulse=data["impulse"],
-        state=data["state"].astype(np.int8),
+        state=state,
         gap=data["gap"],
         spots=ContactSpots(
             record=spots[:, 0].astype(np.int64),
@@ -279,7 +288,7 @@ def _collect(
             place=spots[:, 2:4],
             normal=spots[:, 4:6],
             force=spots[:, 6:8],
-            state=spots[:, 8].astype(np.int8),
+            state=creeping(laws, spots[:, 1].astype(np.int64), spots[:, 8]).astype(np.int8),
         ),
         energies=energies,
         residual=data["peaks"][:, 0],
@@ -301,6 +310,7 @@ def _collect(
         compiled=compiled,
         contact_names=names,
         by_law=run.records.by_law,
+        crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
         notes=tuple(run.records.notes),
     )

@@ -113,9 +113,11 @@ def _contact(history: ContactHistory) -> str:
     closed = stick + slip
     how = "closed at no stored instant"
     if closed > 0.0:
-        how = (
-            f"closed {_share(closed)} of the time ({_share(stick / closed)} sticking, {_share(slip / closed)} slipping)"
-        )
+        creep = history.creeping
+        kinds = [f"{_share(stick / closed)} sticking", f"{_share((slip - creep) / closed)} slipping"]
+        if creep > 0.0:
+            kinds.append(f"{_share(creep / closed)} creeping, by {with_unit(history.crept, 'm')} in all")
+        how = f"closed {_share(closed)} of the time ({', '.join(kinds)})"
     normal, tangential = history.impulse[-1]
     tangential = 0.0 if abs(tangential) < ROUNDING * abs(normal) else tangential
     assert history.first_touch is not None

@@ -126,12 +126,15 @@ class UserSystem:
         object.__setattr__(self, "_functions", Functions(self, n, m))
         self._functions.try_all()
 
-    def system(self, project: bool = False) -> System:
-        """What a stepper takes; with ``project``, started at the nearest state that fulfils the joints."""
+    def system(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> System:
+        """What a stepper takes; with ``project``, started at the nearest state that fulfils the joints.
+
+        ``indents`` tells of a contact whether the stepper has a force law for it, on whose indentation it may rest.
+        """
         from lcpflex.dynamics.user_mechanics import hooks
         from lcpflex.steppers.system import System
 
-        q, u = self._functions.start(np.array(self.q, dtype=float), np.array(self.u, dtype=float), project)
+        q, u = self._functions.start(np.array(self.q, dtype=float), np.array(self.u, dtype=float), project, indents)
         return System(
             model=bodiless_model(
                 len(q), self._functions.n_joint, self.friction, self.restitution, self.tangential_restitution
@@ -230,7 +233,9 @@ class Functions:
             self.rate(0.0, q)
             self.constraint_bias(0.0, q, u)
 
-    def start(self, q: FloatArray, u: FloatArray, project: bool) -> tuple[FloatArray, FloatArray]:
+    def start(
+        self, q: FloatArray, u: FloatArray, project: bool, indents: Callable[[str], bool] | None
+    ) -> tuple[FloatArray, FloatArray]:
         """The start, or its projection onto the joints in the mass metric; ModelError where it cannot be."""
         scale = 1.0 + float(np.abs(q).max())
         if self.n_joint:
@@ -249,7 +254,8 @@ class Functions:
                         f"{name}: the start violates row {worst} of the constraints by {violated[worst]:.6g}, "
                         f"expected at most {allowed:.1g}: {hint}"
                     )
-        gaps = self.gaps(q)
+        soft = np.array([indents is not None and indents(name) for name in self._given.names], dtype=bool)
+        gaps = np.where(soft, np.inf, self.gaps(q)) if self.m else np.zeros(0)
         if gaps.size and not gaps.min() >= -PENETRATION * scale:
             name = self._given.names[int(gaps.argmin())]
             raise ModelError(

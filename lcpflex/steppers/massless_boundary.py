@@ -92,6 +92,7 @@ class MasslessBoundaryScheme:
         check_compliance(model, flexibility, system.q, soft, system.contact_name)
         self._system = replace(system, model=model, q=system.q.copy(), u=np.where(flexibility > 0.0, 0.0, system.u))
         self.records = Records(self._system)
+        self.records.by_law = tuple(name for name in system.names if name in stepper.compliance)
         self.work = self._system.workspace(16)
         self.work.solving[METHOD] = solver_method(stepper.solver)
         self._notes = _lost(system, flexibility)
@@ -264,6 +265,10 @@ class MasslessBoundary:
             raise ModelError(
                 f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
             )
+
+    def indents(self, name: str) -> bool:
+        """Whether contact ``name`` gives way by an elastic law, on whose indentation a body may rest at the start."""
+        return name in self.compliance
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""

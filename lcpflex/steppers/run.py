@@ -24,6 +24,7 @@ class Records:
         self._system = system
         self._pages: list[dict[str, Any]] = []
         # declared contacts that are a continuous force
+        self.laws = [law.row() if law else None for law in system.laws] or [None] * system.n_laws  # those of them
         self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
         self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt

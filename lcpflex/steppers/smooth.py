@@ -160,6 +160,10 @@ class Smooth:
             )
         object.__setattr__(self, "laws", dict(self.laws))
 
+    def indents(self, name: str) -> bool:
+        """Whether contact ``name`` has a force law here, on whose indentation a body may rest at the start: all do."""
+        return True
+
     def start(self, system: System, duration: float, interval: float) -> SmoothRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         laws = [law.row() for law in self._chosen(system)]

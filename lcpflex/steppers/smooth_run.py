@@ -48,7 +48,7 @@ class SmoothRun:
     ) -> None:
         self.system = system
         self.records = Records(system)
-        self.records.by_law = system.names
+        self.records.by_law, self.records.laws = system.names, list(laws)
         self.duration = settings.duration
         self._settings = settings
         self._work = system.workspace(16)

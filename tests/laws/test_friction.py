@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 import lcpflex as lf
 from lcpflex.contact.laws.contact_law import ContactLaw
+from lcpflex.contact.laws.creep import CREEP
 from lcpflex.contact.laws.friction import (
     Ambrosio,
     ArctangentCoulomb,
@@ -255,6 +256,13 @@ def test_on_an_incline_only_bristles_hold(law: Any, creep: float) -> None:
         assert np.ptp(result.q[5:, 0]) < 1e-10
         assert result.force[-1, 0, 1] == pytest.approx(-WEIGHT * math.sin(math.radians(SLOPE)), rel=1e-6)
         assert (result.state[1:] == STICK).all()
+        assert result.contact(result.contact_names[0]).crept == 0.0
+    else:
+        history = result.contact(result.contact_names[0])
+        slow = creep < 0.999 * law.slip_speed
+        assert (result.state[1:] == (CREEP if slow else SLIP)).all()
+        assert history.crept == pytest.approx(0.95 * creep if slow else 0.0, rel=1e-3)  # from rest, as seen
+        assert not slow or "creeping, by" in result.summary()
     assert not result.warnings
 
 

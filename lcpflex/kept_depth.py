@@ -1,0 +1,137 @@
+"""Depth that time stepping leaves in a contact for good, against what its springs give for it.
+
+A pair closes within a step, up to h |gdot| / 2 deep, and Moreau-Jean keeps it there. Where the bodies are held by
+springs, elastic modes or contacts by a force law, these are then strained by so much more or less. Looked at is the
+last instant, and contacts that have been closed for a while: with the stiffness K of all that and W^T dq = d,
+
+    K dq = J^T mu + W dlambda,   J dq = 0
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.contact.detection import ContactTable, contact_table, detect
+from lcpflex.contact.kinematics import contact_rows
+from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
+from lcpflex.dynamics.applied_forces import spring_forces
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.start import violation
+from lcpflex.model import Model
+from lcpflex.packed import pack
+from lcpflex.result import Result
+from lcpflex.scene import Compiled
+
+__all__ = ["kept_depths"]
+
+OFF = 0.005  # of a contact force, from where on a run warns
+GOOD = 0.001  # of it, which the step should be chosen for
+LASTING = 0.05  # of the stored instants, the last ones, in which the contact is closed
+DIFFERENCE = 1e-6  # of the largest coordinate, at least of 1
+
+
+def kept_depths(result: Result) -> tuple[str, ...]:
+    """A warning for each contact whose force is off for the depth at which it is kept."""
+    compiled = result.compiled
+    if compiled is None or not np.isfinite(result.q[-1:]).all():
+        return ()
+    lasting = result.force[-max(2, int(LASTING * len(result.times))) :, :, 0].min(axis=0) > 0.0
+    deep = lasting & (result.gap[-1] < 0.0) & ~np.isin(result.contact_names, result.by_law)
+    if not deep.any():
+        return ()
+    off = _forces_off(compiled, result.q[-1].copy(), np.flatnonzero(deep))
+    found = []
+    for law, force in off.items():
+        pressed = float(result.force[-1, law, 0])
+        share = abs(force) / pressed
+        if share > OFF:
+            found.append(
+                f"contact {result.contact_names[law]!r} closed within a step and is kept {-result.gap[-1, law]:.4g} m "
+                f"deep: by the springs that act on it, its force of {pressed:.4g} N is off by about "
+                f"{100.0 * share:.2g} %; a step {share / GOOD:.2g} times shorter brings that to {100.0 * GOOD:g} %"
+            )
+    return tuple(found)
+
+
+def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, float]:
+    """By how much the forces of the contacts ``deep`` [N] would change if all came up to the gap 0, by contact."""
+    model = pack(compiled.model)
+    table, found = _near(model, q)
+    W = np.array([_row(model, q, table, k) for k in range(found)]).reshape(found, len(q))
+    laws, gaps = table.law[:found], table.gap[:found]
+    K = _stiffness(model, q)
+    for k in range(found):
+        law = compiled.laws[laws[k]] if compiled.laws else None
+        if law is not None and gaps[k] < 0.0:
+            row = law.row()
+            K += elastic_stiffness(np.array(row.kinds), np.array(row.parameters), -gaps[k]) * np.outer(W[k], W[k])
+    held = [k for k in range(found) if laws[k] in deep and gaps[k] < 0.0]
+    if not held:
+        return {}
+    J = violation(compiled.model, q, np.zeros_like(q), np.zeros((compiled.n_external, 3))).jacobian
+    scale = 1.0 / np.sqrt(np.diag(mass_matrix(compiled.model, q)))  # of coordinates: metres, radians, modal ones
+    Z = _null(J * scale)
+    rows = (W[held] * scale) @ Z
+    stiffness = Z.T @ (scale[:, None] * K * scale) @ Z
+    sizes, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
+    soft = sizes <= 1e-9 * sizes.max(initial=0.0)  # bodies that move so feel no spring
+    if not sizes.size or sizes.max() <= 0.0:
+        return {}
+    along = rows @ vectors
+    free = along[:, soft]
+    # contacts that come up by such motions strain nothing; the others do against each other
+    firm = _null(free.T) if soft.any() else np.eye(len(held))
+    G = firm.T @ (along[:, ~soft] / sizes[~soft]) @ along[:, ~soft].T @ firm
+    change = firm @ (np.linalg.pinv(G, rcond=1e-10, hermitian=True) @ (firm.T @ -gaps[held]))
+    return {int(law): float(change[laws[held] == law].sum()) for law in np.unique(laws[held])}
+
+
+def _near(model: Model, q: FloatArray) -> tuple[ContactTable, int]:
+    capacity = 64
+    while True:
+        table = contact_table(capacity, len(model.contacts.surface_body))
+        found = int(detect(model, q, 0.0, table))
+        if found <= capacity:
+            return table, found
+        capacity = 2 * found
+
+
+def _row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:
+    """w_N (ndof,) of entry k."""
+    dof = model.bodies.dof
+    normal, tangent = np.zeros((2, 2, int(np.max(np.diff(dof)))))
+    contact_rows(model, q, table, k, normal, tangent)
+    row = np.zeros(len(q))
+    for side, b in enumerate(table.body[k]):
+        if b >= 0:
+            row[dof[b] : dof[b + 1]] += normal[side, : dof[b + 1] - dof[b]]
+    return row
+
+
+def _stiffness(model: Model, q: FloatArray) -> FloatArray:
+    """Of springs, by differences, and of elastic modes (ndof, ndof)."""
+    n, dof = len(q), model.bodies.dof
+    K, still, away = np.zeros((n, n)), np.zeros(n), np.zeros(n)
+    if len(model.loads.spring_kind):
+        step = DIFFERENCE * max(1.0, float(np.abs(q).max()))
+        for j in range(n):
+            for side in (1.0, -1.0):
+                moved, force = q.copy(), np.zeros(n)
+                moved[j] += side * step
+                spring_forces(model, moved, still, force, away)
+                K[:, j] -= side * force / (2.0 * step)
+    elastic = np.concatenate([np.arange(a + 3, b) for a, b in pairwise(dof)])
+    K[elastic, elastic] += model.bodies.stiffness
+    return K
+
+
+def _null(J: FloatArray) -> FloatArray:
+    """(n, f) orthonormal basis of what J maps to 0."""
+    if not len(J):
+        return np.eye(J.shape[1])
+    _, sizes, rows = np.linalg.svd(J)
+    rank = int((sizes > 1e-10 * sizes.max(initial=0.0)).sum())
+    return np.asarray(rows[rank:].T)
