@@ -56,9 +56,11 @@ from lcpflex.steppers.massless_memory import Settings, boundary_of
 from lcpflex.steppers.massless_step import (
     BEGUN,
     FINEST,
+    MADE,
     MOST_PARTS,
     NUMBER,
     OUT_OF_RANGE,
+    PARTS,
     SPLIT,
     STIFF,
     TOO_LONG,
@@ -68,6 +70,7 @@ from lcpflex.steppers.massless_step import (
     short_enough,
 )
 from lcpflex.steppers.moreau_jean_step import grown
+from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -119,20 +122,25 @@ class MasslessBoundaryScheme:
 
     def loop(self, start: float, n_steps: int, stride: int) -> int:
         """Up to ``n_steps`` steps; see ``advance``."""
-        status: int = self._advance(
-            self._system.model,
-            self._settings,
-            start,
-            self.clock,
-            self._q,
-            self._u,
-            self._boundary,
-            self.work,
-            self.records.tape,
-            n_steps,
-            stride,
-        )
-        return status
+        last = float(self.clock[MADE]) + n_steps
+        while True:
+            status: int = self._advance(
+                self._system.model,
+                self._settings,
+                start,
+                self.clock,
+                self._q,
+                self._u,
+                self._boundary,
+                self.work,
+                self.records.tape,
+                int(last - self.clock[MADE]),
+                stride,
+            )
+            if status != PASSED:
+                return status
+            time = start + float(self.clock[MADE]) * self.step + self.within
+            self.records.examine(time, self.step / float(self.clock[PARTS]))  # it is a part that passed
 
     def change_step(self, step: float) -> None:
         """Go on with steps of another length; its forces are known: it begins where the steps so far ended."""
