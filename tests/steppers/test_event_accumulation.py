@@ -131,3 +131,52 @@ def test_the_threshold_that_rises_is_that_of_what_accumulates() -> None:
     assert not Thresholds(settings()).rise(impacts, 0.5, 1e-5, 2e-8)
     assert not Thresholds(settings()).rise(impacts, 0.5, 1.0, 2e-2)  # no threshold would end these
     assert not Thresholds(settings()).remarks(str)
+
+
+def dominoes(count: int, height: float, width: float, gap: float, friction: float, restitution: float) -> lf.Scene:
+    """A row of boxes on a floor, the first of which falls against the next at 3 rad/s."""
+    scene = lf.Scene()
+    floor = scene.ground.half_plane((0, 0), (0, 1))
+    before = None
+    for k in range(count):
+        turned = {"velocity": (1.5 * height, -1.5 * width), "angular_velocity": -3.0} if k == 0 else {}
+        place = (k * (gap + width), 0.5 * height)
+        domino = scene.add(lf.Box(width, height, mass=0.01), name=f"domino{k + 1}", position=place, **turned)
+        scene.contact(domino.surface(), floor, friction, restitution, name=f"floor{k + 1}")
+        if before is not None:
+            scene.contact(domino.surface(), before.surface(), friction, restitution, name=f"pair{k}")
+        before = domino
+    return scene
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("height", "width", "gap", "friction", "restitution"),
+    [
+        (0.1, 0.02, 0.03, 0.3, 0.0),
+        (0.1, 0.01, 0.03, 0.4, 0.0),
+        (0.05, 0.008, 0.02, 0.3, 0.2),
+        (0.05, 0.008, 0.02, 0.5, 0.1),
+    ],
+)
+def test_twenty_dominoes_fall_and_come_to_rest(
+    height: float, width: float, gap: float, friction: float, restitution: float
+) -> None:
+    """Slip of those that lean spirals to rest in a million reversals, and ended the run before the row had settled."""
+    result = lf.simulate(dominoes(20, height, width, gap, friction, restitution), 1.5, lf.EventDriven(), record=0.01)
+    assert result.complete
+    assert result.energies.relative_remainder < 1e-5
+    assert np.nanmin(result.gap) > -1e-7
+    assert (result.q[-1, 2::3] < -0.3).all()
+    for said in result.warnings:
+        assert "events accumulated faster than 100000 a second" in said
+        assert "slip slower than" in said or "approach slower than" in said
+
+
+@pytest.mark.slow
+def test_ten_links_for_half_a_second() -> None:
+    """Hundreds of thousands of impacts; energy is kept, and the joints stay within their play."""
+    result = lf.simulate(flexible_links(10, 0.2, modes=4), 0.5, lf.EventDriven(), record=1e-3)
+    assert result.complete
+    assert result.energies.relative_remainder < 1e-6
+    assert np.nanmin(result.gap) > -1e-8
