@@ -66,8 +66,7 @@ SAME = 1e-12  # of the duration: instants nearer than that are one
 HALVINGS = 45  # of a step, to find where a contact begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
 NONE_OF_IT = 1e-6  # and below: a repeated step might fall short by its rounding, and the next one likewise
-STALL = 1e-13  # of the time, of a step of no length
-MOST_STALLS = 100
+STALL, MOST_STALLS = 1e-13, 100  # of the time, of a step of no length; how many may follow each other
 SMALL = 1e-5  # share of a state of friction by which it is moved for a difference
 
 
@@ -359,9 +358,8 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         clock[FREQUENCY] = max(clock[FREQUENCY], relax(model, h, work, memory))
     for i in range(ndof, memory.states[0]):
         memory.end[i] += h * memory.slope[i]
-    for i in range(ndof):
+    for i in range(ndof):  # a load does its work at the mean velocity: one step may hold all of it
         memory.end[i] += 0.5 * h * memory.end[ndof + i]
-        # a load does its work at the mean velocity: one step may hold all of it
         memory.end[2 * ndof + WORK] += 0.5 * h * work.driving[i] * (memory.end[ndof + i] - memory.y[ndof + i])
     clock[TAKEN] = h
     return DONE
