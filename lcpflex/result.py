@@ -152,6 +152,8 @@ class Result:
     python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
     python_time: float = 0.0  # [s] of wall_time spent in them
     crept: tuple[float, ...] = ()  # path of slip of each contact while creeping [m]; empty if none of them can
+    place_error: float | None = None  # [m] local errors of the steps, summed, of the body worst off; None: not known
+    speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:

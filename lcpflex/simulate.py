@@ -18,6 +18,7 @@ from lcpflex.kept_depth import kept_depths
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
+from lcpflex.stated_error import accepted, stated_errors
 from lcpflex.stopwatch import Stopwatch
 from lcpflex.unseen_loads import unseen_loads
 
@@ -266,6 +267,8 @@ def _collect(
     data = run.records.collected()
     growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
+    run.records.controlled = accepted(stepper, run.steps)
+    place_error, speed_error = stated_errors(system.model, run.records, data, run.steps)
     spots = data["spots"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     laws = run.records.laws
@@ -313,6 +316,8 @@ def _collect(
         crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
         notes=tuple(run.records.notes),
+        place_error=place_error,
+        speed_error=speed_error,
     )
 
 

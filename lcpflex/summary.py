@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.stated_error import error_shares
+
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.result import ContactHistory, Result
@@ -15,8 +17,10 @@ __all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
+COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
 SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
 ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
+FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
 
 
@@ -161,6 +165,21 @@ def _accuracy(result: Result) -> str:
         f"  {by_law}{others}"
         f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
         f"largest residual of a contact problem {_largest(result.residual):.1e}"
+        f"{_steps(result)}"
+    )
+
+
+def _steps(result: Result) -> str:
+    """The error of the steps, as the result states it; empty where it does not."""
+    shares = error_shares(result)
+    if shares is None or result.place_error is None or result.speed_error is None:
+        return ""
+    place, speed = shares
+    if result.compiled is None:
+        return f"\n  local errors of the steps sum up to {_share(place)} of the range of a coordinate"
+    return (
+        f"\n  local errors of the steps sum up to {with_unit(result.place_error, 'm')} ({_share(place)} of the largest "
+        f"extent or travel) and {with_unit(result.speed_error, 'm/s')} ({_share(speed)} of the largest speed)"
     )
 
 
@@ -178,12 +197,17 @@ def _verdict(result: Result) -> str:
     reasons = doubts(result)
     if reasons:
         return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
-    if result.warnings:
-        return "Can be trusted as far as its own checks see, but read the warnings above."
-    return (
-        "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept. "
-        "Whether the step and the modes are fine enough, only a second run with finer ones shows."
+    largest = max(error_shares(result) or (0.0,))
+    coarse = (
+        f" The local errors of its steps sum up to {_share(largest)}, though: it is no more accurate than that; take a "
+        "shorter step or a tighter tolerance."
     )
+    if result.warnings:
+        read = "Can be trusted as far as its own checks see, but read the warnings above."
+        return read + coarse if largest > COARSE else read
+    return (
+        "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept."
+    ) + (coarse if largest > COARSE else FINE)
 
 
 def scene_size(result: Result) -> float | None:

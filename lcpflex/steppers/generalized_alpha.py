@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,7 @@ from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
+from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import (
     DONE,
     GROW,
@@ -135,6 +137,7 @@ class GeneralizedAlphaScheme:
     """A generalised-alpha run's state and memory, with steps of one length."""
 
     within = 0.0
+    impulsive = True
 
     def __init__(self, system: System, settings: AlphaSettings, solver: LcpSolver) -> None:
         self.records = Records(system)
@@ -148,6 +151,7 @@ class GeneralizedAlphaScheme:
         self._rescue = Rescue(solver, settings.tolerance)
         self._several = SeveralMotions()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._own_solver = bool(solver_hooks(solver, system.watch))
 
     @property
     def step(self) -> float:
@@ -191,6 +195,18 @@ class GeneralizedAlphaScheme:
                 f"Newton's method on the smooth motion did not converge in {unsettled} of {steps} steps: "
                 "a shorter step is needed for the forces of this scene"
             )
+
+    def sampling(self, total: int) -> Sampling | None:
+        """What measures the error of some of ``total`` steps; None where an own solver would see it."""
+        return None if self._own_solver else Sampling(self, total)
+
+    def state(self) -> tuple[Any, ...]:
+        """All that a step changes, q and u first."""
+        return (self._q, self._u, self.clock, *carried(self.work), self._memory)
+
+    def half_steps(self, time: float) -> int:
+        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
+        return half_steps(self, time)
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content."""

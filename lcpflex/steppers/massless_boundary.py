@@ -19,6 +19,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -72,6 +73,7 @@ from lcpflex.steppers.massless_step import (
 from lcpflex.steppers.moreau_jean_step import grown
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.step_error import Sampling, half_steps
 from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 
@@ -85,6 +87,8 @@ LOST = 0.01  # part of the initial energy in static modes above which the result
 
 class MasslessBoundaryScheme:
     """A run's state and memory (see :class:`MasslessBoundary`)."""
+
+    impulsive = False
 
     def __init__(self, system: System, stepper: MasslessBoundary, duration: float) -> None:
         _refuse(system)
@@ -109,6 +113,7 @@ class MasslessBoundaryScheme:
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
         hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
         self._advance = link(advance, hooks)
+        self._own_solver = bool(solver_hooks(stepper.solver, system.watch))
 
     @property
     def step(self) -> float:
@@ -147,6 +152,18 @@ class MasslessBoundaryScheme:
         self._settings = self._settings._replace(step=step)
         self.work.span[:] = 0.5 * step
         self.clock[:BEGUN] = 0.0
+
+    def sampling(self, total: int) -> Sampling | None:
+        """What measures the error of some of ``total`` steps; None where an own solver would see it."""
+        return None if self._own_solver else Sampling(self, total)
+
+    def state(self) -> tuple[Any, ...]:
+        """All that a step changes, q and u first."""
+        return (self._q, self._u, self.clock, self.work, self._boundary)
+
+    def half_steps(self, time: float) -> int:
+        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
+        return half_steps(self, time)
 
     def make_room(self, contacts: int) -> None:
         """A larger workspace."""

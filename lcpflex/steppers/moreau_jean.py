@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, rec
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
+from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
@@ -86,6 +88,7 @@ class MoreauJeanScheme:
     """A Moreau-Jean run's state and memory, with steps of one length."""
 
     within = 0.0
+    impulsive = True
 
     def __init__(self, system: System, settings: Settings, solver: LcpSolver) -> None:
         self.records = Records(system)
@@ -101,6 +104,7 @@ class MoreauJeanScheme:
         self._average()
         self._several = SeveralMotions()
         self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._own_solver = bool(solver_hooks(solver, system.watch))
 
     @property
     def step(self) -> float:
@@ -153,6 +157,18 @@ class MoreauJeanScheme:
             f"the stiffest contact by law has frequency times step = {self._product:.4g} > {limit:.4g}: "
             f"its force is explicit, and unstable there (highest frequency, with damping, {frequency:.4g} rad/s)"
         ]
+
+    def sampling(self, total: int) -> Sampling | None:
+        """What measures the error of some of ``total`` steps; None where an own solver would see it."""
+        return None if self._own_solver else Sampling(self, total)
+
+    def state(self) -> tuple[Any, ...]:
+        """All that a step changes, q and u first."""
+        return (self._q, self._u, self.clock, *carried(self.work), *((self.work.laws,) if self._system.by_law else ()))
+
+    def half_steps(self, time: float) -> int:
+        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
+        return half_steps(self, time)
 
     def make_room(self, contacts: int) -> None:
         """A larger workspace."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.linking import link
@@ -33,6 +35,7 @@ from lcpflex.steppers.smooth_slope import (
     OUT_OF_RANGE,
     TAPE_FULL,
 )
+from lcpflex.steppers.step_error import UNSTORED, Sampling
 from lcpflex.steppers.system import System
 
 __all__ = ["FixedRun", "SmoothRun"]
@@ -137,6 +140,31 @@ class FixedRun(SmoothRun):
         self.fixed_step = settings.max_step
         self._work.span[:] = 0.5 * settings.max_step  # loads by their mean over a step
         self._advance = link(advance_fixed, system.hooks)
+        total = math.ceil(settings.duration / settings.max_step)
+        self._sampling = self.records.sampling = Sampling(self, total)
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps, some of them sampled; empty, or why the run cannot go on."""
+        while (before := max(int(min(self._sampling.ahead - 1.0, 2.0**60)) - self.steps, 0)) + 2 <= n_steps:
+            message = super().advance(before) or self._sampling.sample(lambda: self.time, super().advance)
+            if message or self.finished:
+                return message
+            n_steps -= before + 2
+        return super().advance(n_steps)
+
+    def state(self) -> tuple[Any, ...]:
+        """All that a step changes, q and u first."""
+        ndof, y = len(self.system.q), self._memory.y
+        return (y[:ndof], y[ndof : 2 * ndof], self._memory)
+
+    def half_steps(self, time: float) -> int:
+        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
+        halved = self._settings._replace(duration=math.inf, max_step=0.5 * self._settings.max_step, stride=UNSTORED)
+        target = self.steps + 2
+        self._work.span[:] *= 0.5
+        status: int = self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target)
+        self._work.span[:] *= 2.0
+        return status
 
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""

@@ -7,6 +7,7 @@ empties and grows what is full, and says why it cannot go on.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol
 
 from lcpflex.compiled import FloatArray
@@ -56,8 +57,21 @@ class Scheme(Protocol):
         """Why the loop cannot go on at ``time`` [s]; empty where it can after all."""
 
 
+class Samples(Protocol):
+    """Which steps of a run are sampled for their error; see :mod:`lcpflex.steppers.step_error`."""
+
+    @property
+    def ahead(self) -> float:
+        """Number of the next step before which a sample is due; infinite if none is."""
+
+    def sample(self, time: Callable[[], float], advance: Callable[[int], str]) -> str:
+        """Make two steps, one of them in halves as well; empty where all went well, else why the run cannot go on."""
+
+
 class FixedScheme(Scheme, Protocol):
     """A scheme with steps of one length."""
+
+    impulsive: bool  # whether an impact falls on the end of a step
 
     @property
     def step(self) -> float:
@@ -72,6 +86,9 @@ class FixedScheme(Scheme, Protocol):
 
     def change_step(self, step: float) -> None:
         """Go on with steps of another length, counted from 0."""
+
+    def sampling(self, total: int) -> Samples | None:
+        """What measures the error of some of ``total`` steps; None where an own solver would see it."""
 
     def warn(self, steps: int) -> None:
         """Bring the warnings of the records up to date, after ``steps`` steps in all."""
@@ -113,6 +130,9 @@ class FixedRun:
         self._stride = max(1, round(interval / step))
         self._start = 0.0
         self._made = 0
+        total = sum(count for _, count in self._phases)
+        self._sampling = self.records.sampling = scheme.sampling(total)
+        self.records.impact_step = step if scheme.impulsive else 0.0
 
     @property
     def time(self) -> float:
@@ -159,6 +179,17 @@ class FixedRun:
         return message
 
     def _loop(self, n_steps: int, stride: int) -> str:
+        """Make steps, some of them sampled; empty where all went well, else why the run cannot go on."""
+        while self._sampling and (before := max(self._sampling.ahead - 1.0 - self.steps, 0.0)) + 2.0 <= n_steps:
+            message = self._steps(int(before), stride) or self._sampling.sample(
+                lambda: self.time, lambda count: self._steps(count, stride)
+            )
+            if message:
+                return message
+            n_steps -= int(before) + 2
+        return self._steps(n_steps, stride)
+
+    def _steps(self, n_steps: int, stride: int) -> str:
         clock = self.scheme.clock
         target = clock[MADE] + n_steps
         while True:

@@ -1,0 +1,115 @@
+"""The error of its steps that a result states: it leaves the run as it is, and is as large as the error, about."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex import gallery
+from lcpflex.stated_error import error_shares
+from lcpflex.steppers import step_error
+
+
+def bouncing_beam(**law: Any) -> lf.Scene:
+    """A soft beam falls on the floor with one end, and goes on vibrating; a rod hangs on its other end."""
+    scene = lf.Scene()
+    beam = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=10).reduce(modes=4)
+    body = scene.add(beam, angle=0.3, position=(0.0, 0.02), angular_velocity=1.0)
+    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, **law)
+    end = (0.5 * math.cos(0.3), 0.02 + 0.5 * math.sin(0.3))
+    velocity = (-0.5 * math.sin(0.3), 0.5 * math.cos(0.3))
+    rod = scene.add(lf.Box(0.1, 0.01, mass=0.02), position=(end[0] + 0.05, end[1]), velocity=velocity)
+    scene.join(lf.Revolute(body.point("right"), rod.point("left")))
+    return scene
+
+
+LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
+FIXED = {
+    "moreau": lf.MoreauJean(step=5e-4),
+    "moreau by law": lf.MoreauJean(step=1e-4),
+    "alpha": lf.GeneralizedAlpha(step=5e-4),
+    "massless": lf.MasslessBoundary(step=1e-4),
+    "verlet": lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(1e-4)),
+}
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_samples_leave_the_run_as_it_is(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the bit, whatever is recorded, and with samples at every other step."""
+
+    def run(samples: int) -> lf.Result:
+        monkeypatch.setattr(step_error, "SAMPLES", samples)
+        scene = bouncing_beam(law=LAW) if "law" in name else bouncing_beam()
+        return lf.simulate(scene, 0.06, FIXED[name], record=0.0)
+
+    without, sampled = run(0), run(10**6)
+    assert without.impulse[-1, 0, 0] > 0.0
+    assert without.place_error is None
+    assert sampled.place_error > 0.0
+    assert sampled.steps == without.steps
+    for field in ("times", "q", "u", "force", "impulse", "state", "gap", "residual", "penetration", "size"):
+        np.testing.assert_array_equal(getattr(sampled, field), getattr(without, field), err_msg=field)
+    np.testing.assert_array_equal(sampled.energies.remainder, without.energies.remainder)
+    np.testing.assert_array_equal(sampled.spots.force, without.spots.force)
+
+
+def swinging() -> lf.Scene:
+    scene = lf.Scene()
+    bob = scene.add(lf.Box(0.4, 0.1, mass=1.0), position=(1.0, 0.0))
+    scene.join(lf.Revolute(bob.at(-1.0, 0.0), scene.ground.at(0.0, 0.0)))
+    return scene
+
+
+def vibrating() -> lf.Scene:
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    bob = scene.add(lf.Disc(0.1, mass=1.0), position=(1.1, 0.0))
+    scene.load(lf.Spring(bob.point("center"), scene.ground.at(0.0, 0.0), stiffness=400.0, length=1.0))
+    return scene
+
+
+def bouncing() -> lf.Scene:
+    return gallery.bouncing_ball(height=0.2, restitution=0.8)
+
+
+@pytest.mark.parametrize("build", [swinging, vibrating, bouncing])
+@pytest.mark.parametrize("make", [lf.MoreauJean, lf.GeneralizedAlpha], ids=["moreau", "alpha"])
+@pytest.mark.parametrize("step", [1e-3, 4e-3])
+def test_stated_error_is_about_the_true_one(build: Any, make: Any, step: float) -> None:
+    """Within a factor of three of the largest error of a place; impacts are counted at their worst."""
+    exact = lf.simulate(build(), 1.0, lf.EventDriven(rtol=1e-10, atol=1e-12), record=1e-3)
+    result = lf.simulate(build(), 1.0, make(step=step), record=0.0)
+    q = np.column_stack([np.interp(result.times, exact.times, exact.q[:, i]) for i in range(2)])
+    error = np.hypot(*(result.q[:, :2] - q).T).max()
+    least = 1.0 / 6.0 if build is bouncing else 1.0 / 3.0
+    assert least * result.place_error < error < 3.0 * result.place_error
+
+
+def test_an_own_solver_sees_no_samples() -> None:
+    """It is called once a step, as ever; what the steps cost is then not stated."""
+    calls = []
+
+    class Counting:
+        def solve(self, problem: Any, guess: Any = None) -> Any:
+            calls.append(problem.size)
+            return lf.Lemke().solve(problem)
+
+    result = lf.simulate(gallery.stick_slip_block(), 0.02, lf.MoreauJean(step=1e-3, solver=Counting()))
+    assert len(calls) == result.steps == 20
+    assert result.place_error is None
+    assert "local errors" not in result.summary()
+
+
+def test_loads_between_the_samples_of_a_step_are_seen() -> None:
+    """A load with two periods in three steps: they cost more than the motion is long, and the result says so."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    disc = scene.add(lf.Disc(0.1, mass=1.0))
+    step = 1e-2
+    scene.load(lf.Force(disc.point("center"), (lf.Harmonic(100.0, 4.0 / 3.0 * math.pi / step), 0.0)))
+    place, speed = error_shares(lf.simulate(scene, 1.0, lf.MoreauJean(step=step))) or (0.0, 0.0)
+    assert max(place, speed) > 0.2
+    place, speed = error_shares(lf.simulate(scene, 1.0, lf.MoreauJean(step=0.005 * step))) or (1.0, 1.0)
+    assert max(place, speed) < 0.02
