@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import skfem
 
 import lcpflex as lf
 
@@ -121,3 +122,28 @@ def test_a_ratchet_locks(stepper: str, chain: str) -> None:
 def test_a_ratchet_locks_by_a_law_and_by_massless_contacts(chain: str) -> None:
     check(lf.simulate(ratchet(chain), 0.25, lf.Smooth(lf.Penalty(1e7, damping=0.1)), record=1e-5))
     check(lf.simulate(ratchet(chain), 0.25, lf.MasslessBoundary(step=1e-6), record=1e-5))
+
+
+def test_a_meshed_u_that_tumbles_over_rough_ground_sinks_no_deeper_than_its_steps() -> None:
+    """A node within the U was below the far side of its legs, by 40 mm, without a force: now as deep as it has come."""
+    rng = np.random.default_rng(4)
+    whole = skfem.MeshQuad.init_tensor(np.linspace(-0.1, 0.1, 11), np.linspace(0.0, 0.16, 9))
+    middles = whole.p[:, whole.t].mean(axis=1)
+    mesh = whole.restrict(np.flatnonzero((middles[1] < 0.04) | (np.abs(middles[0]) > 0.06)))
+    body = lf.Continuum(mesh, density=2700, youngs_modulus=7e8, poissons_ratio=0.33, thickness=0.02)
+    scene = lf.Scene()
+    u = scene.add(
+        body.reduce(modes=6, damping=0.05),
+        position=(0.0, 0.06),
+        angle=rng.uniform(0, 6.28),
+        angular_velocity=rng.uniform(-20, 20),
+        velocity=(rng.uniform(-1, 1), -1.0),
+    )
+    ground = np.stack([np.linspace(0.6, -0.6, 61), rng.uniform(0.0, 0.02, 61) - 0.12], axis=1)
+    scene.contact(u.surface(), scene.ground.chain(ground), friction=0.3, name="ground")
+    step = 2e-4
+    result = lf.simulate(scene, 0.15, lf.MoreauJean(step=step), record=step)
+    fastest = np.hypot(*result.u[:, :2].T).max() + 0.2 * np.abs(result.u[:, 2]).max()
+    assert result.penetration.max() < fastest * step
+    assert np.nanmin(result.contact("ground").gap) > -fastest * step
+    assert not result.summary().splitlines()[-1].startswith("NOT")
