@@ -19,6 +19,7 @@ UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest st
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
 COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
 SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
+STEPPED = 5e-3  # penetration that the stated error of the steps explains, likewise
 ROUNDING = 1e-12  # tangential impulse below this share of the normal one is none
 FINE = " Whether the step and the modes are fine enough, only a second run with finer ones shows."
 LISTED = 8  # contacts that are described one by one
@@ -52,8 +53,10 @@ def doubts(result: Result) -> tuple[str, ...]:
         values = {"penetration": result.penetration, "joint drift": result.joint_drift}
         if result.all_by_law:
             del values["penetration"]
+        # half a step of approach, which the stated error of the steps counts
+        stepped = min(2.0 * (result.place_error or 0.0), STEPPED * size)
         for name, value in values.items():
-            if not _largest(value) <= SUNK * size:
+            if not _largest(value) <= max(SUNK * size, stepped if name == "penetration" else 0.0):
                 found.append(
                     f"the {name} of {with_unit(_largest(value), 'm')} is large for a scene of {with_unit(size, 'm')}"
                 )
