@@ -19,6 +19,7 @@ from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
 from lcpflex.stated_error import accepted, stated_errors
+from lcpflex.steppers.law_run import friction_warnings
 from lcpflex.stopwatch import Stopwatch
 from lcpflex.unseen_loads import unseen_loads
 
@@ -301,6 +302,7 @@ def _collect(
         events=events,
         warnings=(
             *run.records.warnings,
+            *friction_warnings(names, run.records.missed_friction, (data["force"][:, :, 0] > 0.0).mean(axis=0)),
             *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
         ),
         complete=complete,

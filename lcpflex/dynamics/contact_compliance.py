@@ -30,6 +30,7 @@ from lcpflex.model import Model
 from lcpflex.packed import pack
 
 __all__ = [
+    "ALL",
     "HARD",
     "ContactCompliance",
     "choose",
@@ -42,13 +43,14 @@ __all__ = [
 
 ACCURATE = 1e-9  # error of a force, relative to the largest of those that laws give, that ends the passes
 ROUNDING = 2e-15  # of an indentation, relative to coordinates
+ALL = 2  # ContactCompliance.some
 HARD, FOLLOWS, YIELDS = 0, 1, 2  # Workspace.closed: no law; follows its law; yields to another pair of one hollow
 
 
 class ContactCompliance(NamedTuple):
     """Elastic laws of the declared contacts that have one."""
 
-    some: IntArray  # (1,) whether any has
+    some: IntArray  # (1,) 0: none has, 1: some, ALL
     soft: IntArray  # (laws,) whether it has one
     kinds: IntArray  # (laws, 4), see lcpflex.contact.laws.layout
     parameters: FloatArray  # (laws, PARAMETERS)
@@ -71,10 +73,12 @@ def contact_compliance(rows: Sequence[LawRow | None]) -> ContactCompliance:
     )
     for law, row in enumerate(rows):
         if row is not None:
-            arrays.some[0] = arrays.soft[law] = 1
+            arrays.soft[law] = 1
             arrays.kinds[law] = row.kinds
             arrays.parameters[law] = row.parameters
             arrays.stop[law] = row.parameters[END if row.lenient else LIMIT]
+    if arrays.soft.any():
+        arrays.some[0] = ALL if arrays.soft.all() else 1
     return pack(arrays)
 
 
@@ -155,7 +159,7 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
 @kernel
 def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
     """Keep the largest indentation of each law; returns the first that has left its range, or -1."""
-    if compliance.some[0] == 1:
+    if compliance.some[0] != 0:
         for k in range(work.step_size[1]):
             law = work.table.law[k]
             if work.closed[k] == FOLLOWS and -work.table.gap[k] > compliance.worst[law]:
@@ -169,7 +173,7 @@ def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
 def compliance_energy(compliance: ContactCompliance, work: Workspace) -> float:
     """Energy that the laws store at the present gaps [J]."""
     total = 0.0
-    if compliance.some[0] == 1:
+    if compliance.some[0] != 0:
         for k in range(work.step_size[1]):
             law = work.table.law[k]
             if work.closed[k] == FOLLOWS:

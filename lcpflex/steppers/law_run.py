@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.contact.laws.memory import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
-from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.steppers.own_laws import with_own_laws
@@ -28,6 +28,7 @@ __all__ = [
     "with_laws",
 ]
 
+LASTING = 0.1  # share of the run in which a contact is closed: a shorter one is an impact
 MISSED = 0.05  # of mu times the normal force: mean error of friction from which a run warns
 
 
@@ -82,14 +83,20 @@ def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
     ]
 
 
-def friction_warnings(names: Sequence[str], laws: LawContacts) -> list[str]:
-    """A warning for each contact by law whose friction was not that of its slip at the end of the steps."""
+def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed: FloatArray) -> list[str]:
+    """A warning for each lasting contact by law whose friction was not that of its slip at the end of the steps.
+
+    ``impulses`` as in :class:`lcpflex.dynamics.law_memory.LawContacts`; ``pressed``: share of the run that each contact
+    was closed. In an impact the slip adapts within a few steps, and its friction is right where it counts.
+    """
+    if impulses is None:
+        return []
     return [
         f"the friction of contact {name!r} is off by {100.0 * missed / most:.3g} % of mu times its normal force, on "
         "the mean: steps of Moreau-Jean balance it contact by contact, without the contacts by complementarity that "
         "hold the same bodies; take shorter steps, or EventDriven, which takes them all together"
-        for name, (missed, most) in zip(names, laws.missed.tolist(), strict=False)
-        if missed > MISSED * most
+        for name, (missed, most), share in zip(names, impulses.tolist(), pressed.tolist(), strict=False)
+        if missed > MISSED * most and share > LASTING
     ]
 
 

@@ -12,7 +12,7 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
-from lcpflex.dynamics.contact_compliance import HARD, choose, compliance_energy, misfit, note_depths
+from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
@@ -198,8 +198,10 @@ def correct(
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
     # rows of the deformed surfaces: with others, forces do work that is not stored
     fill_contact_rows(model, work.middle, work.step_size[1], len(work.residual), work)
+    soft = boundary.compliance.soft
+    everywhere = boundary.compliance.some[0] == ALL  # all that there is to tell is indentation, then
     for k in range(work.step_size[1]):
-        if boundary.compliance.soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
+        if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
             tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
     boundary.tally[CLOSED] = closed(work)
     drives = accelerate(model, t, h, boundary, work)

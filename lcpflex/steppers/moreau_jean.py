@@ -29,7 +29,7 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.law_run import begin_laws, friction_warnings, law_trouble, law_warnings, refuse_states, with_laws
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
@@ -96,6 +96,7 @@ class MoreauJeanScheme:
         self.work.solving[METHOD] = solver_method(solver)
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
+        self.records.missed_friction = self.work.laws.missed
         self._product = 0.0  # largest sqrt(k G_nn) step of contacts by law
         self.clock = np.array([0.0, 0.0, -1.0])
         self._system, self._settings = system, settings
@@ -142,7 +143,6 @@ class MoreauJeanScheme:
         """Say so where contacts by law are too stiff for the step, or out of their range."""
         self.records.warnings[:] = [
             *law_warnings(self._system.names, self.work.laws.memory),
-            *friction_warnings(self._system.names, self.work.laws),
             *self._instability(),
             *self._several.remarks(self.work, self._system.contact_name),
         ]

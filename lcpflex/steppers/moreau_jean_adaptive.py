@@ -39,7 +39,7 @@ from lcpflex.steppers.adaptive import (
     unmet,
 )
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.law_run import begin_laws, friction_warnings, law_trouble, law_warnings
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
@@ -142,6 +142,7 @@ class ControlledMoreauJean:
         self.work.solving[METHOD] = solver_method(solver)
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
+        self.records.missed_friction = self.work.laws.missed
         self.clock = np.zeros(ENTRIES)
         self.clock[STEP] = self.clock[RECENT] = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings
@@ -172,7 +173,6 @@ class ControlledMoreauJean:
         laws, names = self.work.laws, self._system.names
         return [
             *law_warnings(names, laws.memory),
-            *friction_warnings(names, laws),
             *self._several.remarks(self.work, self._system.contact_name),
         ]
 

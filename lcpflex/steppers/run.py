@@ -32,6 +32,7 @@ class Records:
         # what the steps cost in accuracy: errors of some of them (step_error.Sampling); the length of steps that place
         # an impact at their end [s]; or the sum of what error control accepted, and its rtol and atol
         self.sampling: Any = None
+        self.missed_friction: FloatArray | None = None  # of contacts by law; see law_run.friction_warnings
         self.impact_step = 0.0
         self.controlled: tuple[float, float, float] | None = None
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted

@@ -44,6 +44,7 @@ class System:
     watch: Callable[[Workspace], None] | None = None
     names: tuple[str, ...] = ()
     laws: tuple[Law | None, ...] = ()
+    soft: tuple[int, ...] = ()  # 1 for each set-valued contact that gives way by an elastic law; empty if none does
     functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
     probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
     calls: Calls | None = None  # of Python functions of time, where there are any
@@ -99,7 +100,8 @@ class System:
 
     def tape(self, table_capacity: int, spots: int) -> Tape:
         """An empty tape."""
-        table = self.table(table_capacity, ALL)
+        # of contacts that give way, too, a depth is no penetration
+        table = contact_table(table_capacity, self.n_surfaces, self.by_law or self.soft, ALL)
         thin, sway = self._thin()
         return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table, self.margin, thin, sway)
 

@@ -135,7 +135,8 @@ def test_ctrl_c_returns_what_there_is() -> None:
             raise KeyboardInterrupt
         return (0.0, 0.0)
 
-    scene.load(lf.Force(scene.body("ball").at(0.0, 0.0), press))
+    told = lf.Function(press, shortest=1.0)  # of what is told nothing is probed before the run
+    scene.load(lf.Force(scene.body("ball").at(0.0, 0.0), told))
     result = lf.simulate(scene, 1.0, lf.MoreauJean(1e-3))
     assert not result.complete
     assert "interrupted" in result.message
