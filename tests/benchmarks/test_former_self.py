@@ -1,0 +1,69 @@
+"""Steps of today's library against those of a former one, in turns: nothing gets slower.
+
+The former library is a checkout of this repository, at the path in the environment variable ``LCPFLEX_FORMER``; each
+of the two runs in a process of its own, which makes one run when it is asked to and answers with seconds per step.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+TREE = Path(__file__).parents[2]
+WORKER = Path(__file__).parent / "peers" / "former_self.py"
+SLOWER = 1.03  # what is allowed
+
+
+class Worker:
+    """A process that makes runs with the library of one checkout."""
+
+    def __init__(self, tree: Path, scene: str) -> None:
+        environment = {**os.environ, "PYTHONPATH": str(tree)}
+        self.process = subprocess.Popen(
+            [sys.executable, str(WORKER), scene],
+            env=environment,
+            cwd=tree,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def __call__(self) -> float:
+        """Seconds of processor time a step."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        print("run", file=self.process.stdin, flush=True)
+        return float(self.process.stdout.readline())
+
+    def close(self) -> None:
+        """End the process."""
+        self.process.terminate()
+        self.process.wait()
+
+
+@pytest.fixture
+def contestants(request: pytest.FixtureRequest) -> Iterator[Mapping[str, Worker]]:
+    former = os.environ.get("LCPFLEX_FORMER")
+    if not former:
+        pytest.skip("LCPFLEX_FORMER names no checkout of a former version to compare with")
+    scene: str = request.param
+    workers = {f"former {scene}": Worker(Path(former), scene), f"{scene}": Worker(TREE, scene)}
+    yield workers
+    for worker in workers.values():
+        worker.close()
+
+
+@pytest.mark.parametrize(
+    "contestants", ["pendulum", "incline", "bar", "event_driven", "generalized_alpha"], indirect=True
+)
+def test_no_slower_than_the_former_self(
+    contestants: Mapping[str, Worker], interleave: Callable[..., Mapping[str, float]]
+) -> None:
+    former, now = contestants
+    medians = interleave(contestants, rounds=21)
+    assert medians[now] <= SLOWER * medians[former]
