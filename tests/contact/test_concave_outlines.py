@@ -176,7 +176,7 @@ def test_the_gap_is_the_distance_from_the_nearest_boundary(tools, outline):
     assert corner > 20
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("outline", OUTLINES)
 def test_the_gap_is_the_distance_for_many_places(tools, outline):
     seen, inside, corner = campaign(2, tools, outline, 100, 500)

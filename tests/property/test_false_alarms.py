@@ -58,12 +58,11 @@ def variations() -> list[Variation]:
 
 ALL = variations()
 QUICK = ("oblique_bounce", "three_balls")  # some tenths of a second each
-SLOW = ("bouncing_ball", "incline", "stack", "elastic_stop", "stick_slip", "woodpecker")
 
 
 def marked(variation: Variation) -> Any:
     case, build, numbers = variation
-    marks = [] if case in QUICK else [pytest.mark.slow] if case in SLOW else [pytest.mark.campaign]
+    marks = [] if case in QUICK else [pytest.mark.campaign]
     values = " ".join(f"{name}={value:g}" for name, value in numbers.items())
     return pytest.param(case, build, numbers, marks=marks, id=f"{case} {values}".strip())
 

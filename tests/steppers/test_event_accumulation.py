@@ -149,7 +149,7 @@ def dominoes(count: int, height: float, width: float, gap: float, friction: floa
     return scene
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("height", "width", "gap", "friction", "restitution"),
     [
@@ -173,7 +173,7 @@ def test_twenty_dominoes_fall_and_come_to_rest(
         assert "slip slower than" in said or "approach slower than" in said
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_ten_links_for_half_a_second() -> None:
     """Hundreds of thousands of impacts; energy is kept, and the joints stay within their play."""
     result = lf.simulate(flexible_links(10, 0.2, modes=4), 0.5, lf.EventDriven(), record=1e-3)
