@@ -57,11 +57,12 @@ def stated_errors(
     units = Units(model, q.shape[1])
     span = float(data["times"][-1] - data["times"][0])
     ranges = np.array([np.ptp(q, axis=0), np.abs(u).max(axis=0)])
-    passing = np.minimum(ranges[0] / np.maximum(ranges[1], np.finfo(float).tiny), 0.5 * span)
+    # 1/omega of a vibration, half the time of a flight
+    passing = np.minimum(0.5 * ranges[0] / np.maximum(ranges[1], np.finfo(float).tiny), 0.5 * span)
     local = _local(records, q, u, steps)
     if local is None:
         return None, None
-    local[0] += passing * local[1]
+    local[0] = np.maximum(local[0], passing * local[1])
     errors = units.of(np.minimum(local, 2.0 * ranges))
     if records.impact_step > 0.0:
         errors = _with_impacts(errors, units, model, records, data)

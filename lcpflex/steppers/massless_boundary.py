@@ -163,9 +163,9 @@ class MasslessBoundaryScheme:
         """All that a step changes, q and u first."""
         return (self._q, self._u, self.clock, self.work, self._boundary)
 
-    def half_steps(self, time: float) -> int:
-        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
-        return half_steps(self, time)
+    def half_steps(self, time: float, done: int, count: int) -> int:
+        """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
+        return half_steps(self, time, done, count)
 
     def make_room(self, contacts: int) -> None:
         """A larger workspace."""

@@ -166,9 +166,9 @@ class MoreauJeanScheme:
         """All that a step changes, q and u first."""
         return (self._q, self._u, self.clock, *carried(self.work), *((self.work.laws,) if self._system.by_law else ()))
 
-    def half_steps(self, time: float) -> int:
-        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
-        return half_steps(self, time)
+    def half_steps(self, time: float, done: int, count: int) -> int:
+        """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
+        return half_steps(self, time, done, count)
 
     def make_room(self, contacts: int) -> None:
         """A larger workspace."""

@@ -145,11 +145,13 @@ class FixedRun(SmoothRun):
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps, some of them sampled; empty, or why the run cannot go on."""
-        while (before := max(int(min(self._sampling.ahead - 1.0, 2.0**60)) - self.steps, 0)) + 2 <= n_steps:
+        while (
+            before := max(int(min(self._sampling.ahead - 1.0, 2.0**60)) - self.steps, 0)
+        ) + Sampling.steps <= n_steps:
             message = super().advance(before) or self._sampling.sample(lambda: self.time, super().advance)
             if message or self.finished:
                 return message
-            n_steps -= before + 2
+            n_steps -= before + Sampling.steps
         return super().advance(n_steps)
 
     def state(self) -> tuple[Any, ...]:
@@ -157,14 +159,15 @@ class FixedRun(SmoothRun):
         ndof, y = len(self.system.q), self._memory.y
         return (y[:ndof], y[ndof : 2 * ndof], self._memory)
 
-    def half_steps(self, time: float) -> int:
-        """Two steps of half the length from the state at ``time`` [s]; what the loop returned."""
+    def half_steps(self, time: float, done: int, count: int) -> int:
+        """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
         halved = self._settings._replace(duration=math.inf, max_step=0.5 * self._settings.max_step, stride=UNSTORED)
-        target = self.steps + 2
+        target = self.steps + count
         self._work.span[:] *= 0.5
-        status: int = self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target)
-        self._work.span[:] *= 2.0
-        return status
+        try:
+            return int(self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target))
+        finally:
+            self._work.span[:] *= 2.0
 
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""

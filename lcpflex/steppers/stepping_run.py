@@ -60,12 +60,14 @@ class Scheme(Protocol):
 class Samples(Protocol):
     """Which steps of a run are sampled for their error; see :mod:`lcpflex.steppers.step_error`."""
 
+    steps: int  # that a sample makes
+
     @property
     def ahead(self) -> float:
         """Number of the next step before which a sample is due; infinite if none is."""
 
     def sample(self, time: Callable[[], float], advance: Callable[[int], str]) -> str:
-        """Make two steps, one of them in halves as well; empty where all went well, else why the run cannot go on."""
+        """Make ``steps`` steps, most in halves as well; empty where all went well, else why the run cannot go on."""
 
 
 class FixedScheme(Scheme, Protocol):
@@ -180,13 +182,16 @@ class FixedRun:
 
     def _loop(self, n_steps: int, stride: int) -> str:
         """Make steps, some of them sampled; empty where all went well, else why the run cannot go on."""
-        while self._sampling and (before := max(self._sampling.ahead - 1.0 - self.steps, 0.0)) + 2.0 <= n_steps:
+        while (
+            self._sampling
+            and (before := max(self._sampling.ahead - 1.0 - self.steps, 0.0)) <= n_steps - self._sampling.steps
+        ):
             message = self._steps(int(before), stride) or self._sampling.sample(
                 lambda: self.time, lambda count: self._steps(count, stride)
             )
             if message:
                 return message
-            n_steps -= int(before) + 2
+            n_steps -= int(before) + self._sampling.steps
         return self._steps(n_steps, stride)
 
     def _steps(self, n_steps: int, stride: int) -> str:
