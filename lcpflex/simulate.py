@@ -272,6 +272,8 @@ def _collect(
     place_error, speed_error = stated_errors(system.model, run.records, data, run.steps)
     spots = data["spots"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
+    pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
+    pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     laws = run.records.laws
     state = creeping(laws, everywhere, data["state"]).astype(np.int8)
     events = tuple(
@@ -302,7 +304,7 @@ def _collect(
         events=events,
         warnings=(
             *run.records.warnings,
-            *friction_warnings(names, run.records.missed_friction, (data["force"][:, :, 0] > 0.0).mean(axis=0)),
+            *friction_warnings(names, run.records.missed_friction, pressed),
             *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
         ),
         complete=complete,
