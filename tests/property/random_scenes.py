@@ -108,6 +108,10 @@ def draw(seed: int) -> Drawn:
     shares = np.array([STEPPERS[name][by_law] for name in names])
     stepper = str(rng.choice(names, p=shares / shares.sum()))
     fineness = 10.0 ** (rng.uniform(-4.3, -1.8) if stepper in FIXED else rng.uniform(-9.0, -3.0))
+    if stepper.endswith("controlled"):
+        fineness = max(fineness, 1e-7)  # of order 1 at impacts: tighter ones take millions of steps
+    if stepper not in FIXED or fineness < 3e-4:  # a loop in Python: ten milliseconds a step
+        pushes = tuple(replace(push, kind="harmonic") if push.kind == "function" else push for push in pushes)
     contact_time = 10.0 ** rng.uniform(-2.7, -1.7)  # [s]
     return Drawn(
         seed=seed,
