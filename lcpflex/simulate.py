@@ -273,7 +273,6 @@ def _collect(
     spots = data["spots"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
-    pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     laws = run.records.laws
     state = creeping(laws, everywhere, data["state"]).astype(np.int8)
     events = tuple(
