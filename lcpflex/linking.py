@@ -30,6 +30,8 @@ def link(root: Kernel, hooks: Hooks) -> Kernel:
     TypeError
         For a kernel on the way whose calls cannot be told from its names; see :func:`callees`.
     """
+    if not hooks:
+        return root
     if root in hooks:
         return hooks[root]
     calls = reaching(root, hooks)

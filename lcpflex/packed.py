@@ -7,6 +7,7 @@ and kernels load just those that they use; ``model.bodies.mass[b]`` reads the sa
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -45,9 +46,18 @@ def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:
 def _type_of(value: Any) -> Any:
     if isinstance(value, Packed):
         return value._type
-    import numba
+    flags = value.flags
+    return _array_type(value.dtype, value.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable, flags.aligned)
 
-    return numba.typeof(value)
+
+@cache
+def _array_type(dtype: Any, ndim: int, c: bool, f: bool, writeable: bool, aligned: bool) -> Any:
+    """What ``numba.typeof`` says of such an array, which takes it thirty times as long."""
+    from numba import types
+    from numba.np.numpy_support import from_dtype
+
+    layout = "C" if c else "F" if f else "A"
+    return types.Array(from_dtype(dtype), ndim, layout, readonly=not writeable, aligned=aligned)
 
 
 def pack(values: T) -> T:

@@ -102,7 +102,7 @@ def mixed_mass(stretch: FloatArray, deflection: FloatArray, rotation: FloatArray
 def interpolate(modes: LineModes, h: float, station: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Stretch u, deflection w and slope w' (k, n) at the stations (k,) along a line of elements of length h."""
     elements = len(modes.stretch) - 1
-    place = np.clip(station / h, 0.0, float(elements))
+    place = np.minimum(np.maximum(station / h, 0.0), float(elements))
     first = np.minimum(place.astype(np.int64), elements - 1)
     s = (place - first)[:, None]
     second = first + 1

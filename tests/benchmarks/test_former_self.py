@@ -42,8 +42,8 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
-        self.process.terminate()
-        self.process.wait()
+        with self.process:  # closes its pipes, too
+            self.process.terminate()
 
 
 @pytest.fixture
