@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from enum import Enum
 
@@ -10,8 +11,10 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
-__all__ = ["Energies", "EnergyGrowth"]
+__all__ = ["GROWTH", "Energies", "EnergyGrowth", "created", "energy_warnings"]
 
+GROWTH = 1e-4  # created energy, relative to the largest stored one, above which a result warns
+REMAINDER = 0.02  # unexplained energy, likewise
 ROUNDING = 1e-10  # stored energy below this, relative to the potential energy, cannot be told from rounding
 
 
@@ -110,3 +113,40 @@ class Energies:
         if unexplained == 0.0:
             return 0.0
         return unexplained / scale if scale > 0.0 else float("inf")
+
+
+def created(gain: FloatArray, cause: str) -> str:
+    """How much energy contact impulses created, when, and why."""
+    return (
+        f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
+        f"{gain[2]:.6g} s ({cause})"
+    )
+
+
+def energy_warnings(
+    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int, cause: str
+) -> tuple[str, ...]:
+    """What a reader must know before trusting the result."""
+    warnings = [] if complete else ["the run is incomplete"]
+    if not energies.remainder.size:
+        return tuple(warnings)
+    scale = energies.scale
+    if not np.isfinite(energies.remainder).all():
+        return (*warnings, "the energies are no longer finite")
+    rounding = energies.rounding * math.sqrt(max(steps, 1))  # that of all steps, at random
+    accepted = 0.0
+    if energy_growth is EnergyGrowth.ACCEPT:
+        accepted = float(gain[0])
+    elif gain[0] > max(GROWTH * scale, rounding):
+        warnings.append(created(gain, cause))
+    growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
+    if growth - accepted > max(GROWTH * scale, rounding):
+        warnings.append(
+            f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
+        )
+    if energies.relative_remainder > REMAINDER:
+        warnings.append(
+            f"{energies.largest_remainder:.4g} J of energy are unexplained ({energies.relative_remainder:.2g} of the "
+            "largest stored): use a shorter step or tighter tolerances"
+        )
+    return tuple(warnings)

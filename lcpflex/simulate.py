@@ -12,19 +12,18 @@ import numpy as np
 
 from lcpflex.contact.impact_laws import Newton
 from lcpflex.contact.laws.creep import creeping, crept
-from lcpflex.energy import Energies, EnergyGrowth
+from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.kept_depth import kept_depths
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
-from lcpflex.stated_error import accepted, stated_errors
+from lcpflex.stated_error import stated_errors
 from lcpflex.steppers.law_run import friction_warnings
 from lcpflex.stopwatch import Stopwatch
 from lcpflex.unseen_loads import unseen_loads
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
     from lcpflex.scene import Compiled, Scene
     from lcpflex.steppers.run import Records
     from lcpflex.steppers.system import System
@@ -34,9 +33,7 @@ __all__ = ["simulate"]
 
 INSTANTS = 1000  # stored when no interval is asked for
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
-GROWTH = 1e-4  # created energy, relative to the largest stored one, above which the result warns
 NAMED = 8  # closed contacts that an error names
-REMAINDER = 0.02  # unexplained energy, relative to the largest stored one, above which the result warns
 
 
 class Run(Protocol):
@@ -268,8 +265,8 @@ def _collect(
     data = run.records.collected()
     growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
-    run.records.controlled = accepted(stepper, run.steps)
-    place_error, speed_error = stated_errors(system.model, run.records, data, run.steps)
+    controlled = not getattr(run, "fixed_step", 0.0)
+    place_error, speed_error = stated_errors(system.model, run.records, data, run.steps, controlled)
     spots = data["spots"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
@@ -304,7 +301,7 @@ def _collect(
         warnings=(
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
-            *_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
+            *energy_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
         ),
         complete=complete,
         message=message,
@@ -352,7 +349,7 @@ class _WithoutGrowth:
         self._known = float(gain[0])
         if gain[0] <= GROWTH * self._run.records.energy_scale():
             return ""
-        return _created(gain, self._cause) + "; energy_growth=EnergyGrowth.WARN goes on"
+        return created(gain, self._cause) + "; energy_growth=EnergyGrowth.WARN goes on"
 
 
 def _growth_cause(stepper: Stepper, system: System) -> str:
@@ -364,40 +361,3 @@ def _growth_cause(stepper: Stepper, system: System) -> str:
     if bounces and contacts.friction.any() and isinstance(getattr(stepper, "impact", Newton()), Newton):
         return f"Newton's restitution with friction does so; if not, {shorter} will help"
     return f"no contact law of this run does so: take {shorter}"
-
-
-def _created(gain: FloatArray, cause: str) -> str:
-    """How much energy contact impulses created, when, and why."""
-    return (
-        f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
-        f"{gain[2]:.6g} s ({cause})"
-    )
-
-
-def _warnings(
-    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int, cause: str
-) -> tuple[str, ...]:
-    """What a reader must know before trusting the result."""
-    warnings = [] if complete else ["the run is incomplete"]
-    if not energies.remainder.size:
-        return tuple(warnings)
-    scale = energies.scale
-    if not np.isfinite(energies.remainder).all():
-        return (*warnings, "the energies are no longer finite")
-    rounding = energies.rounding * math.sqrt(max(steps, 1))  # that of all steps, at random
-    accepted = 0.0
-    if energy_growth is EnergyGrowth.ACCEPT:
-        accepted = float(gain[0])
-    elif gain[0] > max(GROWTH * scale, rounding):
-        warnings.append(_created(gain, cause))
-    growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
-    if growth - accepted > max(GROWTH * scale, rounding):
-        warnings.append(
-            f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
-        )
-    if energies.relative_remainder > REMAINDER:
-        warnings.append(
-            f"{energies.largest_remainder:.4g} J of energy are unexplained ({energies.relative_remainder:.2g} of the "
-            "largest stored): use a shorter step or tighter tolerances"
-        )
-    return tuple(warnings)

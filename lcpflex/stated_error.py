@@ -1,12 +1,12 @@
 """The error of its steps that a result states, from what the run has noted and stored.
 
-It is a sum of local errors: of sampled steps of fixed length (:mod:`lcpflex.steppers.step_error`), or of what the error
-control of others accepted, and of impacts. Time stepping puts an impact at the end of a step of length h, at most h/2
-from where it belongs on the average, in which places go wrong by e = h/2 |jump of the velocity|. Errors of velocities
-go on into places, for as long as a coordinate takes through its range. An impact magnifies what is wrong before it: a
-body with corners that is turned by e over its extent is left with another velocity by e |jump of omega|, one that is
-struck on a round of radius R by another round by e |jump of the velocity| / R, and this, too, goes on. No error is
-larger than twice the range of the motion itself.
+It is a sum of local errors: of sampled steps of fixed length (:mod:`lcpflex.steppers.step_error`), or of all that error
+control has accepted, and of impacts. Time stepping puts an impact at the end of a step of length h, at most h/2 from
+where it belongs on the average, in which places go wrong by h/2 |jump of the velocity|. Errors of velocities go on into
+places, for as long as a coordinate takes through its range. An impact magnifies what is wrong before it, and that the
+bodies go on by e = h/2 |velocity| before it is taken: one with corners is left with another velocity by e |jump of
+omega|, one that is struck on a round of radius R by another round by e |jump of the velocity| / R, and this, too, goes
+on. No error is larger than twice the range of the motion itself.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.step_error import ORDER, Units
 
@@ -24,31 +24,20 @@ if TYPE_CHECKING:
     from lcpflex.model import Model
     from lcpflex.result import Result
 
-__all__ = ["accepted", "error_shares", "stated_errors"]
+__all__ = ["error_shares", "stated_errors"]
 
-MEAN = 0.3  # of its tolerance: what an accepted step has for an error, ordinarily
 SMALL = 1e-6  # of the largest range of a coordinate: a smaller one is rounding
+GRAZING = 4.0  # velocity over that of the impact, at most: of the push in a contact that goes on, no more is new
+RESTING = 0.1  # of the duration that a contact by law lasts: longer is no impact
 AT_REST = 1e-4  # of the size over the duration: slower is at rest, where rounding is as large as the speed
 
 
-def accepted(stepper: object, steps: int) -> tuple[float, float, float] | None:
-    """What the error control of a stepper accepted in so many steps, as a sum of ratios to its rtol and atol.
-
-    They are in the result; None without error control. Of each step it is taken as :data:`MEAN` of its tolerance.
-    """
-    adaptive = getattr(stepper, "adaptive", None)
-    control = adaptive or getattr(stepper, "integrator", stepper)
-    rtol, atol = getattr(control, "rtol", None), getattr(control, "atol", None)
-    if rtol is None or atol is None:
-        return None
-    return MEAN * (0.5 * steps if adaptive else steps), float(rtol), float(atol)  # two steps to an error by doubling
-
-
 def stated_errors(
-    model: Model, records: Records, data: dict[str, FloatArray], steps: int
+    model: Model, records: Records, data: dict[str, FloatArray], steps: int, controlled: bool
 ) -> tuple[float, float] | tuple[None, None]:
     """Errors of places [m] and of velocities [m/s], of the body that is worst off; None where the run has noted none.
 
+    ``controlled``: whether error control chose the steps, so that the errors of all of them are known.
     In a user's own system: of a coordinate, over its range, and of its rate, over the largest.
     """
     q, u = data["q"], data["u"]
@@ -59,25 +48,20 @@ def stated_errors(
     ranges = np.array([np.ptp(q, axis=0), np.abs(u).max(axis=0)])
     # 1/omega of a vibration, half the time of a flight
     passing = np.minimum(0.5 * ranges[0] / np.maximum(ranges[1], np.finfo(float).tiny), 0.5 * span)
-    local = _local(records, q, u, steps)
+    local = records.tape.local.copy() if controlled else _sampled(records, steps)
     if local is None:
         return None, None
     local[0] = np.maximum(local[0], passing * local[1])
     errors = units.of(np.minimum(local, 2.0 * ranges))
-    if records.impact_step > 0.0:
-        errors = _with_impacts(errors, units, model, records, data)
-        errors = np.minimum(errors, units.of(2.0 * ranges))
+    errors = np.minimum(_with_impacts(errors, units, model, records, data), units.of(2.0 * ranges))
     if units.own:
         ranges = np.maximum(ranges, SMALL * ranges.max(axis=1, keepdims=True))
         errors = np.divide(errors, ranges, out=np.zeros_like(errors), where=ranges > 0.0)
     return float(errors[0].max(initial=0.0)), float(errors[1].max(initial=0.0))
 
 
-def _local(records: Records, q: FloatArray, u: FloatArray, steps: int) -> FloatArray | None:
-    """Sums of the local errors of coordinates and rates (2, ndof); None where nothing is known."""
-    if records.controlled is not None:
-        ratios, rtol, atol = records.controlled
-        return np.array([ratios * (atol + rtol * np.abs(values).max(axis=0)) for values in (q, u)])
+def _sampled(records: Records, steps: int) -> FloatArray | None:
+    """Sums of the local errors of coordinates and rates (2, ndof), from those of samples; None without any."""
     found = None if records.sampling is None else records.sampling.found
     return np.abs(found).mean(axis=0) * (ORDER * steps) if found else None
 
@@ -85,40 +69,115 @@ def _local(records: Records, q: FloatArray, u: FloatArray, steps: int) -> FloatA
 def _with_impacts(
     smooth: FloatArray, units: Units, model: Model, records: Records, data: dict[str, FloatArray]
 ) -> FloatArray:
-    """Errors of places and velocities (2, units) with impacts, which magnify those ``smooth`` ones before them.
+    """Errors of places and velocities (2, units) with impacts, which magnify those ``smooth`` ones before them."""
+    u, impacts = data["u"], _impacts(records, data)
+    times = data["times"][[0, *(last for _, last, _ in impacts), -1]]
+    place, speed = np.zeros(units.count), np.zeros(units.count)
+    grown = np.diff(smooth[0] * _shares(records, units, times), axis=0)
+    episodes = None if units.own else _Episodes(model, units, records.impact_step)
+    for k, (first, last, laws) in enumerate(impacts):
+        place += (times[k + 1] - times[k]) * speed + grown[k]
+        if records.set_valued[laws].any():
+            place += 0.5 * records.impact_step * units.of(u[last] - u[first])
+        if episodes is not None:
+            speed = episodes.magnified(float(times[k + 1]), laws, data["q"][first], u[[first, last]], place, speed)
+    place += (times[-1] - times[-2]) * speed + grown[-1]
+    shaken = 0.0 if episodes is None else np.sqrt(episodes.shaken)
+    return np.array([place, smooth[1] + speed + shaken])
 
-    Something strikes between two stored instants where a contact takes more impulse than its force at both explains.
+
+def _shares(records: Records, units: Units, times: FloatArray) -> FloatArray:
+    """Which part of the local errors there has been up to ``times`` (m,), of each unit (m, units)."""
+    even = ((times - times[0]) / max(float(times[-1] - times[0]), np.finfo(float).tiny))[:, None]
+    if records.sampling is None or not records.sampling.found:
+        return np.broadcast_to(even, (len(times), units.count))
+    errors = units.of(np.array(records.sampling.found)).max(axis=1)
+    when = np.array([times[0], *records.sampling.times])
+    total = np.cumsum(np.concatenate([np.zeros((1, units.count)), errors]), axis=0)
+    shares = [np.interp(times, when, part / part[-1]) if part[-1] > 0.0 else even[:, 0] for part in total.T]
+    return np.stack(shares, axis=1)
+
+
+def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, int, list[int]]]:
+    """First and last stored instant of all impacts with their contacts, in the order of their ends.
+
+    Something strikes between two stored instants where a contact takes more impulse than its force at both explains. A
+    contact by law strikes as long as it takes impulse, unless it rests.
     """
-    times, u = data["times"], data["u"]
+    times, force = data["times"], data["force"][:, :, 0]
     taken = np.diff(data["impulse"][:, :, 0], axis=0)
-    steady = np.minimum(data["force"][1:, :, 0], data["force"][:-1, :, 0]) * np.diff(times)[:, None]
+    steady = np.minimum(force[1:], force[:-1]) * np.diff(times)[:, None]
     struck = (taken - steady > 0.5 * taken) & (taken > 0.0) & records.set_valued
-    rows = np.flatnonzero(struck.any(axis=1))
-    change = u[rows + 1] - u[rows]
-    jumps = units.of(change)
-    cornered, radii = _shapes(model, units.count)
-    place, speed, before = np.zeros(units.count), np.zeros(units.count), float(times[0])
-    drift = smooth[0] / max(float(times[-1] - times[0]), np.finfo(float).tiny)
-    for k, row in enumerate(rows.tolist()):
-        now = float(times[row + 1])
-        place += (now - before) * (speed + drift) + 0.5 * records.impact_step * jumps[k]
-        if not units.own:
-            first = model.bodies.dof[:-1]
-            turning = np.abs(change[k, first + 2]) * cornered
-            round_ones = radii[struck[row]]
-            curved = np.divide(1.0, round_ones, out=np.zeros_like(round_ones), where=round_ones > 0.0).max(axis=0)
-            speed += place * (turning + np.hypot(change[k, first], change[k, first + 1]) * curved)
-        before = now
-    return np.array([place + (float(times[-1]) - before) * (speed + drift), smooth[1] + speed])
+    rows = np.flatnonzero(struck.any(axis=1)).tolist()
+    found = [(row, row + 1, np.flatnonzero(struck[row]).tolist()) for row in rows]
+    for law in np.flatnonzero(~records.set_valued).tolist():
+        edges = np.diff(np.concatenate([[0], taken[:, law] > 0.0, [0]]).astype(np.int8))
+        for first, last in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
+            if times[last] - times[first] <= RESTING * (times[-1] - times[0]):
+                found.append((first, last, [law]))
+    return sorted(found, key=lambda impact: impact[1])
 
 
-def _shapes(model: Model, count: int) -> tuple[FloatArray, FloatArray]:
-    """Whether each body has corners (count,), and of each contact the radius on which a body is struck by a round one.
+class _Episodes:
+    """By how much impacts magnify what is wrong before them; those on a vibrating body are one, as long as they last.
 
-    The radii (contacts, count) [m] are 0 where a body does not take part, or one of the two surfaces is flat.
+    A contact that bounces within the slowest vibration of its body hands momentum to and fro: the body as a whole is
+    struck once, by what is left of it in the end.
+    """
+
+    def __init__(self, model: Model, units: Units, step: float) -> None:
+        self._units, self._step = units, step
+        self._first = model.bodies.dof[:-1]
+        self._cornered, self._curved, self._partners = _shapes(model, units)
+        self._stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
+        self._lasts = np.zeros(units.count)  # slowest vibration [s]
+        for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
+            stiffness = self._stiffness[d + 3 : end]
+            stiffness[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
+            if (stiffness > 0.0).any():
+                self._lasts[b] = 2.0 * np.pi / np.sqrt(stiffness[stiffness > 0.0].min())
+        self._seen = np.full(units.count, -np.inf)
+        self._begun = np.zeros((units.count, 3))  # velocities before the episode
+        self._speed = np.zeros(units.count)  # errors before it
+        self.shaken = np.zeros(units.count)  # errors of velocities that vibrations are left with, squared
+
+    def magnified(
+        self, now: float, laws: list[int], q: FloatArray, ends: FloatArray, place: FloatArray, speed: FloatArray
+    ) -> FloatArray:
+        """Errors of velocities behind an impact of contacts ``laws`` at q; ``ends`` (2, ndof): u before and after."""
+        rigid, left = ends[:, self._first[:, None] + np.arange(3)]
+        fresh = now - self._seen > self._lasts
+        self._begun = np.where(fresh[:, None], rigid, self._begun)
+        self._speed = np.where(fresh, speed, self._speed)
+        fast = self._units.of(ends[0])
+        # a vibration that is met half a step late has another velocity by then
+        pulled = 0.5 * self._step * self._units.of(self._stiffness * q)
+        out = speed.copy()
+        for law in laws:
+            pair = self._partners[law]
+            # the impact is taken where the bodies have got to by the end of a step
+            off = place[pair].sum() + 0.5 * self._step * fast[pair].sum()
+            jump = left - self._begun
+            moved = np.hypot(jump[:, 0], jump[:, 1])
+            parting = max(float(moved[pair].sum()), np.finfo(float).tiny)
+            self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
+            for b in pair.tolist():
+                turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * moved[b] / parting)
+                tilted = moved[b] * (1.0 + min(fast[pair].sum() / parting, GRAZING)) * self._curved[law]
+                out[b] = max(out[b], self._speed[b] + off * (turning + tilted))
+                self._seen[b] = now
+        return out
+
+
+def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[IntArray]]:
+    """Whether each body has corners (units,); of each contact by how much its normal turns over a way; its bodies.
+
+    The normal turns by the curvature 1/R [1/m] of one round on another, or, of a side of a body, as that does: by one
+    over the extent. It does not on a wall.
     """
     contacts = model.contacts
-    cornered, radii = np.zeros(count), np.zeros((len(contacts.friction), count))
+    cornered, curved = np.zeros(units.count), np.zeros(len(contacts.friction))
+    partners: list[set[int]] = [set() for _ in contacts.friction]
     kinds = [contacts.feature_kind[a:b] for a, b in pairwise(contacts.feature_start.tolist())]
     widest = [
         float(np.max(contacts.slave_radius[a:b], initial=0.0)) for a, b in pairwise(contacts.slave_start.tolist())
@@ -127,14 +186,16 @@ def _shapes(model: Model, count: int) -> tuple[FloatArray, FloatArray]:
         if body >= 0 and (kind == 0).any():
             cornered[body] = 1.0
     for slave, feature, law in zip(contacts.pass_slave, contacts.pass_feature, contacts.pass_law, strict=True):
-        round_feature = (kinds[feature] == 1).all()
-        if round_feature and widest[slave] > 0.0:
+        bodies = [int(b) for b in contacts.surface_body[[slave, feature]] if b >= 0]
+        partners[law].update(bodies)
+        if (kinds[feature] == 1).all() and widest[slave] > 0.0:
             own = slice(contacts.feature_start[feature], contacts.feature_start[feature + 1])
-            both = widest[slave] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
-            for surface in (slave, feature):
-                if contacts.surface_body[surface] >= 0:
-                    radii[law, contacts.surface_body[surface]] = both
-    return cornered, radii
+            radius = widest[slave] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
+            curved[law] = max(curved[law], 1.0 / radius)
+        elif len(bodies) == 2:
+            extents = [units.extent(b) for b in bodies if cornered[b]]
+            curved[law] = max([curved[law], *(1.0 / extent for extent in extents if extent > 0.0)])
+    return cornered, curved, [np.array(sorted(pair), dtype=np.int64) for pair in partners]
 
 
 def error_shares(result: Result) -> tuple[float, float] | None:

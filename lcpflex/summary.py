@@ -200,17 +200,25 @@ def _verdict(result: Result) -> str:
     reasons = doubts(result)
     if reasons:
         return "NOT to be trusted as it stands: " + "; ".join(reasons) + "."
-    largest = max(error_shares(result) or (0.0,))
-    coarse = (
-        f" The local errors of its steps sum up to {_share(largest)}, though: it is no more accurate than that; take a "
-        "shorter step or a tighter tolerance."
-    )
+    coarse = _coarse(result)
     if result.warnings:
-        read = "Can be trusted as far as its own checks see, but read the warnings above."
-        return read + coarse if largest > COARSE else read
+        return "Can be trusted as far as its own checks see, but read the warnings above." + coarse
     return (
         "Can be trusted as far as its own checks see: energy balanced, contact problems solved, gaps and joints kept."
-    ) + (coarse if largest > COARSE else FINE)
+    ) + (coarse or FINE)
+
+
+def _coarse(result: Result) -> str:
+    """What the result states of the error of its steps, where that is large; else empty."""
+    place, speed = error_shares(result) or (0.0, 0.0)
+    if max(place, speed) <= COARSE:
+        return ""
+    named = [(place, "places"), (speed, "velocities")]
+    large = " and ".join(f"{_share(share)} in {name}" for share, name in named if share > COARSE)
+    return (
+        f" The local errors of its steps sum up to {large}, though: it is no more accurate than that; take a shorter "
+        "step or a tighter tolerance."
+    )
 
 
 def scene_size(result: Result) -> float | None:

@@ -41,7 +41,7 @@ from lcpflex.steppers.event_memory import (
 )
 from lcpflex.steppers.event_segment import search, slope, step, watch
 from lcpflex.steppers.event_sets import choose, fall_back, gather, note_changes
-from lcpflex.steppers.runge_kutta import copy_state, interpolate
+from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 from lcpflex.steppers.tape import Tape, note_contact, note_laws, store_contacts, store_state
 
 __all__ = ["CALM", "CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
@@ -261,6 +261,7 @@ def advance(
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = number[CONTACTS]
             if phase == CLOSING_STEP:
+                add_errors(memory.slopes, clock[SHARE] * clock[TAKEN], tape.local)
                 close_step(settings, memory)
             elif phase == SETTLING:
                 note_changes(work, memory)

@@ -34,6 +34,7 @@ from lcpflex.steppers.adaptive import (
     Backup,
     Limits,
     accept,
+    add_differences,
     after_rejection,
     backup,
     doubling_error,
@@ -293,6 +294,8 @@ def advance_adaptive(
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             after_rejection(limits, clock, h, error)
             continue
+        if part == SECOND:
+            add_differences(q, u, kept, tape)
         accept(limits, clock, h, error, part == ALONE, sunk)
         clock[FASTEST] = max(clock[FASTEST], memory.value[APPROACH])
         clock[STOPPED] = max(clock[STOPPED], memory.value[AT_REST])

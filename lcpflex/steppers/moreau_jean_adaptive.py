@@ -26,6 +26,7 @@ from lcpflex.steppers.adaptive import (
     Backup,
     Limits,
     accept,
+    add_differences,
     after_impact,
     after_rejection,
     backup,
@@ -126,6 +127,8 @@ def advance_adaptive(
             put_back(q, u, work, tape, kept)
             after_rejection(limits, clock, h, error)
             continue
+        if not alone:
+            add_differences(q, u, kept, tape)
         accept(limits, clock, h, error, alone, closing[0])
         clock[STOPPED] = work.stopped[0]
         after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)

@@ -14,7 +14,7 @@ from lcpflex.steppers.tape import Tape
 __all__ = ["Records"]
 
 FIELDS = ("times", "q", "u", "force", "impulse", "state", "gap", "energies", "peaks")
-RUNNING = ("sums", "worst", "gain", "total_impulse", "now_force", "now_state", "before", "after", "free")
+RUNNING = ("local", "sums", "worst", "gain", "total_impulse", "now_force", "now_state", "before", "after", "free")
 
 
 class Records:
@@ -29,12 +29,11 @@ class Records:
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
         self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
         self.set_valued = np.array([not law for law in system.by_law] or [True] * system.n_laws, dtype=bool)
-        # what the steps cost in accuracy: errors of some of them (step_error.Sampling); the length of steps that place
-        # an impact at their end [s]; or the sum of what error control accepted, and its rtol and atol
+        # what the steps cost in accuracy, beside tape.local: errors of some of them (step_error.Sampling);
+        # the length of steps that place an impact at their end [s]
         self.sampling: Any = None
         self.missed_friction: FloatArray | None = None  # of contacts by law; see law_run.friction_warnings
         self.impact_step = 0.0
-        self.controlled: tuple[float, float, float] | None = None
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
         self._passages = Passages(system.model, system.names)

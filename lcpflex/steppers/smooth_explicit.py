@@ -16,7 +16,17 @@ from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
-from lcpflex.steppers.runge_kutta import STAGES, C, E, copy_state, error_norm, interpolate, stage_state, step_factor
+from lcpflex.steppers.runge_kutta import (
+    STAGES,
+    C,
+    E,
+    add_errors,
+    copy_state,
+    error_norm,
+    interpolate,
+    stage_state,
+    step_factor,
+)
 from lcpflex.steppers.smooth_memory import (
     DETAIL,
     ERROR,
@@ -280,6 +290,7 @@ def advance(
             status = step(model, settings, work, memory)
             number[PHASE] = EMITTING if status == DONE else STEPPING
         elif phase == CLOSING:
+            add_errors(memory.slopes, clock[TAKEN], tape.local)
             status = close_step(model, settings, work, memory, tape)
             number[PHASE] = NOTING
         elif phase in (NOTING, BEFORE):

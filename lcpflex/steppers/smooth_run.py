@@ -165,7 +165,10 @@ class FixedRun(SmoothRun):
         target = self.steps + count
         self._work.span[:] *= 0.5
         try:
-            return int(self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target))
+            while True:
+                status = self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target)
+                if status != PASSED:
+                    return int(status)
         finally:
             self._work.span[:] *= 2.0
 

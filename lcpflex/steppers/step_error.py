@@ -19,6 +19,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
+from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records
 
 __all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried", "half_steps"]
@@ -50,6 +51,10 @@ class Units:
             modes = int(dof[b + 1] - dof[b]) - 3
             phi = np.concatenate(shapes) if shapes else np.zeros((0, modes))
             self._bodies.append((int(dof[b]), int(dof[b + 1]), extent, phi))
+
+    def extent(self, body: int) -> float:
+        """Farthest point of a body from its origin [m]."""
+        return self._bodies[body][2]
 
     def of(self, change: FloatArray) -> FloatArray:
         """By how much changes (..., ndof) of the coordinates move places, at most: (..., count)."""
@@ -98,7 +103,10 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
         scheme.change_step(half)
     scheme.clock[0], scheme.clock[2] = 1.0, 1.0  # counted from 1: none is stored
     try:
-        return scheme.loop(time + (done - 1) * half, count, UNSTORED)
+        while True:
+            status = scheme.loop(time + (done - 1) * half, int(1 + count - scheme.clock[0]), UNSTORED)
+            if status != PASSED:  # what may have passed through something is looked at in the run itself
+                return status
     finally:
         scheme._settings = settings
 
@@ -133,6 +141,7 @@ class Sampling:
         at = 1 + (places * (total - BLOCK) / max(count, 1)).astype(np.int64)
         self._at = [int(k) for k, before in zip(at, [-BLOCK, *at], strict=False) if k > before + BLOCK][::-1]
         self.found: list[tuple[FloatArray, FloatArray]] = []
+        self.times: list[float] = []  # at which each was found [s]
         self._known: tuple[tuple[Any, ...], list[np.ndarray[Any, Any]]] = ((), [])
 
     @property
@@ -162,6 +171,7 @@ class Sampling:
         error = np.array(ends) - np.array(halves[0])
         if np.isfinite(error).all():
             self.found.append((error[1] - error[0]) / (BLOCK - 1))
+            self.times.append(time())
         return ""
 
     def _impulse(self) -> FloatArray:

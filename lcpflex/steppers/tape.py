@@ -57,6 +57,7 @@ class Tape(NamedTuple):
     after: FloatArray  # (ndof,) and at its end, where it is to be examined
     free: FloatArray  # (ndof,) where its first velocity leads; NaN under schemes that move no body out of another
     # running values
+    local: FloatArray  # (2, ndof) magnitudes of the errors that error control has accepted, summed, of q and of u
     sums: FloatArray  # (4,)
     worst: FloatArray  # (5,)
     gain: FloatArray  # (3,) energy created by contact impulses: total [J], largest at once [J], its time [s]
@@ -96,6 +97,7 @@ def tape(
         before=zeros(ndof),
         after=zeros(ndof),
         free=np.full(ndof, np.nan),
+        local=zeros((2, ndof)),
         sums=zeros(4),
         worst=zeros(5),
         gain=zeros(3),

@@ -3,7 +3,8 @@
 A scene has a truth up to the time at which two runs of other methods, ten and twenty times finer, differ by more than
 ``AGREED`` of its size. Silent is a result that says "can be trusted", has no warning, and has passed through something,
 or is off by more than ``OFF`` of the size (or of the largest speed) and by more than ``TIMES`` times the error of its
-steps that it states. Velocities jump: they are compared within the time by which an impact may be displaced.
+steps that it states. Velocities jump: they are compared within the time by which an impact may be displaced, and a
+difference must last longer than that.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import time
 import warnings
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,8 @@ OFF = 0.02  # of the size or the largest speed: wrong
 TIMES = 3.0  # the stated error of the steps: more is wrong by more than its own claims
 LEAST = 0.2  # [s] of truth that a scene must have to be judged
 INSTANTS = 4000  # stored of a reference: between them it is taken as linear
+SHIFTS = 41  # of a reference within the time by which an impact may be displaced
+LONGEST = 0.02  # [s] by which an impact may be displaced
 GRID = 400  # instants at which references are compared
 
 
@@ -113,21 +117,40 @@ def truth_of(first: lf.Result, second: lf.Result, duration: float) -> Truth:
     return Truth(first, second, until, max(extent, float(far[held].max())), fastest)
 
 
-def _speed_errors(truth: Truth, result: lf.Result, shapes: list[Outline], rows: Any, window: float) -> Array:
-    """Least difference of velocities within ``window`` of each instant (m,); 0 where the references differ."""
+def _nearest(mine: Array, theirs: list[Array]) -> Array:
+    """Least distance (m,) of velocities (m, p, 2) from the way through others, straight from one to the next."""
+    least = np.full(len(mine), np.inf)
+    for first, second in pairwise(theirs):
+        way = second - first
+        length = np.sum(way * way, axis=(1, 2))
+        share = np.sum((mine - first) * way, axis=(1, 2)) / np.where(length > 0.0, length, 1.0)
+        least = np.minimum(least, _distance(mine, first + np.clip(share, 0.0, 1.0)[:, None, None] * way))
+    return least
+
+
+def _lasting(times: Array, errors: Array, window: Array) -> Array:
+    """The least error within ``window`` after each instant: what passes sooner is an impact at another time."""
+    last = np.searchsorted(times, times + window, side="right")
+    return np.array([errors[k:end].min() for k, end in enumerate(last)])
+
+
+def _speed_errors(truth: Truth, result: lf.Result, shapes: list[Outline], rows: Any, least: float) -> Array:
+    """Differences of velocities (m,) from the nearer reference, 0 where these differ: both hold.
+
+    An impact may be displaced by ``least`` [s], or by the time in which a place moves by ``OFF`` of the size.
+    """
     t, q, u = result.times[rows], result.q[rows], result.u[rows]
+    now = _rates(shapes, q, _interpolated(truth.result.times, truth.result.u, t))
+    fast = np.hypot(now[..., 0], now[..., 1]).max(-1)
+    window = np.clip(OFF * truth.size / np.maximum(fast, 1e-300), least, max(least, LONGEST))
+    shifts = np.clip(t + window * np.linspace(-1.0, 1.0, SHIFTS)[:, None], 0.0, truth.until)
+    one, other = (
+        [_rates(shapes, q, _interpolated(r.times, r.u, at)) for at in shifts] for r in (truth.result, truth.other)
+    )
     mine = _rates(shapes, q, u)
-    least = np.full(len(t), np.inf)
-    sure = np.full(len(t), np.inf)
-    for shift in np.linspace(-1.0, 1.0, 41):
-        at = np.clip(t + shift * window, 0.0, truth.until)
-        reference = truth.result
-        theirs = _rates(shapes, q, _interpolated(reference.times, reference.u, at))
-        least = np.minimum(least, _distance(mine, theirs))
-        other = _rates(shapes, q, _interpolated(truth.other.times, truth.other.u, at))
-        now = _rates(shapes, q, _interpolated(reference.times, reference.u, t))
-        sure = np.minimum(sure, _distance(now, other))
-    return np.where(sure <= 0.25 * OFF * truth.speed, least, 0.0)
+    sure = _nearest(now, other) <= 0.25 * OFF * truth.speed
+    error = np.minimum(_nearest(mine, one), _nearest(mine, other))
+    return _lasting(t, np.where(sure, error, 0.0), window)
 
 
 def walls_of(drawn: Drawn) -> list[tuple[Any, ...]]:
@@ -162,7 +185,6 @@ def judge_result(
     rows = np.flatnonzero(result.times <= truth.until)
     q = _interpolated(truth.result.times, truth.result.q, result.times[rows])
     off = float(_distance(_places(shapes, result.q[rows]), _places(shapes, q)).max()) / truth.size
-    window = min(max(window, OFF * truth.size / max(truth.speed, 1e-300)), 0.02)
     speed = max(truth.speed, 1e-300)
     off_speed = float(_speed_errors(truth, result, shapes, rows, window).max()) / speed
     walls, pairs = walls_of(drawn), pairs_of(drawn)
