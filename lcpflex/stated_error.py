@@ -80,7 +80,8 @@ def _with_impacts(
         if records.set_valued[laws].any():
             place += 0.5 * records.impact_step * units.of(u[last] - u[first])
         if episodes is not None:
-            speed = episodes.magnified(float(times[k + 1]), laws, data["q"][first], u[[first, last]], place, speed)
+            ends = data["times"][[max(first - 1, 0), first, last]]
+            speed = episodes.magnified(ends, laws, data["q"][first], u[[max(first - 1, 0), first, last]], place, speed)
     place += (times[-1] - times[-2]) * speed + grown[-1]
     shaken = 0.0 if episodes is None else np.sqrt(episodes.shaken)
     return np.array([place, smooth[1] + speed + shaken])
@@ -126,7 +127,7 @@ class _Episodes:
     """
 
     def __init__(self, model: Model, units: Units, step: float) -> None:
-        self._units, self._step = units, step
+        self._units, self._step, self._gravity = units, step, model.loads.gravity
         self._first = model.bodies.dof[:-1]
         self._cornered, self._curved, self._partners = _shapes(model, units)
         self._stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
@@ -136,16 +137,23 @@ class _Episodes:
             stiffness[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
             if (stiffness > 0.0).any():
                 self._lasts[b] = 2.0 * np.pi / np.sqrt(stiffness[stiffness > 0.0].min())
-        self._seen = np.full(units.count, -np.inf)
+        self._seen, self._last = np.full(units.count, -np.inf), np.full(len(self._curved), -np.inf)
         self._begun = np.zeros((units.count, 3))  # velocities before the episode
         self._speed = np.zeros(units.count)  # errors before it
         self.shaken = np.zeros(units.count)  # errors of velocities that vibrations are left with, squared
 
     def magnified(
-        self, now: float, laws: list[int], q: FloatArray, ends: FloatArray, place: FloatArray, speed: FloatArray
+        self, times: FloatArray, laws: list[int], q: FloatArray, u: FloatArray, place: FloatArray, speed: FloatArray
     ) -> FloatArray:
-        """Errors of velocities behind an impact of contacts ``laws`` at q; ``ends`` (2, ndof): u before and after."""
+        """Errors of velocities behind an impact of contacts ``laws`` at q; ``place`` and ``speed``: those before.
+
+        times (3,), u (3, ndof): at the instant before it, at its begin, at its end.
+        """
+        now, ends = float(times[2]), u[1:]
         rigid, left = ends[:, self._first[:, None] + np.arange(3)]
+        spell = max(float(times[1] - times[0]), np.finfo(float).tiny)
+        # by forces other than gravity: what falls freely comes later, but no faster
+        pull = np.hypot(*((u[1] - u[0])[self._first + np.array([[0], [1]])] / spell - self._gravity[:, None]))
         fresh = now - self._seen > self._lasts
         self._begun = np.where(fresh[:, None], rigid, self._begun)
         self._speed = np.where(fresh, speed, self._speed)
@@ -160,11 +168,15 @@ class _Episodes:
             jump = left - self._begun
             moved = np.hypot(jump[:, 0], jump[:, 1])
             parting = max(float(moved[pair].sum()), np.finfo(float).tiny)
+            # one that is pulled has another speed when it comes off / approach later; a graze may not come at all
+            alone = times[1] - self._last[law] > spell and not self._lasts[pair].any()
+            late = min(2.0 * off * pull[pair].sum() / parting**2, 1.0) if alone else 0.0
+            self._last[law] = now
             self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
             for b in pair.tolist():
                 turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * moved[b] / parting)
                 tilted = moved[b] * (1.0 + min(fast[pair].sum() / parting, GRAZING)) * self._curved[law]
-                out[b] = max(out[b], self._speed[b] + off * (turning + tilted))
+                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + late * moved[b])
                 self._seen[b] = now
         return out
 
