@@ -151,9 +151,10 @@ class _Episodes:
         """
         now, ends = float(times[2]), u[1:]
         rigid, left = ends[:, self._first[:, None] + np.arange(3)]
-        spell = max(float(times[1] - times[0]), np.finfo(float).tiny)
-        # by forces other than gravity: what falls freely comes later, but no faster
-        pull = np.hypot(*((u[1] - u[0])[self._first + np.array([[0], [1]])] / spell - self._gravity[:, None]))
+        spell = float(times[1] - times[0])
+        pull = np.zeros(self._units.count)
+        if spell > 0.0:  # by forces other than gravity: what falls freely comes later, but comes
+            pull = np.hypot(*((u[1] - u[0])[self._first + np.array([[0], [1]])] / spell - self._gravity[:, None]))
         fresh = now - self._seen > self._lasts
         self._begun = np.where(fresh[:, None], rigid, self._begun)
         self._speed = np.where(fresh, speed, self._speed)
@@ -168,15 +169,14 @@ class _Episodes:
             jump = left - self._begun
             moved = np.hypot(jump[:, 0], jump[:, 1])
             parting = max(float(moved[pair].sum()), np.finfo(float).tiny)
-            # one that is pulled has another speed when it comes off / approach later; a graze may not come at all
             alone = times[1] - self._last[law] > spell and not self._lasts[pair].any()
-            late = min(2.0 * off * pull[pair].sum() / parting**2, 1.0) if alone else 0.0
+            graze = alone and 2.0 * off * pull[pair].sum() > parting**2  # which may as well not come at all
             self._last[law] = now
             self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
             for b in pair.tolist():
                 turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * moved[b] / parting)
                 tilted = moved[b] * (1.0 + min(fast[pair].sum() / parting, GRAZING)) * self._curved[law]
-                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + late * moved[b])
+                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + graze * moved[b])
                 self._seen[b] = now
         return out
 
