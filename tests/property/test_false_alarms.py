@@ -62,7 +62,7 @@ QUICK = ("oblique_bounce", "three_balls")  # some tenths of a second each
 
 def marked(variation: Variation) -> Any:
     case, build, numbers = variation
-    marks = [] if case in QUICK else [pytest.mark.campaign]
+    marks = [] if case in QUICK else [pytest.mark.slow]
     values = " ".join(f"{name}={value:g}" for name, value in numbers.items())
     return pytest.param(case, build, numbers, marks=marks, id=f"{case} {values}".strip())
 

@@ -29,13 +29,12 @@ def outcomes(seeds: range | tuple[int, ...]) -> Counter[str]:
     return counts
 
 
-@pytest.mark.campaign
 def test_a_few_scenes() -> None:
     counts = outcomes(FEW)
     assert sum(counts[name] for name in JUDGED) == len(FEW)
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 def test_more_scenes() -> None:
     counts = outcomes(MORE)
     assert sum(counts[name] for name in JUDGED) >= 25
@@ -68,14 +67,12 @@ def rolling(**changes: object) -> Drawn:
     return replace(plain, **changes)  # type: ignore[arg-type]
 
 
-@pytest.mark.campaign
 def test_the_judge_lets_pass_what_is_right() -> None:
     verdict = judge(rolling())
     assert verdict.outcome == "quiet", verdict
     assert verdict.truth == pytest.approx(0.4)
 
 
-@pytest.mark.campaign
 def test_the_judge_sees_what_has_passed_through() -> None:
     """The run without the wall, judged by the truth with it: deep in the wall, and far off behind it."""
     scene = rolling()
@@ -93,7 +90,6 @@ def test_the_judge_sees_what_has_passed_through() -> None:
     assert max(off, off_speed, depth) < 0.01
 
 
-@pytest.mark.campaign
 def test_the_judge_sees_what_is_late() -> None:
     """The same motion 20 ms later is off by 40 mm, and by the speed that the wall takes."""
     scene = rolling()
