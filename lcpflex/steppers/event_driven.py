@@ -67,7 +67,7 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_remarks import event_remarks, listed
+from lcpflex.steppers.event_remarks import event_remarks, listed, shared_load
 from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
@@ -151,6 +151,7 @@ class EventDrivenRun:
         """Make up to n_steps steps; empty, or why the run cannot go on."""
         message = self._advance_to(self.steps + n_steps)
         self.records.warnings[:] = self._warnings()
+        self.records.notes[:] = shared_load(self._memory, self.system.contact_name)
         return message
 
     def _advance_to(self, target: int) -> str:

@@ -104,6 +104,7 @@ TIES = 25  # impacts one after another whose order was arbitrary
 HIDDEN = 26  # whether a pair penetrates that came in where it was not looked for
 STRUCK = 27  # pairs noted as struck, also those forgotten since
 LOW = 28  # 1 while an impact whose bounces are too low to be resolved is stopped
+SPARED = 29  # 1 + declared contact that rests and carries nothing, others sharing its load
 # clock
 TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE, DEEPEST = range(12)
 FASTEST = 12  # largest normal or tangential velocity of a closed contact so far [m/s]
@@ -150,7 +151,7 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         struck_key=np.zeros(REMEMBERED, dtype=np.int64),
         struck_time=zeros((REMEMBERED, 2)),
         events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(29, dtype=np.int64),
+        number=np.zeros(30, dtype=np.int64),
         clock=zeros(14),
     )
     memory = pack(arrays)

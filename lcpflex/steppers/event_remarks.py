@@ -12,11 +12,12 @@ from lcpflex.steppers.event_memory import (
     FIRST_TIE,
     JAMS,
     SEVERAL,
+    SPARED,
     TIES,
     EventMemory,
 )
 
-__all__ = ["event_remarks", "listed", "times"]
+__all__ = ["event_remarks", "listed", "shared_load", "times"]
 
 LISTED = 6  # contacts that are named
 
@@ -57,6 +58,17 @@ def event_remarks(memory: EventMemory, name: Callable[[int], str], proven: bool,
             "restitution ended it"
         )
     return warnings
+
+
+def shared_load(memory: EventMemory, name: Callable[[int], str]) -> list[str]:
+    """That contact forces are one choice of several."""
+    spared = int(memory.number[SPARED]) - 1
+    if spared < 0:
+        return []
+    return [
+        f"contact forces are not unique where more contacts than are needed share a load: contact {name(spared)} was "
+        "taken to carry nothing; the motion is the same with any share, and time stepping stores the least forces"
+    ]
 
 
 def times(count: int) -> str:

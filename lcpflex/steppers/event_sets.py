@@ -50,6 +50,7 @@ from lcpflex.steppers.event_memory import (
     SEVERAL_KEPT,
     SEVERAL_NOW,
     SLIPS,
+    SPARED,
     STAGE,
     STICKS,
     STOPPING,
@@ -129,20 +130,29 @@ def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int
             edge = work.mu[k] * work.normal[k] * (1.0 - FORCE_TOLERANCE)
             if abs(force) >= edge:
                 mode = SLIDE_BACK if force > 0.0 else SLIDE_FORTH
-                moved = sets.right[n + j]
-                size = abs(moved)
-                for c in range(n + n_stick):
-                    x = work.normal[c] if c < n else work.tangential[c - n]
-                    moved += sets.reduced[n + j, c] * x
-                    size += abs(sets.reduced[n + j, c] * x)
-                if abs(moved) > FORCE_TOLERANCE * size:
+                if not rests(n, n_stick, n + j, work, sets):
                     tried = mode
-        if work.normal[k] > CARRIES * largest:
+        if work.normal[k] <= CARRIES * largest:
+            if kept > 0 and largest > 0.0 and rests(n, n_stick, k, work, sets):
+                memory.number[SPARED] = 1 + work.table.law[k]
+        else:
             copy_entry(work.table, k, work.table, kept)
             sets.mode[kept] = tried
             sets.fallback[kept] = mode
             kept += 1
     return kept
+
+
+@kernel
+def rests(n: int, n_stick: int, r: int, work: Workspace, sets: ContactSets) -> bool:
+    """Whether row r of the solved problem has no acceleration."""
+    total = sets.right[r]
+    size = abs(total)
+    for c in range(n + n_stick):
+        x = work.normal[c] if c < n else work.tangential[c - n]
+        total += sets.reduced[r, c] * x
+        size += abs(sets.reduced[r, c] * x)
+    return abs(total) <= FORCE_TOLERANCE * size
 
 
 @kernel

@@ -110,6 +110,26 @@ def test_three_supports_share_evenly(stepper: Any) -> None:
     assert skew[:, 0] @ np.array([-0.4, -0.1, 0.4]) == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.parametrize("places", [(-0.4, 0.0, 0.4), (-0.4, -0.2, 0.0, 0.2, 0.4), (0.4, -0.1, -0.4)])
+def test_event_driven_says_which_support_was_spared(places: tuple[float, ...]) -> None:
+    """It maintains contacts that carry a force only: one choice of several, and marked as such."""
+    result = lf.simulate(supported(places), 0.02, lf.EventDriven())
+    (said,) = result.notes
+    assert "contact forces are not unique" in said
+    assert "was taken to carry nothing" in said
+    assert said in result.summary()
+    forces = last_forces(result)
+    assert forces[:, 0].sum() == pytest.approx(3.0 * G, abs=1e-7)
+    assert len(forces) < len(places)
+
+
+@pytest.mark.parametrize(
+    "scene", [supported((-0.4, 0.4)), box(), box(0.1), box(speed=1.0)], ids=["beam", "box", "slope", "slides"]
+)
+def test_event_driven_says_nothing_of_forces_that_are_all_there(scene: lf.Scene) -> None:
+    assert not lf.simulate(scene, 0.02, lf.EventDriven()).notes
+
+
 def row_of_dominoes(count: int, backwards: bool) -> lf.Scene:
     scene = lf.Scene()
     floor = scene.ground.half_plane((0, 0), (0, 1))
