@@ -168,14 +168,17 @@ class _Episodes:
             off = place[pair].sum() + 0.5 * self._step * fast[pair].sum()
             jump = left - self._begun
             moved = np.hypot(jump[:, 0], jump[:, 1])
-            parting = max(float(moved[pair].sum()), np.finfo(float).tiny)
+            parting = float(moved[pair].sum())
             alone = times[1] - self._last[law] > spell and not self._lasts[pair].any()
             graze = alone and 2.0 * off * pull[pair].sum() > parting**2  # which may as well not come at all
             self._last[law] = now
             self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
+            met = float(fast[pair].sum())
+            steep = met / parting if GRAZING * parting > met else GRAZING
             for b in pair.tolist():
-                turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * moved[b] / parting)
-                tilted = moved[b] * (1.0 + min(fast[pair].sum() / parting, GRAZING)) * self._curved[law]
+                share = moved[b] / parting if moved[b] > 0.0 else 0.0
+                turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * share)
+                tilted = moved[b] * (1.0 + steep) * self._curved[law]
                 out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + graze * moved[b])
                 self._seen[b] = now
         return out

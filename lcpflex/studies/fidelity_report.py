@@ -106,6 +106,8 @@ class RightSize:
         A stepper with which rich bodies can be trusted, where they cannot with the one that was given.
     exhausted
         Whether cheaper bodies that would do may have been left out, as to look for them would have cost too much.
+    unmeasured
+        Whether ``step_error`` is not known because it would have cost too much.
     notes
         What a reader must know.
     complete
@@ -128,6 +130,7 @@ class RightSize:
     step_error: float = math.nan
     better: Any = None
     exhausted: bool = False
+    unmeasured: bool = False
     notes: tuple[str, ...] = field(default=())
     complete: bool = True
 
@@ -215,7 +218,7 @@ class RightSize:
                 f"Half the step changes the outputs by {_percent(self.step_error)}: that error is not one of "
                 "the bodies, and adds to theirs."
             )
-        elif self.exhausted:
+        elif self.unmeasured:
             lines.append("What half the step changes was not measured: it would have cost too much.")
         if math.isfinite(self.full):
             known = "" if self.full_was_run else ", predicted"

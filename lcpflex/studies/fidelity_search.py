@@ -53,6 +53,7 @@ class Search:
     untrusted: bool = False  # a rich run failed
     coarse: float = 0.0  # what half the step changes, if that was asked for first
     exhausted: bool = False  # the climb was ended to save cost
+    unmeasured: bool = False  # what half the step changes, as that would have cost too much
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
     _differences: dict[tuple[State, State, State, str], float] = field(default_factory=dict)
@@ -380,6 +381,7 @@ class Search:
         if self._exceeds(MOST, 2.0 * self._usual_cost(at)) and self.sound(self.middle):
             at = self.middle
         if self._exceeds(MOST, 2.0 * self._usual_cost(at)):
+            self.unmeasured = True
             return math.nan
         return self._step_error(at, self.used())
 

@@ -210,6 +210,7 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
         full_was_run=whole and top in search.trials and search.trials[top].complete,
         step_error=step_error,
         exhausted=search.exhausted,
+        unmeasured=search.unmeasured,
         notes=(*search.notes, *scatter(search, found)),
         complete=complete,
     )
