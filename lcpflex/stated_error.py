@@ -28,6 +28,7 @@ __all__ = ["error_shares", "stated_errors"]
 
 SMALL = 1e-6  # of the largest range of a coordinate: a smaller one is rounding
 GRAZING = 4.0  # velocity over that of the impact, at most: of the push in a contact that goes on, no more is new
+CLAMPED = 6.4  # slowest vibration of a beam with one end clamped over that of a free one: a body that is held
 RESTING = 0.1  # of the duration that a contact by law lasts: longer is no impact
 AT_REST = 1e-4  # of the size over the duration: slower is at rest, where rounding is as large as the speed
 
@@ -137,6 +138,8 @@ class _Episodes:
             stiffness[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
             if (stiffness > 0.0).any():
                 self._lasts[b] = 2.0 * np.pi / np.sqrt(stiffness[stiffness > 0.0].min())
+        held = np.unique(model.points.body[model.joints.point])
+        self._lasts[held[held >= 0]] *= CLAMPED
         self._seen, self._last = np.full(units.count, -np.inf), np.full(len(self._curved), -np.inf)
         self._begun = np.zeros((units.count, 3))  # velocities before the episode
         self._speed = np.zeros(units.count)  # errors before it
@@ -155,7 +158,10 @@ class _Episodes:
         pull = np.zeros(self._units.count)
         if spell > 0.0:  # by forces other than gravity: what falls freely comes later, but comes
             pull = np.hypot(*((u[1] - u[0])[self._first + np.array([[0], [1]])] / spell - self._gravity[:, None]))
-        fresh = now - self._seen > self._lasts
+        lasts = self._lasts.copy()
+        for law in laws:  # a rigid body, too, is struck to and fro by one that vibrates
+            lasts[self._partners[law]] = lasts[self._partners[law]].max(initial=0.0)
+        fresh = now - self._seen > lasts
         self._begun = np.where(fresh[:, None], rigid, self._begun)
         self._speed = np.where(fresh, speed, self._speed)
         fast = self._units.of(ends[0])

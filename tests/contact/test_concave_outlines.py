@@ -176,14 +176,14 @@ def test_the_gap_is_the_distance_from_the_nearest_boundary(tools, outline):
     assert corner > 20
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 @pytest.mark.parametrize("outline", OUTLINES)
 def test_the_gap_is_the_distance_for_many_places(tools, outline):
     seen, inside, corner = campaign(2, tools, outline, 100, 500)
     assert min(seen, inside, corner) > 500
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 @pytest.mark.parametrize("outline", OUTLINES)
 @pytest.mark.parametrize("part", range(5))
 def test_the_gap_is_the_distance_for_a_million_places(tools, outline, part):

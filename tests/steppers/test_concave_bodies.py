@@ -110,14 +110,21 @@ def test_a_ratchet_in_millimetres_and_tonnes() -> None:
     assert math.degrees(result.q[-1, 2]) == pytest.approx(-48.5, abs=0.3)
 
 
-@pytest.mark.campaign
+LONG = {
+    **STEPPERS,
+    "massless boundary": lambda: lf.MasslessBoundary(step=1e-6),
+    "smooth": lambda: lf.Smooth(lf.Penalty(1e6, damping=0.5)),
+}
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("chain", ["closed", "open", "part"])
-@pytest.mark.parametrize("stepper", STEPPERS)
+@pytest.mark.parametrize("stepper", LONG)
 def test_a_ratchet_locks(stepper: str, chain: str) -> None:
-    check(lf.simulate(ratchet(chain), 0.25, STEPPERS[stepper](), record=1e-5))
+    check(lf.simulate(ratchet(chain), 0.25, LONG[stepper](), record=1e-5))
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 def test_a_pawl_slides_up_a_tooth_with_massless_contacts() -> None:
     result = lf.simulate(ratchet(), 0.006, lf.MasslessBoundary(step=2e-6), record=1e-5)
     assert np.abs(result.energies.remainder).max() < 1e-3 * result.energies.stored[0]
