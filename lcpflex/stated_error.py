@@ -133,9 +133,12 @@ class _Episodes:
         self._cornered, self._curved, self._partners = _shapes(model, units)
         self._stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
         self._lasts = np.zeros(units.count)  # slowest vibration [s]
+        self._unseen = np.zeros(units.count)  # share of its directions in which a body vibrates within a step
+        self._restitution = model.contacts.restitution
         for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
             stiffness = self._stiffness[d + 3 : end]
             stiffness[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
+            self._unseen[b] = np.minimum(1.0, stiffness * step**2 / 12.0).sum() / (len(stiffness) + 2)
             if (stiffness > 0.0).any():
                 self._lasts[b] = 2.0 * np.pi / np.sqrt(stiffness[stiffness > 0.0].min())
         held = np.unique(model.points.body[model.joints.point])
@@ -176,16 +179,18 @@ class _Episodes:
             moved = np.hypot(jump[:, 0], jump[:, 1])
             parting = float(moved[pair].sum())
             alone = times[1] - self._last[law] > spell and not self._lasts[pair].any()
-            graze = alone and 2.0 * off * pull[pair].sum() > parting**2  # which may as well not come at all
+            graze = alone and 2.0 * off * pull[pair].sum() > parting * parting  # which may as well not come at all
             self._last[law] = now
             self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
+            # what is reflected is the velocity at the end of a step, vibrations and all
+            bounced = self._restitution[law] * self._unseen[pair].max(initial=0.0)
             met = float(fast[pair].sum())
             steep = met / parting if GRAZING * parting > met else GRAZING
             for b in pair.tolist():
                 share = moved[b] / parting if moved[b] > 0.0 else 0.0
                 turning = self._cornered[b] * (abs(jump[b, 2]) + abs(self._begun[b, 2]) * share)
                 tilted = moved[b] * (1.0 + steep) * self._curved[law]
-                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + graze * moved[b])
+                out[b] = max(out[b], self._speed[b] + off * (turning + tilted) + (graze + bounced) * moved[b])
                 self._seen[b] = now
         return out
 

@@ -169,9 +169,7 @@ def test_twenty_dominoes_fall_and_come_to_rest(
     assert np.nanmin(result.gap) > -1e-7
     assert (result.q[-1, 2::3] < -0.3).all()
     stepped = lf.simulate(dominoes(20, height, width, gap, friction, restitution), 1.5, lf.MoreauJean(step=1e-5))
-    assert (
-        np.abs(result.q[-1, 2::3] - stepped.q[-1, 2::3]).max() < 1e-3
-    )  # [rad]: of order 1 in its step
+    assert np.abs(result.q[-1, 2::3] - stepped.q[-1, 2::3]).max() < 1e-3  # [rad]: of order 1 in its step
     for said in result.warnings:
         assert "events accumulated faster than 100000 a second" in said
         assert "slip slower than" in said or "approach slower than" in said
