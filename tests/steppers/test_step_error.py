@@ -140,3 +140,92 @@ def test_a_sample_that_fails_leaves_the_run_as_it_is(monkeypatch: pytest.MonkeyP
     assert result.steps == plain.steps
     for field in ("times", "q", "u", "force", "impulse"):
         np.testing.assert_array_equal(getattr(result, field), getattr(plain, field), err_msg=field)
+
+
+CONTROLLED = {
+    "event-driven": lambda tolerance: lf.EventDriven(rtol=tolerance, atol=1e-2 * tolerance),
+    "moreau": lambda tolerance: lf.MoreauJean(step=1e-3, adaptive=lf.AdaptiveStep(tolerance, 1e-2 * tolerance)),
+    "alpha": lambda tolerance: lf.GeneralizedAlpha(step=1e-3, adaptive=lf.AdaptiveStep(tolerance, 1e-2 * tolerance)),
+    "runge-kutta": lambda tolerance: lf.Smooth(
+        lf.Penalty(1e4), integrator=lf.ExplicitRungeKutta(rtol=tolerance, atol=1e-2 * tolerance)
+    ),
+}
+
+
+def off(result: lf.Result, exact: lf.Result) -> float:
+    """Largest error of a place [m]."""
+    q = np.column_stack([np.interp(result.times, exact.times, exact.q[:, i]) for i in range(exact.q.shape[1])])
+    assert result.compiled is not None
+    return float(step_error.Units(result.compiled.model, q.shape[1]).of(result.q - q).max())
+
+
+@pytest.mark.parametrize("build", [swinging, vibrating])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+@pytest.mark.parametrize("name", CONTROLLED)
+def test_error_control_states_what_it_has_accepted(name: str, tolerance: float, build: Any) -> None:
+    """At most a third, or twenty times, of the true error: from tolerances and counts it was a thousand times that.
+
+    On a joint, two half steps of Moreau-Jean end with another velocity than a whole one, which does not add up.
+    """
+    exact = lf.simulate(build(), 1.0, lf.EventDriven(rtol=1e-11, atol=1e-13), record=1e-4)
+    result = lf.simulate(build(), 1.0, CONTROLLED[name](tolerance), record=0.0)
+    assert result.place_error is not None
+    true = off(result, exact)
+    assert true < 3.0 * result.place_error
+    if name != "moreau" or build is not swinging:
+        assert true > result.place_error / 20.0
+
+
+def colliding() -> lf.Scene:
+    """Two discs meet off their centres: the normal, and so the way they part, depends on where they have got to."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    first = scene.add(lf.Disc(0.02, mass=0.01), position=(0.0, 0.02), velocity=(1.5, 0.0))
+    other = scene.add(lf.Disc(0.02, mass=0.03), position=(0.1003, 0.0), velocity=(-1.0, 0.0))
+    scene.contact(first.surface(), other.surface(), restitution=0.5)
+    return scene
+
+
+def landing() -> lf.Scene:
+    """A box that turns lands on a corner."""
+    scene = lf.Scene()
+    box = scene.add(lf.Box(0.1, 0.06, mass=1.0), position=(0.0, 0.1503), angle=0.5, angular_velocity=5.0)
+    scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.2, restitution=0.5)
+    return scene
+
+
+@pytest.mark.parametrize(("build", "duration"), [(colliding, 0.3), (landing, 0.25)])
+@pytest.mark.parametrize("make", [lf.MoreauJean, lf.GeneralizedAlpha], ids=["moreau", "alpha"])
+@pytest.mark.parametrize("step", [1e-3, 1e-4])
+def test_an_impact_magnifies_what_is_wrong_before_it(build: Any, duration: float, make: Any, step: float) -> None:
+    exact = lf.simulate(build(), duration, lf.EventDriven(rtol=1e-10, atol=1e-12), record=1e-4)
+    result = lf.simulate(build(), duration, make(step=step), record=0.0)
+    assert result.place_error is not None
+    assert result.place_error / 20.0 < off(result, exact) < 3.0 * result.place_error
+
+
+def test_the_pendulum_on_its_stop_states_its_error() -> None:
+    """A long swing, then a bar that rattles on its stop: what is wrong by then was all that the impacts magnified."""
+    exact = lf.simulate(gallery.pendulum(), 0.6, lf.MoreauJean(step=1e-6))
+    result = lf.simulate(gallery.pendulum(), 0.6, lf.MoreauJean(step=1e-5))
+    assert result.place_error is not None
+    assert result.place_error / 5.0 < off(result, exact) < 3.0 * result.place_error
+
+
+@pytest.mark.parametrize("name", ["incline_sticks", "rocking_block", "bouncing_ball", "stick_slip"])
+def test_what_comes_to_rest_or_rocks_states_next_to_nothing(name: str) -> None:
+    case = gallery.scenes()[name]
+    result = lf.simulate(case.build(), case.duration, case.stepper)
+    assert max(error_shares(result) or (1.0,)) < 1e-3
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(step=4e-3), lf.GeneralizedAlpha(step=4e-3)], ids=["moreau", "alpha"])
+def test_steps_that_may_have_passed_something_are_sampled(stepper: Any) -> None:
+    """A thin plate beside the path: each step is looked at by the run, and its halves are steps like all."""
+    scene = lf.Scene()
+    bob = scene.add(lf.Box(0.4, 0.1, mass=1.0), position=(1.0, 0.0), velocity=(0.0, 12.0), angular_velocity=12.0)
+    scene.join(lf.Revolute(bob.at(-1.0, 0.0), scene.ground.at(0.0, 0.0)))
+    plate = scene.ground.chain([(1.25, -3.0), (1.26, -3.0), (1.26, 3.0), (1.25, 3.0)], closed=True)
+    scene.contact(bob.surface(), plate)
+    result = lf.simulate(scene, 0.5, stepper)
+    assert result.place_error is not None
+    assert result.place_error > 1e-6
