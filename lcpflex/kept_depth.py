@@ -18,7 +18,7 @@ from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.kinematics import contact_rows
 from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
 from lcpflex.dynamics.applied_forces import spring_forces
-from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
 from lcpflex.dynamics.start import violation
 from lcpflex.model import Model
 from lcpflex.packed import pack
@@ -73,7 +73,7 @@ def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, 
         return {}
     J = violation(compiled.model, q, np.zeros_like(q), np.zeros((compiled.n_external, 3))).jacobian
     scale = 1.0 / np.sqrt(np.diag(mass_matrix(compiled.model, q)))  # of coordinates: metres, radians, modal ones
-    Z = _null(J * scale)
+    Z = null_space(J * scale)
     rows = (W[held] * scale) @ Z
     stiffness = Z.T @ (scale[:, None] * K * scale) @ Z
     sizes, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T))
@@ -83,7 +83,7 @@ def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, 
     along = rows @ vectors
     free = along[:, soft]
     # contacts that come up by such motions strain nothing; the others do against each other
-    firm = _null(free.T) if soft.any() else np.eye(len(held))
+    firm = null_space(free.T) if soft.any() else np.eye(len(held))
     G = firm.T @ (along[:, ~soft] / sizes[~soft]) @ along[:, ~soft].T @ firm
     change = firm @ (np.linalg.pinv(G, rcond=1e-10, hermitian=True) @ (firm.T @ -gaps[held]))
     return {int(law): float(change[laws[held] == law].sum()) for law in np.unique(laws[held])}
@@ -126,12 +126,3 @@ def _stiffness(model: Model, q: FloatArray) -> FloatArray:
     elastic = np.concatenate([np.arange(a + 3, b) for a, b in pairwise(dof)])
     K[elastic, elastic] += model.bodies.stiffness
     return K
-
-
-def _null(J: FloatArray) -> FloatArray:
-    """(n, f) orthonormal basis of what J maps to 0."""
-    if not len(J):
-        return np.eye(J.shape[1])
-    _, sizes, rows = np.linalg.svd(J)
-    rank = int((sizes > 1e-10 * sizes.max(initial=0.0)).sum())
-    return np.asarray(rows[rank:].T)

@@ -8,11 +8,13 @@ the run, or a spring's stretch the distance travelled, by more than a hundredth.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
+from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback, State
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.model import Model
@@ -61,18 +63,33 @@ class _Scales:
         travel = np.hypot(np.ptp(result.q[:, dof], axis=0), np.ptp(result.q[:, dof + 1], axis=0))
         self.travel = float((travel + 0.5 * self.size * np.ptp(result.q[:, dof + 2], axis=0)).max())
         self.weight = float(model.bodies.mass.sum() * np.hypot(*model.loads.gravity))
-        M = mass_matrix(model, compiled.q)
-        self.rigid = (dof[:, None] + np.arange(3)).ravel()
-        self.inverse, self.stiff = np.linalg.inv(M), np.linalg.inv(M[np.ix_(self.rigid, self.rigid)])
+        self._compiled = compiled
+        self._rigid = (dof[:, None] + np.arange(3)).ravel()
+
+    @cached_property
+    def _mechanics(self) -> tuple[FloatArray, FloatArray]:
+        """Mass matrix and rows of the joints at the start."""
+        compiled = self._compiled
+        still, external = np.zeros_like(compiled.q), np.zeros((compiled.n_external, 3))
+        return mass_matrix(compiled.model, compiled.q), violation(compiled.model, compiled.q, still, external).jacobian
+
+    @cached_property
+    def _inverse(self) -> FloatArray:
+        return held_inverse(*self._mechanics)
+
+    @cached_property
+    def _stiff(self) -> FloatArray:
+        M, J = self._mechanics
+        return held_inverse(M[np.ix_(self._rigid, self._rigid)], J[:, self._rigid])
 
     def mobility(self, rows: FloatArray) -> float:
-        """Largest change of speed by a unit impulse along ``rows`` (k, ndof) [1/kg] or [1/(kg m^2)]."""
-        return float(np.linalg.eigvalsh(rows @ self.inverse @ rows.T)[-1])
+        """Largest change of speed by a unit impulse along ``rows`` (k, ndof) [1/kg] or [1/(kg m^2)], joints held."""
+        return max(float(np.linalg.eigvalsh(rows @ self._inverse @ rows.T)[-1]), 0.0)
 
     def drift(self, rows: FloatArray) -> float:
         """The same of bodies as if they were rigid: what lasts."""
-        rows = rows[:, self.rigid]
-        return float(np.linalg.eigvalsh(rows @ self.stiff @ rows.T)[-1])
+        rows = rows[:, self._rigid]
+        return max(float(np.linalg.eigvalsh(rows @ self._stiff @ rows.T)[-1]), 0.0)
 
 
 def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:

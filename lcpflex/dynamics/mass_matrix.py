@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.model import Bodies, Model
 
-__all__ = ["mass_matrix", "overbent"]
+__all__ = ["held_inverse", "mass_matrix", "null_space", "overbent"]
 
 
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
@@ -22,6 +22,22 @@ def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
         block = slice(dof[b], dof[b + 1])
         M[block, block] = _block(model.bodies, b, q[block])
     return M
+
+
+def held_inverse(M: FloatArray, J: FloatArray) -> FloatArray:
+    """What forces accelerate while joints hold, J du = 0: M^-1 - M^-1 J^T (J M^-1 J^T)^-1 J M^-1, of any rank of J."""
+    scale = 1.0 / np.sqrt(np.diag(M))  # of coordinates: metres, radians, modal ones
+    Z = scale[:, None] * null_space(J * scale)
+    return np.asarray(Z @ np.linalg.solve(Z.T @ M @ Z, Z.T))
+
+
+def null_space(J: FloatArray) -> FloatArray:
+    """(n, f) orthonormal basis of what J maps to 0."""
+    if not len(J):
+        return np.eye(J.shape[1])
+    _, sizes, rows = np.linalg.svd(J)
+    rank = int((sizes > 1e-10 * sizes.max(initial=0.0)).sum())
+    return np.asarray(rows[rank:].T)
 
 
 def overbent(model: Model, q: FloatArray) -> list[int]:

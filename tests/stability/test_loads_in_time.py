@@ -186,6 +186,27 @@ def test_drives_that_go_to_and_fro_within_steps_are_told(loud: Any, stepper: Any
         assert not lf.simulate(driven(sound, turning), 0.1, stepper(4e-4)).warnings
 
 
+def pinned(load: Any, at: float) -> lf.Scene:
+    """A rod that swings about its left end, pushed across at ``at`` of its length from there."""
+    scene = lf.Scene()
+    rod = scene.add(lf.Box(1.0, 0.1, mass=1.0), name="rod", position=(0.5, 0.0))
+    scene.join(lf.Revolute(rod.at(-0.5, 0.0), scene.ground.at(0.0, 0.0)))
+    scene.load(lf.Force(rod.at(at - 0.5, 0.0), (0.0, load)))
+    return scene
+
+
+@pytest.mark.parametrize("stepper", FIXED, ids=NAMES)
+@pytest.mark.parametrize(
+    "load", [lf.Harmonic(300.0, 2.0 * math.pi / 0.015), lf.Table([0.1, 0.1005, 0.101], [0.0, 1000.0, 0.0])]
+)
+def test_a_load_that_a_joint_takes_needs_no_shorter_step(stepper: Any, load: Any) -> None:
+    """At the pin it moves nothing, however fast it is; at the tip it moves more than a free rod."""
+    tip, pin = (lf.simulate(pinned(load, at), 0.3, stepper(1e-2)) for at in (1.0, 0.0))
+    assert not [text for text in pin.warnings if "the force on" in text]
+    if isinstance(load, lf.Harmonic):
+        assert any("the force on" in text and "do not follow it" in text for text in tip.warnings)
+
+
 def on_a_spring(stiffness: float, stretch: float, torsion: bool = False) -> lf.Scene:
     scene = lf.Scene(gravity=(0.0, 0.0))
     start = (0.0, 0.0) if torsion else (1.0 + stretch, 0.0)
