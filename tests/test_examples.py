@@ -12,6 +12,8 @@ from lcpflex import Result
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 STUDIES = (
     "flexible_pendulum_micro_collisions",
+    "four_strikers",
+    "pendulum_strikes_rod",
     "penalty_against_complementarity",
     "where_methods_fail",
     "work_precision",

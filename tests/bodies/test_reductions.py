@@ -229,6 +229,7 @@ def rates(counts: np.ndarray, errors: np.ndarray) -> np.ndarray:
     return np.array([np.polyfit(np.log(counts), np.log(error), 1)[0] for error in errors.T])
 
 
+@pytest.mark.slow
 def test_sub_regional_converges_to_the_full_mesh() -> None:
     counts, errors = regional_errors(True)
     found = rates(counts, errors[:, [0, 1, 2, 3, 5]])
@@ -240,6 +241,7 @@ def test_sub_regional_converges_to_the_full_mesh() -> None:
     assert errors[-1, 5] < 0.05
 
 
+@pytest.mark.slow
 def test_sub_regional_as_published_converges_slowly() -> None:
     """Free modes have no traction at the interface: first order, frequencies and static loads alike."""
     counts, errors = regional_errors(False)
