@@ -12,9 +12,19 @@ import numpy as np
 from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.ladder import mode_ladder
+from lcpflex.bodies.line_interfaces import Interfaces, residual_line, stations_of, taken
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.material import check_material
-from lcpflex.bodies.reduction import Damping, check_damping, count_of_modes, modal_damping, sampled, skew, vanish
+from lcpflex.bodies.reduction import (
+    Damping,
+    check_damping,
+    count_of_modes,
+    modal_damping,
+    sampled,
+    skew,
+    vanish,
+    with_last,
+)
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
@@ -73,20 +83,32 @@ class Beam:
         if not isinstance(self.axial, (bool, np.bool_)):
             raise ModelError(f"axial: {self.axial!r} was given, expected True or False")
 
-    def reduce(self, modes: int | None = 8, damping: Damping = 0.0, *, stiffening: Stiffening | None = None) -> Body:
+    def reduce(
+        self,
+        modes: int | None = 8,
+        damping: Damping = 0.0,
+        *,
+        stiffening: Stiffening | None = None,
+        interfaces: Interfaces = (),
+    ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh, bending and stretching together.
 
         Parameters
         ----------
-        modes : at most 3 elements (2 elements without ``axial``); None for all, 0 for a rigid beam
+        modes : at most 3 elements (2 elements without ``axial``); None for all, 0 for no free modes
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
         stiffening : by spin and by an axial force; None for the linear beam, which feels neither
+        interfaces : places where joints hold the beam, springs or loads act on it, or something strikes it: "left",
+            "center", "right", x, or (x, y). Each adds up to three residual modes behind the free ones, the static
+            response to a force along x, one along y, and a moment, so that the compliance there is that of the mesh;
+            without, a beam that is held converges as 1/modes only. They have the last of several damping ratios, and
+            high frequencies: explicit steps get shorter.
 
         Raises
         ------
         ModelError
-            For more modes than the mesh has, a damping that is negative or of the wrong length, or a stiffening that
-            cannot be: compression beyond the buckling load, places off the beam.
+            For more modes than the mesh has, a damping that is negative or of the wrong length, places off the beam,
+            or a stiffening that cannot be: compression beyond the buckling load.
         """
         check_stiffening(stiffening)
         available = (3 if self.axial else 2) * self.elements
@@ -94,7 +116,8 @@ class Beam:
         check_damping(damping, n)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
-        found, is_axial = self._modes(n, line, stiffening)
+        found, is_axial = self._modes(n, line, stiffening, stations_of(self.length, self.thickness, interfaces))
+        damping, n = with_last(damping, n, len(found.omega2)), len(found.omega2)
         h = self.length / self.elements
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         inertia = mass * self.length**2 / 3.0
@@ -130,13 +153,13 @@ class Beam:
         )
 
     def _modes(
-        self, n: int, line: Line, stiffening: Stiffening | None
+        self, n: int, line: Line, stiffening: Stiffening | None, stations: FloatArray
     ) -> tuple[LineModes, np.ndarray[Any, np.dtype[np.bool_]]]:
-        """The n lowest modes, and which of them are stretching modes."""
+        """The n lowest modes and the residual ones of the stations, and which of them are stretching modes."""
         area = self.width * self.thickness
         size = (self.elements, self.length, line.mass)
-        bends = min(n, 2 * self.elements)
-        stretches = min(n, self.elements) if self.axial else 0
+        bends = 2 * self.elements if len(stations) else min(n, 2 * self.elements)
+        stretches = (self.elements if len(stations) else min(n, self.elements)) if self.axial else 0
         rigidity = self.youngs_modulus * area * self.thickness**2 / 12.0
         if stiffening is None or stiffening.axial_force == 0.0:
             bend2, w, slope = bending_modes(*size, rigidity, bends)
@@ -144,16 +167,23 @@ class Beam:
             unloaded = bending_modes(*size, rigidity, 2 * self.elements)
             bend2, w, slope = bent_under_tension(line, *unloaded, stiffening, bends)
         stretch2, u = stretching_modes(*size, self.youngs_modulus * area, stretches, lumped=False)
-        omega2 = np.concatenate([bend2, stretch2])
-        kept = np.argsort(omega2, kind="stable")[:n]
         no_stretch, no_bend = np.zeros_like(w), np.zeros_like(u)
-        found = LineModes(
-            omega2[kept],
-            np.hstack([no_stretch, u])[:, kept],
-            np.hstack([w, no_bend])[:, kept],
-            np.hstack([slope, no_bend])[:, kept],
+        every = LineModes(
+            np.concatenate([bend2, stretch2]),
+            np.hstack([no_stretch, u]),
+            np.hstack([w, no_bend]),
+            np.hstack([slope, no_bend]),
         )
-        return found, kept >= bends
+        is_axial = np.arange(len(every.omega2)) >= len(bend2)
+        order = np.argsort(every.omega2, kind="stable")
+        kept, left = order[:n], order[n:]
+        found, axial = taken(every, kept), is_axial[kept]
+        if not len(stations):
+            return found, axial
+        rest, of_rest = residual_line(taken(every, left), is_axial[left], line.length / line.elements, stations)
+        return LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(found, rest, strict=True))), np.concatenate(
+            [axial, of_rest]
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,30 +235,41 @@ class Bar:
         if self.height is not None:
             _check_positive(self, ("height",))
 
-    def reduce(self, modes: int | None = None, damping: Damping = 0.0) -> Body:
+    def reduce(self, modes: int | None = None, damping: Damping = 0.0, *, interfaces: Interfaces = ()) -> Body:
         """The body with the ``modes`` lowest free-free modes; all of them give the motion of the nodal coordinates.
 
         Parameters
         ----------
         modes : at most the number of elements; None for all, 0 for a rigid bar
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
+        interfaces : places where the bar is held, loaded or struck, as for :meth:`Beam.reduce`: each adds the residual
+            mode of a force along x
 
         Raises
         ------
         ModelError
-            For more modes than the mesh has, or a damping that is negative or of the wrong length.
+            For more modes than the mesh has, a damping that is negative or of the wrong length, or places off the bar.
         """
         n = count_of_modes(modes, self.elements)
         check_damping(damping, n)
         mass = self.density * self.area * self.length
+        height = math.sqrt(self.area) if self.height is None else self.height
+        stations = stations_of(self.length, height, interfaces)
+        count = self.elements if len(stations) else n
         omega2, shapes = stretching_modes(
-            self.elements, self.length, mass, self.youngs_modulus * self.area, n, bool(self.lumped)
+            self.elements, self.length, mass, self.youngs_modulus * self.area, count, bool(self.lumped)
         )
+        if len(stations):
+            still = np.zeros_like(shapes)
+            left = taken(LineModes(omega2, shapes, still, still), np.arange(n, count))
+            every = np.ones(count - n, dtype=bool)
+            rest, _ = residual_line(left, every, self.length / self.elements, stations)
+            omega2, shapes = np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
+            damping, n = with_last(damping, n, len(omega2)), len(omega2)
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         moments = _line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
         vanish("S", moments[:, 0], math.sqrt(mass))
         still = np.zeros_like(shapes)
-        height = math.sqrt(self.area) if self.height is None else self.height
         locate = _locator(LineModes(omega2, shapes, still, still), self.length, height, self.length / self.elements)
         inertia = float(_line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
         return Body(
@@ -245,7 +286,7 @@ class Bar:
             points=_end_points(locate, self.length),
             surfaces=_strip(locate, nodes, 0.5 * height),
             locate=locate,
-            ladder=lambda: mode_ladder(self.elements, self.reduce, damping),
+            ladder=lambda: mode_ladder(self.elements, lambda k, z: self.reduce(k, z), damping),
             products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
         )
 

@@ -14,9 +14,10 @@ from lcpflex.bodies.elastic_mesh import finite_elements_of
 from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.material import check_material
+from lcpflex.bodies.node_choice import Nodes
 from lcpflex.bodies.planar_mesh import planar_mesh
 from lcpflex.bodies.reduction import Damping
-from lcpflex.bodies.reductions import free_interface
+from lcpflex.bodies.reductions import free_interface, residual_compliance
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.errors import ModelError, in_range
 
@@ -87,7 +88,12 @@ class Continuum:
         return self._finite_elements
 
     def reduce(
-        self, modes: int | None = 8, damping: Damping | None = None, stiffening: Stiffening | None = None
+        self,
+        modes: int | None = 8,
+        damping: Damping | None = None,
+        stiffening: Stiffening | None = None,
+        *,
+        interfaces: Nodes | None = None,
     ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
 
@@ -97,10 +103,16 @@ class Continuum:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
             None for none
         stiffening : :class:`Stiffening` to keep the geometric stiffness of a turning body; None for none
+        interfaces : nodes at which joints hold the body, springs or loads act on it, or something strikes it, as
+            :func:`residual_compliance` takes them: each adds two residual modes behind the free ones, so that the
+            compliance there is that of the mesh
 
         Raises
         ------
         ModelError
-            For more modes than the mesh has, or a damping that is negative or of the wrong length.
+            For more modes than the mesh has, nodes it does not have, or a damping that is negative or of the wrong
+            length.
         """
+        if interfaces is not None:
+            return residual_compliance(self, interfaces, modes, damping=damping, stiffening=stiffening)
         return free_interface(self, modes, damping=damping, stiffening=stiffening)

@@ -24,6 +24,7 @@ __all__ = [
     "signed",
     "skew",
     "vanish",
+    "with_last",
 ]
 
 ORTHOGONAL = 1e-9  # largest <Phi> and <Phi^T J x>, relative to the mass and inertia they belong to
@@ -73,6 +74,14 @@ def modal_damping(damping: Damping, omega: FloatArray) -> FloatArray:
 def check_damping(damping: Damping, modes: int) -> None:
     """Refuse a damping that does not fit, before the eigenproblem is solved."""
     modal_damping(damping, np.ones(modes))
+
+
+def with_last(damping: Damping, modes: int, count: int) -> Damping:
+    """The damping of ``count`` modes, where that of ``modes`` was given: further ones have the last of the ratios."""
+    if isinstance(damping, Rayleigh) or np.ndim(damping) == 0:
+        return damping
+    ratios = np.asarray(damping, dtype=np.float64)
+    return np.concatenate([ratios, np.full(count - modes, ratios[-1] if modes else 0.0)])
 
 
 def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) -> FloatArray:
