@@ -14,9 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.contact.detection import ContactTable, contact_table, detect
-from lcpflex.contact.kinematics import contact_rows
 from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
+from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
 from lcpflex.dynamics.start import violation
@@ -59,8 +58,8 @@ def kept_depths(result: Result) -> tuple[str, ...]:
 def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, float]:
     """By how much the forces of the contacts ``deep`` [N] would change if all came up to the gap 0, by contact."""
     model = pack(compiled.model)
-    table, found = _near(model, q)
-    W = np.array([_row(model, q, table, k) for k in range(found)]).reshape(found, len(q))
+    table, found = near(model, q, 0.0)
+    W = np.array([normal_row(model, q, table, k) for k in range(found)]).reshape(found, len(q))
     laws, gaps = table.law[:found], table.gap[:found]
     K = _stiffness(model, q)
     for k in range(found):
@@ -87,28 +86,6 @@ def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, 
     G = firm.T @ (along[:, ~soft] / sizes[~soft]) @ along[:, ~soft].T @ firm
     change = firm @ (np.linalg.pinv(G, rcond=1e-10, hermitian=True) @ (firm.T @ -gaps[held]))
     return {int(law): float(change[laws[held] == law].sum()) for law in np.unique(laws[held])}
-
-
-def _near(model: Model, q: FloatArray) -> tuple[ContactTable, int]:
-    capacity = 64
-    while True:
-        table = contact_table(capacity, len(model.contacts.surface_body))
-        found = int(detect(model, q, 0.0, table))
-        if found <= capacity:
-            return table, found
-        capacity = 2 * found
-
-
-def _row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:
-    """w_N (ndof,) of entry k."""
-    dof = model.bodies.dof
-    normal, tangent = np.zeros((2, 2, int(np.max(np.diff(dof)))))
-    contact_rows(model, q, table, k, normal, tangent)
-    row = np.zeros(len(q))
-    for side, b in enumerate(table.body[k]):
-        if b >= 0:
-            row[dof[b] : dof[b + 1]] += normal[side, : dof[b + 1] - dof[b]]
-    return row
 
 
 def _stiffness(model: Model, q: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
 from lcpflex.kept_depth import kept_depths
+from lcpflex.rebound import rebounds
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
@@ -149,7 +150,7 @@ def simulate(
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
     result = _collect(run, system, compiled, names, duration, stepper, timing, note, complete, energy_growth)
-    result = replace(result, warnings=(*result.warnings, *unresolved(result), *kept_depths(result)))
+    result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
     if system.calls is not None:
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):

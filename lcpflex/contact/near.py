@@ -1,0 +1,35 @@
+"""Contacts near a configuration, and their rows: for what is looked at once, outside of steppers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.contact.detection import ContactTable, contact_table, detect
+from lcpflex.contact.kinematics import contact_rows
+from lcpflex.model import Model
+
+__all__ = ["near", "normal_row"]
+
+
+def near(model: Model, q: FloatArray, margin: float) -> tuple[ContactTable, int]:
+    """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
+    capacity = 64
+    while True:
+        table = contact_table(capacity, len(model.contacts.surface_body))
+        found = int(detect(model, q, margin, table))
+        if found <= capacity:
+            return table, found
+        capacity = 2 * found
+
+
+def normal_row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:
+    """w_N (ndof,) of entry k."""
+    dof = model.bodies.dof
+    normal, tangent = np.zeros((2, 2, int(np.max(np.diff(dof)))))
+    contact_rows(model, q, table, k, normal, tangent)
+    row = np.zeros(len(q))
+    for side, b in enumerate(table.body[k]):
+        if b >= 0:
+            row[dof[b] : dof[b + 1]] += normal[side, : dof[b + 1] - dof[b]]
+    return row

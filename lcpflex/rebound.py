@@ -1,0 +1,115 @@
+"""What a coefficient of restitution has come to on bodies with modes: the rebound comes from the modes, not from it.
+
+Restitution acts on the velocities of the contact, and so on the mass next to it. A body with many modes has little
+mass there: e returns the vibration, and the body rebounds as its modes have it, in several impacts. A collision is all
+that a contact takes until it is left alone for the slowest vibration of its bodies; with m_r and m_c, the masses that
+the contact meets in rigid bodies and in these ones, 1/m = w_N^T M^-1 w_N with the joints held,
+
+    apparent restitution = sum of impulses / (m_r approach velocity) - 1,      share of the mass = m_c / m_r
+
+A closing takes m_c of the energy m_r v^2 / 2 (1/(2 N + 1) for the end of a bar with N modes).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.contact.near import near, normal_row
+from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
+from lcpflex.dynamics.start import violation
+from lcpflex.packed import pack
+from lcpflex.result import Result
+from lcpflex.scene import Compiled
+
+__all__ = ["rebounds"]
+
+LIGHT = 0.9  # m_c / m_r from which down modes decide
+ALONE = 0.05  # of the impulse of a collision that other contacts may take meanwhile, if it is to tell anything
+
+
+class Collision(NamedTuple):
+    """Stored instants before and after, and the normal impulse [N s] in between."""
+
+    first: int
+    last: int
+    impulse: float
+
+
+def rebounds(result: Result) -> tuple[str, ...]:
+    """A warning for each contact with e > 0 of a body with modes that has struck, with what came out."""
+    compiled = result.compiled
+    if compiled is None or not np.isfinite(result.q).all():
+        return ()
+    restitution, found = compiled.model.contacts.restitution, []
+    for law, name in enumerate(result.contact_names):
+        if restitution[law] > 0.0 and name not in result.by_law and result.impulse[-1:, law, 0].any():
+            found.append(_rebound(result, compiled, law, float(restitution[law])))
+    return tuple(text for text in found if text)
+
+
+def _rebound(result: Result, compiled: Compiled, law: int, restitution: float) -> str:
+    lasts = _slowest_vibration(compiled, law)
+    if lasts == 0.0:
+        return ""
+    collision = max(_collisions(result, law, lasts), key=lambda one: one.impulse)
+    masses = _masses(result, compiled, law, collision)
+    if masses is None or masses[0] >= LIGHT * masses[1]:
+        return ""
+    light, rigid, approach = masses
+    came = ""
+    others = np.delete(result.impulse[[collision.first, collision.last], :, 0], law, axis=1)
+    if approach > 0.0 and np.diff(others, axis=0).sum() <= ALONE * collision.impulse:
+        apparent = collision.impulse / (rigid * approach) - 1.0
+        taken = f"{collision.impulse:.3g} N s"
+        came = f"; its strongest collision ({taken}) was that of rigid bodies with e = {apparent:.2g}"
+    return (
+        f"contact {result.contact_names[law]!r}: restitution {restitution:g} acts on the mass next to it, "
+        f"{100.0 * light / rigid:.2g} % of what it meets in rigid bodies (so much of the energy is all that a closing "
+        f"takes), and does not set the rebound, which comes from the modes{came}"
+    )
+
+
+def _slowest_vibration(compiled: Compiled, law: int) -> float:
+    """Longest period [s] of a mode of the bodies of a contact; 0 for rigid ones."""
+    c, bodies = compiled.model.contacts, compiled.model.bodies
+    longest = 0.0
+    for p in np.flatnonzero(c.pass_law == law).tolist():
+        for b in c.surface_body[[c.pass_slave[p], c.pass_feature[p]]].tolist():
+            if b >= 0:
+                omega2 = bodies.stiffness[bodies.dof[b] - 3 * b : bodies.dof[b + 1] - 3 * b - 3]
+                if (omega2 > 0.0).any():
+                    longest = max(longest, 2.0 * float(np.pi) / float(np.sqrt(omega2[omega2 > 0.0].min())))
+    return longest
+
+
+def _collisions(result: Result, law: int, lasts: float) -> list[Collision]:
+    """All collisions of a contact."""
+    taken = np.diff(result.impulse[:, law, 0])
+    found: list[Collision] = []
+    for k in np.flatnonzero(taken > 0.0).tolist():
+        if found and result.times[k] - result.times[found[-1].last] <= lasts:
+            found[-1] = Collision(found[-1].first, k + 1, found[-1].impulse + float(taken[k]))
+        else:
+            found.append(Collision(k, k + 1, float(taken[k])))
+    return found
+
+
+def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) -> tuple[float, float, float] | None:
+    """m_c and m_r [kg] at the begin of a collision, and the approach velocity [m/s]; None where nothing is near."""
+    q, u = result.q[collision.first].copy(), result.u[collision.first]
+    model = pack(compiled.model)
+    table, count = near(model, q, compiled.size)
+    own = np.flatnonzero(table.law[:count] == law)
+    if not len(own):
+        return None
+    row = normal_row(model, q, table, int(own[np.argmin(table.gap[own])]))
+    M = mass_matrix(compiled.model, q)
+    J = violation(compiled.model, q, np.zeros_like(q), np.zeros((compiled.n_external, 3))).jacobian
+    rigid = (compiled.model.bodies.dof[:-1, None] + np.arange(3)).ravel()
+    soft = float(row @ held_inverse(M, J) @ row)
+    stiff = float(row[rigid] @ held_inverse(M[np.ix_(rigid, rigid)], J[:, rigid]) @ row[rigid])
+    if not (soft > 0.0 and stiff > 0.0):
+        return None
+    return 1.0 / soft, 1.0 / stiff, -float(row @ u)
