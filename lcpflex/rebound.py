@@ -26,7 +26,16 @@ from lcpflex.scene import Compiled
 __all__ = ["rebounds"]
 
 LIGHT = 0.9  # m_c / m_r from which down modes decide
+LOOKED_AT = 3  # contacts, those that were struck hardest
 ALONE = 0.05  # of the impulse of a collision that other contacts may take meanwhile, if it is to tell anything
+
+
+class Masses(NamedTuple):
+    """What a contact meets [kg], in these bodies and in rigid ones, and its approach velocity [m/s]."""
+
+    met: float
+    rigid: float
+    approach: float
 
 
 class Collision(NamedTuple):
@@ -38,37 +47,39 @@ class Collision(NamedTuple):
 
 
 def rebounds(result: Result) -> tuple[str, ...]:
-    """A warning for each contact with e > 0 of a body with modes that has struck, with what came out."""
+    """A warning where contacts with e > 0 of bodies with modes have struck: of the hardest struck, what came out."""
     compiled = result.compiled
     if compiled is None or not np.isfinite(result.q).all():
         return ()
-    restitution, found = compiled.model.contacts.restitution, []
+    restitution, struck = compiled.model.contacts.restitution, []
     for law, name in enumerate(result.contact_names):
         if restitution[law] > 0.0 and name not in result.by_law and result.impulse[-1:, law, 0].any():
-            found.append(_rebound(result, compiled, law, float(restitution[law])))
-    return tuple(text for text in found if text)
+            collision = _hardest(result, compiled, law)
+            if collision is not None:
+                struck.append((law, collision))
+    struck.sort(key=lambda one: -one[1].impulse)
+    for law, collision in struck[:LOOKED_AT]:
+        masses = _masses(result, compiled, law, collision)
+        if masses is None or masses.met >= LIGHT * masses.rigid:
+            continue
+        name = result.contact_names[law]
+        others = f" (one of {len(struck)} such)" if len(struck) > 1 else ""
+        share = f"{100.0 * masses.met / masses.rigid:.2g} %"
+        return (
+            f"contact {name!r}{others}: restitution {restitution[law]:g} acts on the mass next to it, {share} of what "
+            "it meets in rigid bodies (so much of the energy is all that a closing takes), and does not set the "
+            f"rebound, which comes from the modes{_came(result, law, collision, masses)}",
+        )
+    return ()
 
 
-def _rebound(result: Result, compiled: Compiled, law: int, restitution: float) -> str:
-    lasts = _slowest_vibration(compiled, law)
-    if lasts == 0.0:
-        return ""
-    collision = max(_collisions(result, law, lasts), key=lambda one: one.impulse)
-    masses = _masses(result, compiled, law, collision)
-    if masses is None or masses[0] >= LIGHT * masses[1]:
-        return ""
-    light, rigid, approach = masses
-    came = ""
+def _came(result: Result, law: int, collision: Collision, masses: Masses) -> str:
+    """What the rebound was, in words; empty where other contacts had a part in it."""
     others = np.delete(result.impulse[[collision.first, collision.last], :, 0], law, axis=1)
-    if approach > 0.0 and np.diff(others, axis=0).sum() <= ALONE * collision.impulse:
-        apparent = collision.impulse / (rigid * approach) - 1.0
-        taken = f"{collision.impulse:.3g} N s"
-        came = f"; its strongest collision ({taken}) was that of rigid bodies with e = {apparent:.2g}"
-    return (
-        f"contact {result.contact_names[law]!r}: restitution {restitution:g} acts on the mass next to it, "
-        f"{100.0 * light / rigid:.2g} % of what it meets in rigid bodies (so much of the energy is all that a closing "
-        f"takes), and does not set the rebound, which comes from the modes{came}"
-    )
+    if not masses.approach > 0.0 or np.diff(others, axis=0).sum() > ALONE * collision.impulse:
+        return ""
+    apparent = collision.impulse / (masses.rigid * masses.approach) - 1.0
+    return f"; its hardest collision ({collision.impulse:.3g} N s) was that of rigid bodies with e = {apparent:.2g}"
 
 
 def _slowest_vibration(compiled: Compiled, law: int) -> float:
@@ -84,8 +95,11 @@ def _slowest_vibration(compiled: Compiled, law: int) -> float:
     return longest
 
 
-def _collisions(result: Result, law: int, lasts: float) -> list[Collision]:
-    """All collisions of a contact."""
+def _hardest(result: Result, compiled: Compiled, law: int) -> Collision | None:
+    """The collision of a contact with most impulse; None between rigid bodies."""
+    lasts = _slowest_vibration(compiled, law)
+    if lasts == 0.0:
+        return None
     taken = np.diff(result.impulse[:, law, 0])
     found: list[Collision] = []
     for k in np.flatnonzero(taken > 0.0).tolist():
@@ -93,11 +107,11 @@ def _collisions(result: Result, law: int, lasts: float) -> list[Collision]:
             found[-1] = Collision(found[-1].first, k + 1, found[-1].impulse + float(taken[k]))
         else:
             found.append(Collision(k, k + 1, float(taken[k])))
-    return found
+    return max(found, key=lambda one: one.impulse)
 
 
-def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) -> tuple[float, float, float] | None:
-    """m_c and m_r [kg] at the begin of a collision, and the approach velocity [m/s]; None where nothing is near."""
+def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) -> Masses | None:
+    """At the begin of a collision; None where nothing is near."""
     q, u = result.q[collision.first].copy(), result.u[collision.first]
     model = pack(compiled.model)
     table, count = near(model, q, compiled.size)
@@ -112,4 +126,4 @@ def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) 
     stiff = float(row[rigid] @ held_inverse(M[np.ix_(rigid, rigid)], J[:, rigid]) @ row[rigid])
     if not (soft > 0.0 and stiff > 0.0):
         return None
-    return 1.0 / soft, 1.0 / stiff, -float(row @ u)
+    return Masses(1.0 / soft, 1.0 / stiff, -float(row @ u))

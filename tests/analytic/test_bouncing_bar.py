@@ -37,7 +37,8 @@ def test_moreau_jean_with_full_restitution_keeps_all_energy() -> None:
     result = twenty_periods(50, 1.0, lf.MoreauJean(step=courant_step(LENGTH / 50, WAVE_SPEED)))
     assert result.impulse[-1].sum() > 25 * 200.0  # with e = 1 a part of the motion goes into vibration
     assert abs(lost(result)) < 1e-12
-    assert not result.warnings
+    (said,) = result.warnings
+    assert "does not set the rebound" in said
 
 
 def test_moreau_jean_without_restitution_loses_what_the_node_that_strikes_holds() -> None:

@@ -41,4 +41,4 @@ def test_exact_factor_for_any_impact(mass: float, stiffness: float, exponent: fl
     assert result.q[-1, 1] > radius
     assert result.u[-1, 1] / speed == pytest.approx(e, rel=2e-5)
     assert result.energies.relative_remainder < 1e-5
-    assert result.energies.impact.min() >= -1e-12 * result.energies.scale
+    assert result.energies.impact.min() >= -1e-6 * result.energies.scale  # between steps: by dense output
