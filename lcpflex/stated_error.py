@@ -29,6 +29,7 @@ __all__ = ["error_shares", "stated_errors"]
 SMALL = 1e-6  # of the largest range of a coordinate: a smaller one is rounding
 GRAZING = 4.0  # velocity over that of the impact, at most: of the push in a contact that goes on, no more is new
 CLAMPED = 6.4  # slowest vibration of a beam with one end clamped over that of a free one: a body that is held
+MOST = 500  # impacts that are looked at one by one
 RESTING = 0.1  # of the duration that a contact by law lasts: longer is no impact
 AT_REST = 1e-4  # of the size over the duration: slower is at rest, where rounding is as large as the speed
 
@@ -75,14 +76,15 @@ def _with_impacts(
     times = data["times"][[0, *(last for _, last, _ in impacts), -1]]
     place, speed = np.zeros(units.count), np.zeros(units.count)
     grown = np.diff(smooth[0] * _shares(records, units, times), axis=0)
-    episodes = None if units.own else _Episodes(model, units, records.impact_step)
-    for k, (first, last, laws) in enumerate(impacts):
+    first, last = np.array([impact[:2] for impact in impacts], dtype=np.int64).reshape(-1, 2).T
+    jumps = units.of(u[last] - u[first])
+    episodes = None if units.own else _Episodes(model, units, records.impact_step, data, first, last)
+    for k, (_, _, laws) in enumerate(impacts):
         place += (times[k + 1] - times[k]) * speed + grown[k]
         if records.set_valued[laws].any():
-            place += 0.5 * records.impact_step * units.of(u[last] - u[first])
+            place += 0.5 * records.impact_step * jumps[k]
         if episodes is not None:
-            ends = data["times"][[max(first - 1, 0), first, last]]
-            speed = episodes.magnified(ends, laws, data["q"][first], u[[max(first - 1, 0), first, last]], place, speed)
+            speed = episodes.magnified(k, laws, place, speed)
     place += (times[-1] - times[-2]) * speed + grown[-1]
     shaken = 0.0 if episodes is None else np.sqrt(episodes.shaken)
     return np.array([place, smooth[1] + speed + shaken])
@@ -117,7 +119,17 @@ def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, i
         for first, last in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
             if times[last] - times[first] <= RESTING * (times[-1] - times[0]):
                 found.append((first, last, [law]))
-    return sorted(found, key=lambda impact: impact[1])
+    return _merged(sorted(found, key=lambda impact: impact[1]))
+
+
+def _merged(impacts: list[tuple[int, int, list[int]]]) -> list[tuple[int, int, list[int]]]:
+    """At most ``MOST`` impacts: of a rattle that has more, neighbours are taken together."""
+    size = -(-len(impacts) // MOST)
+    groups = [impacts[k : k + size] for k in range(0, len(impacts), max(size, 1))]
+    return [
+        (min(i[0] for i in group), max(i[1] for i in group), sorted({law for i in group for law in i[2]}))
+        for group in groups
+    ]
 
 
 class _Episodes:
@@ -127,64 +139,64 @@ class _Episodes:
     struck once, by what is left of it in the end.
     """
 
-    def __init__(self, model: Model, units: Units, step: float) -> None:
-        self._units, self._step, self._gravity = units, step, model.loads.gravity
-        self._first = model.bodies.dof[:-1]
+    def __init__(
+        self, model: Model, units: Units, step: float, data: dict[str, FloatArray], first: IntArray, last: IntArray
+    ) -> None:
+        self._step = step
         self._cornered, self._curved, self._partners = _shapes(model, units)
-        self._stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
+        self._restitution = model.contacts.restitution
+        stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
         self._lasts = np.zeros(units.count)  # slowest vibration [s]
         self._unseen = np.zeros(units.count)  # share of its directions in which a body vibrates within a step
-        self._restitution = model.contacts.restitution
         for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
-            stiffness = self._stiffness[d + 3 : end]
-            stiffness[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
-            self._unseen[b] = np.minimum(1.0, stiffness * step**2 / 12.0).sum() / (len(stiffness) + 2)
-            if (stiffness > 0.0).any():
-                self._lasts[b] = 2.0 * np.pi / np.sqrt(stiffness[stiffness > 0.0].min())
+            own = stiffness[d + 3 : end]
+            own[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
+            self._unseen[b] = np.minimum(1.0, own * step**2 / 12.0).sum() / (len(own) + 2)
+            if (own > 0.0).any():
+                self._lasts[b] = 2.0 * np.pi / np.sqrt(own[own > 0.0].min())
         held = np.unique(model.points.body[model.joints.point])
         self._lasts[held[held >= 0]] *= CLAMPED
+        # of all impacts (m, units): begin and end [s], velocities there of frames, and of places, vibrations apart
+        times, u, before = data["times"], data["u"], np.maximum(first - 1, 0)
+        frames = model.bodies.dof[:-1, None] + np.arange(3)
+        self._begin, self._end, self._spell = times[first], times[last], times[first] - times[before]
+        self._rigid, self._left = u[first][:, frames], u[last][:, frames]
+        self._fast, self._changed = units.of(u[first]), units.of(u[last] - u[first])
+        # a vibration that is met half a step late has another velocity by then
+        self._pulled = 0.5 * step * units.of(stiffness * data["q"][first])
+        # by forces other than gravity: what falls freely comes later, but comes
+        spell = np.where(self._spell > 0.0, self._spell, np.inf)[:, None, None]
+        drawn = (self._rigid - u[before][:, frames])[..., :2] / spell - model.loads.gravity * np.isfinite(spell)
+        self._pull = np.hypot(drawn[..., 0], drawn[..., 1])
         self._seen, self._last = np.full(units.count, -np.inf), np.full(len(self._curved), -np.inf)
         self._begun = np.zeros((units.count, 3))  # velocities before the episode
         self._speed = np.zeros(units.count)  # errors before it
         self.shaken = np.zeros(units.count)  # errors of velocities that vibrations are left with, squared
 
-    def magnified(
-        self, times: FloatArray, laws: list[int], q: FloatArray, u: FloatArray, place: FloatArray, speed: FloatArray
-    ) -> FloatArray:
-        """Errors of velocities behind an impact of contacts ``laws`` at q; ``place`` and ``speed``: those before.
-
-        times (3,), u (3, ndof): at the instant before it, at its begin, at its end.
-        """
-        now, ends = float(times[2]), u[1:]
-        rigid, left = ends[:, self._first[:, None] + np.arange(3)]
-        spell = float(times[1] - times[0])
-        pull = np.zeros(self._units.count)
-        if spell > 0.0:  # by forces other than gravity: what falls freely comes later, but comes
-            pull = np.hypot(*((u[1] - u[0])[self._first + np.array([[0], [1]])] / spell - self._gravity[:, None]))
+    def magnified(self, k: int, laws: list[int], place: FloatArray, speed: FloatArray) -> FloatArray:
+        """Errors of velocities behind impact k, of contacts ``laws``; ``place`` and ``speed``: those before."""
+        now, fast, pulled = float(self._end[k]), self._fast[k], self._pulled[k]
         lasts = self._lasts.copy()
         for law in laws:  # a rigid body, too, is struck to and fro by one that vibrates
             lasts[self._partners[law]] = lasts[self._partners[law]].max(initial=0.0)
         fresh = now - self._seen > lasts
-        self._begun = np.where(fresh[:, None], rigid, self._begun)
-        self._speed = np.where(fresh, speed, self._speed)
-        fast = self._units.of(ends[0])
-        # a vibration that is met half a step late has another velocity by then
-        pulled = 0.5 * self._step * self._units.of(self._stiffness * q)
+        self._begun[fresh], self._speed[fresh] = self._rigid[k][fresh], speed[fresh]
+        jump = self._left[k] - self._begun
+        moved = np.hypot(jump[:, 0], jump[:, 1])
         out = speed.copy()
         for law in laws:
             pair = self._partners[law]
             # the impact is taken where the bodies have got to by the end of a step
-            off = place[pair].sum() + 0.5 * self._step * fast[pair].sum()
-            jump = left - self._begun
-            moved = np.hypot(jump[:, 0], jump[:, 1])
+            met = float(fast[pair].sum())
+            off = float(place[pair].sum()) + 0.5 * self._step * met
             parting = float(moved[pair].sum())
-            alone = times[1] - self._last[law] > spell and not self._lasts[pair].any()
-            graze = alone and 2.0 * off * pull[pair].sum() > parting * parting  # which may as well not come at all
+            alone = self._begin[k] - self._last[law] > self._spell[k] and not self._lasts[pair].any()
+            # which may as well not come at all
+            graze = alone and 2.0 * off * self._pull[k][pair].sum() > parting * parting
             self._last[law] = now
-            self.shaken[pair] += np.minimum(pulled[pair].sum(), self._units.of(ends[1] - ends[0])[pair]) ** 2
+            self.shaken[pair] += np.minimum(pulled[pair].sum(), self._changed[k][pair]) ** 2
             # what is reflected is the velocity at the end of a step, vibrations and all
             bounced = self._restitution[law] * self._unseen[pair].max(initial=0.0)
-            met = float(fast[pair].sum())
             steep = met / parting if GRAZING * parting > met else GRAZING
             for b in pair.tolist():
                 share = moved[b] / parting if moved[b] > 0.0 else 0.0
