@@ -28,6 +28,7 @@ from lcpflex.bodies.reduction import (
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
+from lcpflex.model import frozen
 
 __all__ = ["Bar", "Beam"]
 
@@ -145,7 +146,7 @@ class Beam:
             coupling=skew(coupling),
             cross_damping=None,
             points=_end_points(locate, self.length),
-            surfaces=_strip(locate, nodes, 0.5 * self.thickness),
+            surfaces=_strip(found, h, nodes, 0.5 * self.thickness),
             locate=locate,
             geometric=spinning(line, found, stiffening),
             ladder=lambda: mode_ladder(available, lambda k, z: self.reduce(k, z, stiffening=stiffening), damping),
@@ -270,7 +271,8 @@ class Bar:
         moments = _line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
         vanish("S", moments[:, 0], math.sqrt(mass))
         still = np.zeros_like(shapes)
-        locate = _locator(LineModes(omega2, shapes, still, still), self.length, height, self.length / self.elements)
+        found, h = LineModes(omega2, shapes, still, still), self.length / self.elements
+        locate = _locator(found, self.length, height, h)
         inertia = float(_line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
         return Body(
             mass=mass,
@@ -284,7 +286,7 @@ class Bar:
             coupling=None,
             cross_damping=None,
             points=_end_points(locate, self.length),
-            surfaces=_strip(locate, nodes, 0.5 * height),
+            surfaces=_strip(found, h, nodes, 0.5 * height),
             locate=locate,
             ladder=lambda: mode_ladder(self.elements, lambda k, z: self.reduce(k, z), damping),
             products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
@@ -313,6 +315,14 @@ def _line_moments(nodes: FloatArray, element_mass: float, stretch: FloatArray, l
     return np.asarray(stretch.T @ _line_mass(np.column_stack([np.ones_like(nodes), nodes]), element_mass, lumped))
 
 
+def _located(modes: LineModes, h: float, x: FloatArray, y: FloatArray) -> tuple[MaterialPoint, ...]:
+    """The material points at places of a strip, all at once: an outline has many."""
+    stretch, deflection, slope = interpolate(modes, h, x)
+    places = frozen(np.column_stack([x, y]))
+    phi, psi = frozen(np.stack([stretch - y[:, None] * slope, deflection], axis=-1)), frozen(slope)
+    return tuple(MaterialPoint(*point) for point in zip(places, phi, psi, strict=True))
+
+
 def _locator(modes: LineModes, length: float, height: float, h: float) -> Callable[[float, float], MaterialPoint]:
     """The material point at (x, y) of a strip 0 <= x <= length, |y| <= height/2."""
 
@@ -320,9 +330,7 @@ def _locator(modes: LineModes, length: float, height: float, h: float) -> Callab
         slack = 1e-12 * length
         along = in_range("x", x, -slack, length + slack)
         across = in_range("y", y, -0.5 * height - slack, 0.5 * height + slack)
-        stretch, deflection, slope = interpolate(modes, h, np.array([along]))
-        phi = np.column_stack([stretch[0] - across * slope[0], deflection[0]])
-        return MaterialPoint(array_of("x, y", (along, across), (2,)), phi, slope[0])
+        return _located(modes, h, np.array([along]), np.array([across]))[0]
 
     return locate
 
@@ -331,14 +339,15 @@ def _end_points(locate: Callable[[float, float], MaterialPoint], length: float) 
     return {"left": locate(0.0, 0.0), "center": locate(0.5 * length, 0.0), "right": locate(length, 0.0)}
 
 
-def _strip(locate: Callable[[float, float], MaterialPoint], nodes: FloatArray, half: float) -> Lazily[Outline]:
+def _strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[Outline]:
     """Outlines of a strip through its nodes, solid on the left: made when asked for, a fine mesh has many points."""
     forth = [float(x) for x in nodes]
     back = forth[::-1]
     left, right = forth[0], back[0]
 
     def chain(places: list[tuple[float, float]], closed: bool = False) -> Callable[[], Outline]:
-        return lambda: Chain(tuple(locate(x, y) for x, y in places), closed)
+        x, y = np.array(places).T
+        return lambda: Chain(_located(modes, h, x, y), closed)
 
     bottom = [(x, -half) for x in forth]
     top = [(x, half) for x in back]
