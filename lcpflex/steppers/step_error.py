@@ -30,7 +30,8 @@ GOLDEN = 0.6180339887498949
 ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less than that of order 1
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
 UNSTORED = 2**40  # stride between stored steps: none of a sample is
-STORED = {*FIELDS, "spots"}  # of a tape: not written while no instant is stored
+# of a tape: not written while no instant is stored; never written; written anew in each step, or by error control only
+UNTOUCHED = {*FIELDS, "spots", "margin", "thin", "sway", "table", "before", "after", "free", "local"}
 
 
 class Units:
@@ -189,7 +190,7 @@ class Sampling:
         tape, state = self._scheme.records.tape, self._scheme.state()
         which, known = (tape, *state), self._known[0]
         if len(known) != len(which) or any(a is not b for a, b in zip(known, which, strict=True)):
-            running = (part for name, part in vars(tape).items() if not name.startswith("_") and name not in STORED)
+            running = (part for name, part in vars(tape).items() if not name.startswith("_") and name not in UNTOUCHED)
             self._known = which, [array for part in (*running, *state) for array in _arrays(part)]
         return self._known[1]
 
