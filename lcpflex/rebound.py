@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.near import near, normal_row
-from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
+from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibrations
 from lcpflex.dynamics.start import violation
 from lcpflex.packed import pack
 from lcpflex.result import Result
@@ -39,11 +39,12 @@ class Masses(NamedTuple):
 
 
 class Collision(NamedTuple):
-    """Stored instants before and after, and the normal impulse [N s] in between."""
+    """Stored instants before and after, the normal impulse [N s] in between, and when it is over at the latest."""
 
     first: int
     last: int
     impulse: float
+    over: float  # [s]
 
 
 def rebounds(result: Result) -> tuple[str, ...]:
@@ -74,7 +75,9 @@ def rebounds(result: Result) -> tuple[str, ...]:
 
 
 def _came(result: Result, law: int, collision: Collision, masses: Masses) -> str:
-    """What the rebound was, in words; empty where other contacts had a part in it."""
+    """What the rebound was, in words; empty where it is not over, or other contacts had a part in it."""
+    if collision.over > result.times[-1]:
+        return ""
     others = np.delete(result.impulse[[collision.first, collision.last], :, 0], law, axis=1)
     if not masses.approach > 0.0 or np.diff(others, axis=0).sum() > ALONE * collision.impulse:
         return ""
@@ -82,32 +85,23 @@ def _came(result: Result, law: int, collision: Collision, masses: Masses) -> str
     return f"; its hardest collision ({collision.impulse:.3g} N s) was that of rigid bodies with e = {apparent:.2g}"
 
 
-def _slowest_vibration(compiled: Compiled, law: int) -> float:
-    """Longest period [s] of a mode of the bodies of a contact; 0 for rigid ones."""
-    c, bodies = compiled.model.contacts, compiled.model.bodies
-    longest = 0.0
-    for p in np.flatnonzero(c.pass_law == law).tolist():
-        for b in c.surface_body[[c.pass_slave[p], c.pass_feature[p]]].tolist():
-            if b >= 0:
-                omega2 = bodies.stiffness[bodies.dof[b] - 3 * b : bodies.dof[b + 1] - 3 * b - 3]
-                if (omega2 > 0.0).any():
-                    longest = max(longest, 2.0 * float(np.pi) / float(np.sqrt(omega2[omega2 > 0.0].min())))
-    return longest
-
-
 def _hardest(result: Result, compiled: Compiled, law: int) -> Collision | None:
-    """The collision of a contact with most impulse; None between rigid bodies."""
-    lasts = _slowest_vibration(compiled, law)
+    """The collision of a contact with most impulse; None between rigid bodies, and before the first instant."""
+    c = compiled.model.contacts
+    own = c.pass_law == law
+    pair = c.surface_body[np.concatenate([c.pass_slave[own], c.pass_feature[own]])]
+    lasts = float(slowest_vibrations(compiled.model.bodies)[pair[pair >= 0]].max(initial=0.0))
     if lasts == 0.0:
         return None
     taken = np.diff(result.impulse[:, law, 0])
     found: list[Collision] = []
     for k in np.flatnonzero(taken > 0.0).tolist():
-        if found and result.times[k] - result.times[found[-1].last] <= lasts:
-            found[-1] = Collision(found[-1].first, k + 1, found[-1].impulse + float(taken[k]))
-        else:
-            found.append(Collision(k, k + 1, float(taken[k])))
-    return max(found, key=lambda one: one.impulse)
+        first, impulse, over = k, float(taken[k]), float(result.times[k + 1]) + lasts
+        if found and result.times[k] <= found[-1].over:
+            before = found.pop()
+            first, impulse = before.first, before.impulse + impulse
+        found.append(Collision(first, k + 1, impulse, over))
+    return max(found, key=lambda one: one.impulse, default=None)  # none of a run that begins with its impact
 
 
 def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) -> Masses | None:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.step_error import ORDER, Units
 
@@ -146,14 +147,12 @@ class _Episodes:
         self._cornered, self._curved, self._partners = _shapes(model, units)
         self._restitution = model.contacts.restitution
         stiffness = np.zeros(int(model.bodies.dof[-1]))  # of each coordinate, over its mass [1/s^2]
-        self._lasts = np.zeros(units.count)  # slowest vibration [s]
+        self._lasts = slowest_vibrations(model.bodies)
         self._unseen = np.zeros(units.count)  # share of its directions in which a body vibrates within a step
         for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
             own = stiffness[d + 3 : end]
             own[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
             self._unseen[b] = np.minimum(1.0, own * step**2 / 12.0).sum() / (len(own) + 2)
-            if (own > 0.0).any():
-                self._lasts[b] = 2.0 * np.pi / np.sqrt(own[own > 0.0].min())
         held = np.unique(model.points.body[model.joints.point])
         self._lasts[held[held >= 0]] *= CLAMPED
         # of all impacts (m, units): begin and end [s], velocities there of frames, and of places, vibrations apart

@@ -288,7 +288,7 @@ class Bar:
             points=_end_points(locate, self.length),
             surfaces=_strip(found, h, nodes, 0.5 * height),
             locate=locate,
-            ladder=lambda: mode_ladder(self.elements, lambda k, z: self.reduce(k, z), damping),
+            ladder=lambda: mode_ladder(self.elements, self.reduce, damping),
             products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
         )
 

@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.bodies.line_interfaces import station
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.reduction import signed
-from lcpflex.bodies.stiffening import Stiffening, place_of
+from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 
 __all__ = ["Line", "bent_under_tension", "spinning"]
 
@@ -83,11 +84,7 @@ def bent_under_tension(
 
 def _station(line: Line, name: str, held: object) -> float:
     """Where along the beam a place lies."""
-    ends = {"left": (0.0, 0.0), "center": (0.5 * line.length, 0.0), "right": (line.length, 0.0)}
-    x, y = place_of(name, held, ends)  # type: ignore[arg-type]  # a name or (x, y), as Stiffening has checked
-    slack = 1e-12 * line.length
-    in_range(f"{name}: y", y, -0.5 * line.thickness - slack, 0.5 * line.thickness + slack)
-    return min(max(in_range(f"{name}: x", x, -slack, line.length + slack), 0.0), line.length)
+    return station(name, held, line.length, line.thickness)  # type: ignore[arg-type]  # as Stiffening has checked
 
 
 def _gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:

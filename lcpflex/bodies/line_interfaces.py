@@ -22,7 +22,7 @@ from lcpflex.bodies.stiffening import place_of
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 
-__all__ = ["Interfaces", "residual_line", "residual_modes", "stations_of", "taken"]
+__all__ = ["Interfaces", "residual_line", "residual_modes", "station", "stations_of", "taken"]
 
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 Interfaces: TypeAlias = Sequence[str | float | tuple[float, float]]
@@ -43,16 +43,21 @@ def stations_of(length: float, thickness: float, interfaces: Interfaces) -> Floa
         raise ModelError(
             f"interfaces: {interfaces!r} was given, expected a list of places: 'left', 'center', 'right', x or (x, y)"
         )
-    ends = {"left": (0.0, 0.0), "center": (0.5 * length, 0.0), "right": (length, 0.0)}
     found = []
     for k, place in enumerate(interfaces):
         name = f"interfaces[{k}]"
         at = (place, 0.0) if isinstance(place, (int, float)) and not isinstance(place, bool) else place
-        x, y = place_of(name, at if isinstance(at, str) else array_of(name, at, (2,)), ends)
-        slack = 1e-12 * length
-        in_range(f"{name}: y", y, -0.5 * thickness - slack, 0.5 * thickness + slack)
-        found.append(min(max(in_range(f"{name}: x", x, -slack, length + slack), 0.0), length))
+        found.append(station(name, at if isinstance(at, str) else array_of(name, at, (2,)), length, thickness))
     return np.unique(found)
+
+
+def station(name: str, place: str | npt.ArrayLike, length: float, thickness: float) -> float:
+    """Where along a line a place lies, a name or (x, y). Raises ModelError for one off the line."""
+    ends = {"left": (0.0, 0.0), "center": (0.5 * length, 0.0), "right": (length, 0.0)}
+    x, y = place_of(name, place, ends)
+    slack = 1e-12 * length
+    in_range(f"{name}: y", y, -0.5 * thickness - slack, 0.5 * thickness + slack)
+    return min(max(in_range(f"{name}: x", x, -slack, length + slack), 0.0), length)
 
 
 def residual_modes(omega2: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:

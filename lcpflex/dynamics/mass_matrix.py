@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.model import Bodies, Model
 
-__all__ = ["held_inverse", "mass_matrix", "null_space", "overbent"]
+__all__ = ["held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
 
 
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
@@ -38,6 +38,16 @@ def null_space(J: FloatArray) -> FloatArray:
     _, sizes, rows = np.linalg.svd(J)
     rank = int((sizes > 1e-10 * sizes.max(initial=0.0)).sum())
     return np.asarray(rows[rank:].T)
+
+
+def slowest_vibrations(bodies: Bodies) -> FloatArray:
+    """Longest period [s] of a mode of each body, free (nb,); 0 for rigid ones."""
+    found = np.zeros(len(bodies.mass))
+    for b in range(len(found)):
+        omega2 = bodies.stiffness[bodies.dof[b] - 3 * b : bodies.dof[b + 1] - 3 * b - 3]
+        if (omega2 > 0.0).any():
+            found[b] = 2.0 * np.pi / np.sqrt(omega2[omega2 > 0.0].min())
+    return found
 
 
 def overbent(model: Model, q: FloatArray) -> list[int]:

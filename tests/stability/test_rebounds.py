@@ -76,3 +76,16 @@ def test_the_end_of_a_bar_loses_its_share() -> None:
 def test_a_contact_that_never_strikes_says_nothing() -> None:
     scene = falling(4, 0.5)
     assert not lf.simulate(scene, 1e-4, lf.MoreauJean(step=1e-6)).warnings
+
+
+@pytest.mark.parametrize("stepper", STEPPERS)
+def test_a_collision_that_is_not_over_has_no_rebound_yet(stepper: Any) -> None:
+    """The run ends, or begins, with the impact: what the mass next to it is can be told, and no more."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    body = scene.add(STRIP.reduce(4), position=(-0.25, 0.015), velocity=(0.0, -1.0))
+    scene.contact(body.node(0.25, -0.005), scene.ground.circle((0.0, 0.0), 0.01), restitution=0.5)
+    (said,) = lf.simulate(scene, 1e-4, stepper).warnings
+    assert "the mass next to it, 22 % of" in said
+    assert "hardest collision" not in said
+    (said,) = lf.simulate(scene, 0.02, stepper).warnings
+    assert "hardest collision" in said
