@@ -10,7 +10,6 @@ the picture: error against cost.
 from pathlib import Path
 
 import lcpflex as lf
-from lcpflex.bodies.body import Body
 from lcpflex.studies import right_size
 
 TOLERANCE = 0.05  # of where both bodies are, and of the impulse between them
@@ -18,15 +17,15 @@ DURATION = 0.02
 STEPPER = lf.GeneralizedAlpha(step=4e-6)
 
 
-def steel(length: float, thickness: float, elements: int) -> Body:
-    beam = lf.Beam(length, width=0.03, thickness=thickness, density=7800.0, youngs_modulus=2.1e11, elements=elements)
-    return beam.reduce(modes=2, damping=0.02)
+def steel(length: float, thickness: float, elements: int) -> lf.Beam:
+    return lf.Beam(length, width=0.03, thickness=thickness, density=7800.0, youngs_modulus=2.1e11, elements=elements)
 
 
 def hammer_on_strip() -> lf.Scene:
     scene = lf.Scene()
-    strip = scene.add(steel(0.8, 0.008, elements=30), "strip")
-    hammer = scene.add(steel(0.08, 0.03, elements=6), "hammer", position=(0.26, 0.0191), velocity=(0.0, -1.0))
+    few = {"modes": 2, "damping": 0.02}
+    strip = scene.add(steel(0.8, 0.008, elements=30), "strip", **few)
+    hammer = scene.add(steel(0.08, 0.03, elements=6), "hammer", (0.26, 0.0191), velocity=(0.0, -1.0), **few)
     scene.join(lf.Revolute(strip.point("left"), scene.ground.at(0.0, 0.0)))
     scene.join(lf.PointOnLine(strip.point("right"), scene.ground.at(0.8, 0.0), axis=(1.0, 0.0)))
     scene.contact(hammer.node(0.04, -0.015), strip.surface("top"), name="strike")

@@ -2,9 +2,9 @@
 
     import lcpflex as lf
 
-    bar = lf.Beam(length=0.7, width=0.028, thickness=0.005, density=2700, youngs_modulus=6.9e10).reduce(modes=8)
+    bar = lf.Beam(length=0.7, width=0.028, thickness=0.005, density=2700, youngs_modulus=6.9e10)
     scene = lf.Scene(gravity=(0, -9.81))
-    pendulum = scene.add(bar, name="pendulum")
+    pendulum = scene.add(bar, name="pendulum", modes=8)
     scene.join(lf.Revolute(pendulum.point("left"), scene.ground.at(0, 0)))
     stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
     scene.contact(pendulum.surface(), stop, friction=0.3, restitution=0.0)
@@ -26,6 +26,7 @@ _HOME = {
     "Bar": "lcpflex.bodies.beam",
     "Beam": "lcpflex.bodies.beam",
     "Rayleigh": "lcpflex.bodies.reduction",
+    "Interface": "lcpflex.bodies.interface",
     "Matrices": "lcpflex.bodies.matrices",
     "Continuum": "lcpflex.bodies.continuum",
     "SolidOfRevolution": "lcpflex.bodies.solid_of_revolution",
@@ -115,6 +116,7 @@ __all__ = [
     "Function",
     "GeneralizedAlpha",
     "Harmonic",
+    "Interface",
     "LcpflexError",
     "Lemke",
     "MasslessBoundary",
@@ -192,6 +194,7 @@ if TYPE_CHECKING:
     from lcpflex.accelerations import admissible_accelerations
     from lcpflex.bodies.beam import Bar, Beam
     from lcpflex.bodies.continuum import Continuum
+    from lcpflex.bodies.interface import Interface
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.matrix_files import matrices_from_files
     from lcpflex.bodies.reduction import Rayleigh

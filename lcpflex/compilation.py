@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,23 +12,24 @@ import numpy as np
 from lcpflex.bodies.body import Body, Chain, MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.contact.force_law import Law
 from lcpflex.contact.shapes import compile_contacts
 from lcpflex.contact_rules import by_rules
-from lcpflex.dynamics.compiled_function import CompiledFunction
-from lcpflex.dynamics.time_functions import Callback, SignalTable, State
+from lcpflex.dynamics.time_functions import Materials, SignalTable, State
 from lcpflex.errors import ModelError
 from lcpflex.joints import Joint, Prismatic, Weld
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
+from lcpflex.missing_compliance import missing_compliance
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
 from lcpflex.packed import pack
 from lcpflex.placed import Placed, PlacedSurface
-from lcpflex.scene import ContactRule, DeclaredContact, Layout
+from lcpflex.reduced_scene import reduced_scene
+from lcpflex.scene import Compiled, DeclaredContact, Layout, Parts
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.start import Violation
+    from lcpflex.scene import Scene
 
-__all__ = ["compiled_parts"]
+__all__ = ["compiled_scene"]
 
 JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
 PROJECTION_TOLERANCE = 1e-12
@@ -66,35 +67,31 @@ class Assembly:
         return math.hypot(*(self.state.position(P) - self.state.position(Q)))
 
 
+def compiled_scene(scene: Scene, project: bool, indents: Callable[[str], bool] | None) -> Compiled:
+    """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
+    reduced, said = reduced_scene(scene)
+    parts = reduced.parts()
+    materials = None if reduced is scene else Materials({one.body: one for one in parts.placed})
+    compiled = compiled_parts(reduced.gravity, parts, materials, project, indents)
+    return replace(compiled, notes=tuple(f"residual modes for {text}" for text in said))
+
+
 def compiled_parts(
     gravity: FloatArray,
-    placed: tuple[Placed, ...],
-    joints: Mapping[str, Joint],
-    loads: Sequence[Load],
-    contacts: Mapping[str, DeclaredContact],
-    rules: Sequence[ContactRule],
-    surfaces: Sequence[PlacedSurface],
+    parts: Parts,
+    materials: Materials | None,
     project: bool,
     indents: Callable[[str], bool] | None,
-) -> tuple[
-    Model,
-    Layout,
-    FloatArray,
-    FloatArray,
-    float,
-    int,
-    tuple[Callback, ...],
-    tuple[Law | None, ...],
-    tuple[CompiledFunction, ...],
-]:
-    """The fields of :class:`lcpflex.scene.Compiled`. Raises ModelError for a start that cannot be."""
+) -> Compiled:
+    """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
+    placed, joints, loads, contacts, rules, surfaces = parts
     if not placed:
         raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
     sources = [p.source for p in placed if p.source is not None]
     bodies = _bodies(sources)
     q = frozen(np.concatenate([p.start[0] for p in placed]))
     u = frozen(np.concatenate([p.start[1] for p in placed]))
-    assembly = Assembly(State(0.0, q, u, bodies.dof))
+    assembly = Assembly(State(0.0, q, u, bodies.dof, materials))
     _refuse_unguided(placed, tuple(joints.values()), assembly.state)
     named = {
         (p.name, name): assembly.point(p.body, p.source.points[name])
@@ -114,7 +111,8 @@ def compiled_parts(
     meshes = [p.source.resolution if p.source else None for p in placed]
     resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
     names = tuple(p.name for p in placed)
-    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions)
+    residual = tuple((p.source.residual_modes, p.source.contact_modes) if p.source else (0, 0) for p in placed)
+    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions, residual)
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
@@ -126,7 +124,19 @@ def compiled_parts(
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
         _refuse_penetration(model, q.copy(), tuple(declared), hard, size)
     laws = tuple(c.law for c in declared.values())
-    return model, layout, frozen(q), frozen(u), size, len(external), callbacks, laws, assembly.signals.functions
+    return Compiled(
+        model,
+        layout,
+        frozen(q),
+        frozen(u),
+        size,
+        len(external),
+        callbacks,
+        laws,
+        assembly.signals.functions,
+        materials,
+        missing_compliance(parts, declared),
+    )
 
 
 def _refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: State) -> None:

@@ -22,9 +22,10 @@ from lcpflex.errors import ModelError
 from lcpflex.placed import Placed, PlacedSurface, listed
 
 if TYPE_CHECKING:
+    from lcpflex.reduction_order import ReductionOrder
     from lcpflex.scene import Parts, Scene
 
-__all__ = ["exchanged", "settled"]
+__all__ = ["exchanged", "remade", "settled"]
 
 
 def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
@@ -36,34 +37,43 @@ def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
             raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
         if not isinstance(body, Body):
             raise ModelError(f"bodies[{name!r}]: {body!r} was given, expected a Body")
-    made = [(placed, bodies.get(placed.name, placed.source)) for placed in parts.placed]
-    return _made(scene, [(body, *_start(placed, body)) for placed, body in made if body is not None])
+    made: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
+    for placed in parts.placed:
+        if placed.name not in bodies and placed.order is not None:
+            made.append((placed.order, *placed.start))
+        elif (body := bodies.get(placed.name, placed.source)) is not None:
+            made.append((body, *_start(placed, body)))
+    return remade(scene, made)
 
 
 def settled(scene: Scene) -> Scene:
     """The scene with its initial state projected onto its joints; itself where that fulfils them, or nothing can."""
+    scene = scene.reduced()
     try:
-        scene.compile()
+        scene.compiled()
     except ModelError:
         try:
-            compiled = scene.compile(project=True)
+            compiled = scene.compiled(project=True)
         except ModelError:
             return scene  # which says itself what is wrong, when it is run
         placed = scene.parts().placed
         ends = np.cumsum([len(one.start[0]) for one in placed])[:-1]
         starts = zip(placed, np.split(compiled.q, ends), np.split(compiled.u, ends), strict=True)
-        return _made(scene, [(one.source, q, u) for one, q, u in starts if one.source is not None])
+        return remade(scene, [(one.source, q, u) for one, q, u in starts if one.source is not None])
     return scene
 
 
-def _made(scene: Scene, bodies: Sequence[tuple[Body, FloatArray, FloatArray]]) -> Scene:
-    """The scene with these bodies and initial states in the order of its own."""
+def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArray, FloatArray]]) -> Scene:
+    """The scene with these bodies and initial states in the order of its own; some may be reduced later."""
     from lcpflex.scene import Scene
 
     parts = scene.parts()
     new = Scene(scene.gravity)
     for placed, (body, q, u) in zip(parts.placed, bodies, strict=True):
-        new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])
+        if isinstance(body, Body):
+            new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])
+        else:
+            new.put(placed, body)
     _Again(scene, new).declare(parts)
     return new
 
@@ -115,6 +125,9 @@ def _start(placed: Placed, body: Body) -> tuple[FloatArray, FloatArray]:
     q, u = placed.start
     old = placed.source
     assert old is not None
+    if placed.order is not None:
+        old = placed.order.body(())
+        q, u = placed.order.start(placed.start, old)
     if _same_basis(old, body):
         return q, u
     if not (q[3:].any() or u[3:].any()):

@@ -19,6 +19,7 @@ from lcpflex.errors import ModelError, in_range
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
+    from lcpflex.reduction_order import ReductionOrder
     from lcpflex.slots import Slot
 
 __all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]
@@ -74,6 +75,7 @@ class Placed:
     source: Body | None = field(repr=False)  # None for the ground
     start: tuple[FloatArray, FloatArray] = field(repr=False)  # (3 + n,) configuration and velocity
     scene: Register = field(repr=False)
+    order: ReductionOrder | None = field(default=None, repr=False)  # of a body that is reduced with its scene
 
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""

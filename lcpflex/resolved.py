@@ -3,7 +3,9 @@
 Looked at is the push of each contact that transfers most impulse: a time in which its impulse grows from one stored
 instant to the next. Its duration tells which frequencies it excited. What is too short to be measured (impacts in no
 time, pushes of a few stored instants) or had not ended with the run gives no warning, for nothing is known of it.
-Looked at are meshed bodies: how finely beams, bars and bodies of matrices are made is a choice of model.
+Elements are looked at in meshed bodies: how finely beams, bars and bodies of matrices are made is a choice of model.
+Modes are looked at in all bodies that have some: free ones, and those of them that have mass. Residual modes are the
+static response to what acts on a body; they hold no waves.
 """
 
 from __future__ import annotations
@@ -34,9 +36,9 @@ def unresolved(result: Result) -> tuple[str, ...]:
         found.append(_few_pairs(result, law, name))
         duration = _push(result.times, result.impulse[:, law, 0])
         if duration > 0.0:
-            for b in _meshed(result.compiled, law):
-                found.append(_long_elements(result.compiled, name, b, duration))
-                found.append(_few_modes(result, result.compiled, name, b, duration))
+            touched = _surfaces(result.compiled, law)
+            found += [_long_elements(result.compiled, name, b, duration) for b in _owners(result.compiled, touched)]
+            found += [_few_modes(result, result.compiled, name, b, duration) for b in _bodies(result.compiled, touched)]
     return tuple(text for text in found if text)
 
 
@@ -75,20 +77,24 @@ def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> st
 
 
 def _few_modes(result: Result, compiled: Compiled, name: str, b: int, duration: float) -> str:
-    """Where body b deforms, but its modes end below what was excited; static ones hold no waves and do not count."""
+    """Where body b deforms, but its free modes that have mass end below what was excited."""
     bodies = compiled.model.bodies
     first, last = int(bodies.dof[b]) + 3, int(bodies.dof[b + 1])
     own = bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
+    if not own.size:
+        return ""
+    free = np.arange(len(own)) < len(own) - compiled.layout.residual[b][0]
     # those of a massless boundary have displacements, but no velocity
     static = (result.u[:, first:last] == 0.0).all(axis=0) & (result.q[:, first:last] != 0.0).any(axis=0)
-    highest = math.sqrt(float(own[~static].max(initial=0.0))) / (2.0 * math.pi)
+    held = free & ~static
+    highest = math.sqrt(float(own[held].max(initial=0.0))) / (2.0 * math.pi)
     frequency = excited_frequency(duration)
-    if not own.size or highest >= frequency:
+    if highest >= frequency:
         return ""
-    dynamic = "dynamic " if static.any() else ""
+    kind = "dynamic modes" if static.any() else "free modes" if not free.all() else "modes"
     return (
-        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the {dynamic}modes of "
-        f"{compiled.layout.bodies[b]!r} ({np.count_nonzero(~static)}) end at {highest:.3g} Hz: keep more"
+        f"contact {name!r} pushed for {duration:.3g} s, which excites up to {frequency:.3g} Hz; the {kind} of "
+        f"{compiled.layout.bodies[b]!r} ({np.count_nonzero(held)}) end at {highest:.3g} Hz: keep more"
     )
 
 
@@ -108,11 +114,16 @@ def _push(times: FloatArray, impulse: FloatArray) -> float:
     return float(times[end] - times[start]) if ended and end - start >= INSTANTS else 0.0
 
 
-def _meshed(compiled: Compiled, law: int) -> list[int]:
-    """The meshed bodies of a contact."""
+def _surfaces(compiled: Compiled, law: int) -> IntArray:
+    """The surfaces of a contact."""
     contacts = compiled.model.contacts
     of_law = contacts.pass_law == law
-    return _owners(compiled, np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]]))
+    return np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]])
+
+
+def _bodies(compiled: Compiled, surfaces: IntArray) -> list[int]:
+    """The bodies that surfaces belong to, but for the ground."""
+    return [int(b) for b in np.unique(compiled.model.contacts.surface_body[surfaces]) if b >= 0]
 
 
 def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
@@ -136,5 +147,4 @@ def _masters_of_discs(compiled: Compiled, law: int) -> list[str]:
 def _owners(compiled: Compiled, surfaces: IntArray) -> list[int]:
     """The meshed bodies that surfaces belong to."""
     known = compiled.layout.resolutions
-    owners = np.unique(compiled.model.contacts.surface_body[surfaces])
-    return [int(b) for b in owners if b >= 0 and known and known[b]]
+    return [b for b in _bodies(compiled, surfaces) if known and known[b]]

@@ -13,6 +13,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.laws.creep import CREEP
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError
+from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model import OPEN, SLIP, STICK, Model
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ __all__ = [
     "ContactHistory",
     "ContactSpots",
     "Event",
+    "ModalCoordinates",
     "Result",
     "material_shapes",
     "world_places",
@@ -248,7 +250,7 @@ class Result:
 
         kept = self.compiled
         if kept is not None:
-            kept = replace(kept, callbacks=(), functions=(), laws=(None,) * len(kept.laws))
+            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=(None,) * len(kept.laws))
         return write(replace(self, compiled=kept), path)
 
     @classmethod
@@ -288,12 +290,23 @@ class Result:
         """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""
         if self.compiled is None:
             return tuple(f"q {k + 1}" for k in range(self.q.shape[1]))
-        dof = self.compiled.model.bodies.dof
         return tuple(
             f"{body}.{part}"
             for b, body in enumerate(self.compiled.layout.bodies)
-            for part in ("x", "y", "angle", *(f"mode {k + 1}" for k in range(int(dof[b + 1] - dof[b]) - 3)))
+            for part in ("x", "y", "angle", *_mode_names(modal_coordinates(self.compiled, b).residual))
         )
+
+    def modes_of(self, body: str) -> ModalCoordinates:
+        """What the modal coordinates of a body are: their columns in ``q``, free or residual, and their frequencies.
+
+        Raises ModelError for a body that is not there, and for a system of the user's own.
+        """
+        if self.compiled is None:
+            raise ModelError("modes_of: a system of the user's own has no modes; expected the result of a Scene")
+        bodies = self.compiled.layout.bodies
+        if body not in bodies:
+            raise ModelError(f"body: no body {body!r}; expected one of {_listed(bodies)}")
+        return modal_coordinates(self.compiled, bodies.index(body))
 
     def _material(self, body: str, point: str | tuple[float, float]) -> tuple[Model, int, FloatArray, FloatArray]:
         """Body index, undeformed place (2,) and shapes (n, 2) of a named or placed point."""
@@ -382,3 +395,9 @@ def world_places(model: Model, q: FloatArray, points: IntArray) -> FloatArray:
         x = model.points.place[ids]
         places[chosen] = x if b < 0 else _trajectory(model, q[None, :], int(b), x, material_shapes(model, ids))
     return places
+
+
+def _mode_names(residual: NDArray[np.bool_]) -> list[str]:
+    """Names of the modes of a body, free ones and residual ones counted apart."""
+    free = int(np.count_nonzero(~residual))
+    return [f"residual mode {k - free + 1}" if k >= free else f"mode {k + 1}" for k in range(len(residual))]

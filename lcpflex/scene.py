@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,19 +11,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import Body, array_of
+from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.clearances import Clearances
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Model
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
+    from lcpflex.bodies.reduction import Damping
+    from lcpflex.bodies.stiffening import Stiffening
     from lcpflex.dynamics.compiled_function import CompiledFunction
-    from lcpflex.dynamics.time_functions import Callback
+    from lcpflex.dynamics.time_functions import Callback, Materials, State
+    from lcpflex.reduction_order import ReductionOrder
     from lcpflex.steppers.system import System
 
 __all__ = ["Compiled", "ContactRule", "DeclaredContact", "Layout", "Scene"]
@@ -41,6 +45,7 @@ class Layout:
     circles: tuple[tuple[int, float], ...]  # (material point, radius [m])
     points: dict[tuple[str, str], int]  # (body, point) -> material point
     resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
+    residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +61,15 @@ class Compiled:
     callbacks: tuple[Callback, ...] = field(default=(), repr=False)
     laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
     functions: tuple[CompiledFunction, ...] = field(default=(), repr=False)  # called by address while they live
+    materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced for this
+    warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
+    notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
+
+    def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
+        """What Python functions of time and state are called with."""
+        from lcpflex.dynamics.time_functions import State
+
+        return State(time, q, u, self.model.bodies.dof, self.materials)
 
     def system(self) -> System:
         """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
@@ -69,12 +83,13 @@ class Compiled:
             q=self.q.copy(),
             u=self.u.copy(),
             n_external=self.n_external,
-            hooks={mechanics.supply: supplier(self.callbacks, calls)} if self.callbacks else {},
+            hooks={mechanics.supply: supplier(self.callbacks, calls, self.materials)} if self.callbacks else {},
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,
             laws=self.laws,
             functions=self.functions,
+            contact_modes=tuple(contacts for _, contacts in self.layout.residual),
             calls=calls if self.callbacks else None,
         )
 
@@ -112,6 +127,10 @@ class Parts(NamedTuple):
     rules: tuple[ContactRule, ...]
     surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
 
+    def angle(self, body: int) -> float:
+        """Angle of a body at the start [rad]; 0 for the ground."""
+        return 0.0 if body < 0 else float(self.placed[body].start[0][2])
+
 
 class Scene(Clearances):
     """A planar scene under construction.
@@ -139,7 +158,7 @@ class Scene(Clearances):
 
     def add(
         self,
-        body: Body,
+        body: Body | Reducible,
         name: str | None = None,
         position: npt.ArrayLike = (0.0, 0.0),
         angle: float = 0.0,
@@ -147,14 +166,25 @@ class Scene(Clearances):
         angular_velocity: float = 0.0,
         modal: npt.ArrayLike | None = None,
         modal_velocity: npt.ArrayLike | None = None,
+        *,
+        modes: int | None = None,
+        damping: Damping | None = None,
+        stiffening: Stiffening | None = None,
+        residual_damping: float | None = None,
+        contact_nodes: int | None = None,
     ) -> Placed:
         """Put a body into the scene. The same body may be put in several times, and into several scenes.
+
+        ``scene.add(Beam(...), modes=8)`` reduces a flexible body for this scene, when it is compiled: to its 8 lowest
+        free modes, and to residual (static) modes for every joint, load, spring and contact that is declared on it, so
+        that its static compliance there is that of its mesh. Until then the handle answers for points and surfaces of
+        the mesh. What came out is in :meth:`lcpflex.result.Result.modes_of`.
 
         Parameters
         ----------
         body
-            From ``Disc``, ``Box``, ``Polygon``, ``RigidBody``, or a flexible one, reduced:
-            ``Beam(...).reduce(modes=8)``.
+            From ``Disc``, ``Box``, ``Polygon``, ``RigidBody``; a flexible one with ``modes``: ``Beam``, ``Bar``,
+            ``Continuum``, ``SolidOfRevolution``, ``Matrices``; or one that was reduced by hand: ``Beam(...).reduce()``.
         name
             Unique in the scene; body1, body2, ... if omitted.
         position, angle
@@ -162,11 +192,31 @@ class Scene(Clearances):
         velocity, angular_velocity
             Velocity (2,) of the origin of that frame [m/s], world axes, and angular velocity [rad/s].
         modal, modal_velocity
-            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted (see ``body.project``).
+            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted (see ``body.project``); with
+            ``modes``, of the free modes.
+        modes
+            Number of free modes, of a body that is reduced here.
+        damping, stiffening, residual_damping
+            As for ``body.reduce``.
+        contact_nodes
+            How many nodes of a surface get residual modes at most, evenly spread; 3 if omitted.
         """
-        if not isinstance(body, Body):
-            hint = "; reduce it to modes first: body.reduce(...)" if hasattr(body, "reduce") else ""
-            raise ModelError(f"body: {body!r} was given, expected a Body{hint}")
+        options = (modes, damping, stiffening, residual_damping, contact_nodes)
+        order = None
+        if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
+            from lcpflex.reduction_order import CONTACT_NODES, order_of
+
+            nodes = CONTACT_NODES if contact_nodes is None else contact_nodes
+            order, body = order_of(body, modes, damping, stiffening, residual_damping, nodes, modal, modal_velocity)
+            modal = modal_velocity = None
+        elif not isinstance(body, Body):
+            raise ModelError(f"body: {body!r} was given, expected a Body, or a flexible body and modes=8")
+        elif any(option is not None for option in options):
+            names = ("modes", "damping", "stiffening", "residual_damping", "contact_nodes")
+            given = next(name for name, option in zip(names, options, strict=True) if option is not None)
+            raise ModelError(
+                f"{given}: it was given for a Body, which has its modes, expected an unreduced one such as Beam(...)"
+            )
         zeros = np.zeros(body.modes)
         start = np.concatenate(
             [
@@ -183,9 +233,13 @@ class Scene(Clearances):
             ]
         )
         taken = ["ground", *self._placed]
-        placed = Placed(_name("body", name, taken), len(self._placed), body, (start, rate), self)
+        placed = Placed(_name("body", name, taken), len(self._placed), body, (start, rate), self, order)
         self._placed[placed.name] = placed
         return placed
+
+    def put(self, placed: Placed, order: ReductionOrder) -> None:
+        """Take a body of another scene that is reduced later, with its place and velocity."""
+        self._placed[placed.name] = Placed(placed.name, placed.body, placed.source, placed.start, self, order)
 
     def body(self, name: str) -> Placed:
         """The body of that name."""
@@ -320,10 +374,28 @@ class Scene(Clearances):
 
         With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
         is an error. So is an initial penetration, but of contacts by a force law, and of those that ``indents`` names.
-        """
-        from lcpflex.compilation import compiled_parts
 
-        return Compiled(*compiled_parts(self.gravity, *self.parts(), project, indents))
+        Warns
+        -----
+        ModelWarning
+            Where a body with modes gives way too little at a joint, load or contact: see ``Compiled.warnings``.
+        """
+        compiled = self.compiled(project, indents)
+        for text in compiled.warnings:
+            warnings.warn(text, ModelWarning, stacklevel=2)
+        return compiled
+
+    def compiled(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> Compiled:
+        """:meth:`compile` without a word: its warnings are those of the result."""
+        from lcpflex.compilation import compiled_scene
+
+        return compiled_scene(self, project, indents)
+
+    def reduced(self) -> Scene:
+        """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""
+        from lcpflex.reduced_scene import reduced_scene
+
+        return reduced_scene(self)[0]
 
     def parts(self) -> Parts:
         """What has been declared, in the order in which it was."""

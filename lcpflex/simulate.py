@@ -116,7 +116,6 @@ def simulate(
         raise ModelError(
             f"energy_growth: {energy_growth!r} was given, expected one of {', '.join(map(str, EnergyGrowth))}"
         )
-    from lcpflex.dynamics.time_functions import State
     from lcpflex.dynamics.time_structure import for_system, with_instants
     from lcpflex.steppers.own_laws import with_own_functions
 
@@ -126,7 +125,7 @@ def simulate(
         system = replace(system, model=for_system(system.model, system.probe, duration))
     if compiled is not None:
         known = (*compiled.callbacks, *compiled.functions)
-        start = State(0.0, system.q, system.u, system.model.bodies.dof)
+        start = compiled.state(0.0, system.q, system.u)
         system = replace(system, model=with_instants(system.model, known, start, duration))
     _check_solver(stepper, system)
     recorder = None
@@ -197,7 +196,7 @@ def _system(
         return scene.system(project=project, indents=indents), None, tuple(scene.names)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
-    compiled = scene.compile(project=project, indents=indents)
+    compiled = scene.compiled(project=project, indents=indents)
     return compiled.system(), compiled, compiled.layout.contacts
 
 
@@ -300,6 +299,7 @@ def _collect(
         size=data["peaks"][:, 3].astype(np.int64),
         events=events,
         warnings=(
+            *(compiled.warnings if compiled is not None else ()),
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
             *energy_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
@@ -316,7 +316,7 @@ def _collect(
         by_law=run.records.by_law,
         crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
-        notes=tuple(run.records.notes),
+        notes=(*(compiled.notes if compiled is not None else ()), *run.records.notes),
         place_error=place_error,
         speed_error=speed_error,
     )

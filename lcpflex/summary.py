@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.modal_coordinates import modal_coordinates
 from lcpflex.stated_error import error_shares
 
 if TYPE_CHECKING:
@@ -93,7 +94,16 @@ def _run(result: Result) -> str:
         f"{result.q.shape[1]} coordinates; {_counted(len(result.contact_names), 'declared contact')}; "
         f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
     )
+    lines.extend(_reduced(result))
     return "\n".join(lines)
+
+
+def _reduced(result: Result) -> list[str]:
+    """What bodies with residual modes were reduced to."""
+    if result.compiled is None:
+        return []
+    every = [modal_coordinates(result.compiled, b) for b in range(len(result.compiled.layout.bodies))]
+    return [str(coordinates) for coordinates in every if coordinates.residual.any()]
 
 
 def _contacts(result: Result) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
 from lcpflex.dynamics.start import violation
-from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback, State
+from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.model import Model
 from lcpflex.result import Result, material_shapes, world_places
@@ -124,7 +124,7 @@ def _place(compiled: Compiled, p: int) -> str:
 def _profiles(compiled: Compiled, duration: float) -> Profiles:
     """Instants and values of each function of time that is no harmonic."""
     signals, found = compiled.model.signals, {}
-    start = State(0.0, compiled.q, compiled.u, compiled.model.bodies.dof)
+    start = compiled.state(0.0, compiled.q, compiled.u)
     probes: dict[tuple[int, ...], tuple[FloatArray, FloatArray]] = {}
     for callback in compiled.callbacks:
         times, values = probe_of(callback, start, duration)

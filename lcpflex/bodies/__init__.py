@@ -14,6 +14,7 @@ _HOME = {
     "Continuum": "continuum",
     "Disc": "rigid",
     "MaterialPoint": "body",
+    "Interface": "interface",
     "Matrices": "matrices",
     "Polygon": "rigid",
     "Rayleigh": "reduction",
@@ -38,6 +39,7 @@ __all__ = [
     "Chain",
     "Continuum",
     "Disc",
+    "Interface",
     "MaterialPoint",
     "Matrices",
     "Polygon",
@@ -69,6 +71,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.beam import Bar, Beam
     from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung
     from lcpflex.bodies.continuum import Continuum
+    from lcpflex.bodies.interface import Interface
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
     from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced

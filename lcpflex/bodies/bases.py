@@ -38,6 +38,7 @@ __all__ = [
     "check_full",
     "elastic_count",
     "free_basis",
+    "interface_basis",
     "regional_basis",
     "residual_basis",
 ]
@@ -117,16 +118,24 @@ def _counted(modes: int | None, available: int, where: str) -> int:
 
 def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
     """Lowest free-free modes, and the static response of all others to forces at the rows."""
+    return _with_responses(free, free.responses(rows), modes)
+
+
+def interface_basis(free: FreeMesh, loads: FloatArray, modes: int | None) -> Basis:
+    """Lowest free-free modes, and the static response of all others to loads (f, k)."""
+    return _with_responses(free, free.flexibility(loads), modes)
+
+
+def _with_responses(free: FreeMesh, static: FloatArray, modes: int | None) -> Basis:
     n = count_of_modes(modes, len(free.frame) - free.frame.shape[1])
     omega2, shapes = free.modes(n)
-    static = _residual(free, shapes, rows)
+    static = _residual(free, shapes, static)
     rest = own_basis(free.mass, free.stiffness, free.frame, static, holds_rigid=False)
     return joined((omega2, shapes), rest)
 
 
-def _residual(free: FreeMesh, shapes: FloatArray, rows: IntArray) -> FloatArray:
-    """(f, k) static displacements by unit forces at the rows, without what the kept modes have of them."""
-    static = free.responses(rows)
+def _residual(free: FreeMesh, shapes: FloatArray, static: FloatArray) -> FloatArray:
+    """(f, k) static displacements without what the kept modes have of them; those that are rounding are dropped."""
     whole = np.linalg.norm(static, axis=0)
     for _ in range(2):
         static -= shapes @ ((free.mass @ shapes).T @ static)
@@ -160,6 +169,6 @@ def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, in
     nodal[inside, np.arange(len(inside))] = 1.0
     columns = [nodal, free.frame, shapes]
     if interface_modes:
-        columns.append(_residual(free, shapes, border))
+        columns.append(_residual(free, shapes, free.responses(border)))
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
     return own_basis(mesh.mass, mesh.stiffness, frame, np.hstack(columns), holds_rigid=True)

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
+from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.ladder import mode_ladder
-from lcpflex.bodies.line_interfaces import Interfaces, residual_line, stations_of, taken
+from lcpflex.bodies.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.material import check_material
 from lcpflex.bodies.reduction import (
     Damping,
     check_damping,
     count_of_modes,
-    modal_damping,
     sampled,
     skew,
     vanish,
-    with_last,
+    with_residual,
 )
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
@@ -32,8 +33,11 @@ from lcpflex.model import frozen
 
 __all__ = ["Bar", "Beam"]
 
+Line_ = TypeVar("Line_", "Beam", "Bar")
+
 BEAM_ELEMENTS = 1000  # beyond it the bending stiffness of free elements drowns in rounding (omega^2 ~ elements^-4)
 BAR_ELEMENTS = 20_000
+FINE_ENOUGH = 100  # elements of the line whose static compliance stands for that of a finer one
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +95,7 @@ class Beam:
         *,
         stiffening: Stiffening | None = None,
         interfaces: Interfaces = (),
+        residual_damping: float | None = None,
     ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh, bending and stretching together.
 
@@ -100,10 +105,11 @@ class Beam:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
         stiffening : by spin and by an axial force; None for the linear beam, which feels neither
         interfaces : places where joints hold the beam, springs or loads act on it, or something strikes it: "left",
-            "center", "right", x, or (x, y). Each adds up to three residual modes behind the free ones, the static
-            response to a force along x, one along y, and a moment, so that the compliance there is that of the mesh;
-            without, a beam that is held converges as 1/modes only. They have the last of several damping ratios, and
-            high frequencies: explicit steps get shorter.
+            "center", "right", x, (x, y), or an :class:`Interface`. Each adds up to three residual modes behind the free
+            ones, the static response to a force along x, one along y, and a moment, so that the compliance there is
+            that of the mesh; without, a beam that is held converges as 1/modes only. They have high frequencies:
+            explicit steps get shorter. ``scene.add(beam, modes=8)`` finds the interfaces itself.
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
         Raises
         ------
@@ -117,8 +123,9 @@ class Beam:
         check_damping(damping, n)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
-        found, is_axial = self._modes(n, line, stiffening, stations_of(self.length, self.thickness, interfaces))
-        damping, n = with_last(damping, n, len(found.omega2)), len(found.omega2)
+        places = interfaces_of(interfaces)
+        found, is_axial = self._modes(n, line, stiffening, self._loads(places))
+        free, n = n, len(found.omega2)
         h = self.length / self.elements
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         inertia = mass * self.length**2 / 3.0
@@ -142,25 +149,50 @@ class Beam:
             a=moments[:, 1],
             c=np.zeros(n),
             stiffness=found.omega2,
-            damping=modal_damping(damping, np.sqrt(found.omega2)),
+            damping=with_residual(damping, residual_damping, np.sqrt(found.omega2), free),
             coupling=skew(coupling),
             cross_damping=None,
             points=_end_points(locate, self.length),
             surfaces=_strip(found, h, nodes, 0.5 * self.thickness),
             locate=locate,
             geometric=spinning(line, found, stiffening),
-            ladder=lambda: mode_ladder(available, lambda k, z: self.reduce(k, z, stiffening=stiffening), damping),
+            residual_modes=n - free,
+            contact_modes=n - free - self._held_modes(free, line, stiffening, places),
+            statics=LineStatics(lambda: self._whole(line, stiffening), self.length),
+            ladder=lambda: mode_ladder(
+                available,
+                lambda k, z, held: self.reduce(
+                    k, z, stiffening=stiffening, interfaces=places if held else (), residual_damping=residual_damping
+                ),
+                damping,
+                n - free,
+            ),
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )
 
+    def _loads(self, places: tuple[Interface, ...]) -> LineLoads:
+        return line_loads(self.length, self.thickness, places)
+
+    def _held_modes(self, free: int, line: Line, stiffening: Stiffening | None, places: tuple[Interface, ...]) -> int:
+        """How many residual modes there are for interfaces that nothing touches."""
+        held = tuple(place for place in places if not place.contact)
+        return len(self._modes(free, line, stiffening, self._loads(held))[0].omega2) - free if held else 0
+
+    def _whole(self, line: Line, stiffening: Stiffening | None) -> LineModes:
+        """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
+        coarse = _coarser(self, FINE_ENOUGH)
+        every = (3 if self.axial else 2) * coarse.elements
+        return coarse._modes(every, line._replace(elements=coarse.elements), stiffening, self._loads(()))[0]
+
     def _modes(
-        self, n: int, line: Line, stiffening: Stiffening | None, stations: FloatArray
+        self, n: int, line: Line, stiffening: Stiffening | None, loads: LineLoads
     ) -> tuple[LineModes, np.ndarray[Any, np.dtype[np.bool_]]]:
-        """The n lowest modes and the residual ones of the stations, and which of them are stretching modes."""
+        """The n lowest modes and the residual ones of the loads, and which of them are stretching modes."""
         area = self.width * self.thickness
         size = (self.elements, self.length, line.mass)
-        bends = 2 * self.elements if len(stations) else min(n, 2 * self.elements)
-        stretches = (self.elements if len(stations) else min(n, self.elements)) if self.axial else 0
+        more = bool(len(loads.stretch) or len(loads.bend))
+        bends = 2 * self.elements if more else min(n, 2 * self.elements)
+        stretches = (self.elements if more else min(n, self.elements)) if self.axial else 0
         rigidity = self.youngs_modulus * area * self.thickness**2 / 12.0
         if stiffening is None or stiffening.axial_force == 0.0:
             bend2, w, slope = bending_modes(*size, rigidity, bends)
@@ -179,9 +211,9 @@ class Beam:
         order = np.argsort(every.omega2, kind="stable")
         kept, left = order[:n], order[n:]
         found, axial = taken(every, kept), is_axial[kept]
-        if not len(stations):
+        if not more:
             return found, axial
-        rest, of_rest = residual_line(taken(every, left), is_axial[left], line.length / line.elements, stations)
+        rest, of_rest = residual_line(taken(every, left), is_axial[left], line.length / line.elements, loads)
         return LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(found, rest, strict=True))), np.concatenate(
             [axial, of_rest]
         )
@@ -236,7 +268,14 @@ class Bar:
         if self.height is not None:
             _check_positive(self, ("height",))
 
-    def reduce(self, modes: int | None = None, damping: Damping = 0.0, *, interfaces: Interfaces = ()) -> Body:
+    def reduce(
+        self,
+        modes: int | None = None,
+        damping: Damping = 0.0,
+        *,
+        interfaces: Interfaces = (),
+        residual_damping: float | None = None,
+    ) -> Body:
         """The body with the ``modes`` lowest free-free modes; all of them give the motion of the nodal coordinates.
 
         Parameters
@@ -245,6 +284,7 @@ class Bar:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
         interfaces : places where the bar is held, loaded or struck, as for :meth:`Beam.reduce`: each adds the residual
             mode of a force along x
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
         Raises
         ------
@@ -255,23 +295,13 @@ class Bar:
         check_damping(damping, n)
         mass = self.density * self.area * self.length
         height = math.sqrt(self.area) if self.height is None else self.height
-        stations = stations_of(self.length, height, interfaces)
-        count = self.elements if len(stations) else n
-        omega2, shapes = stretching_modes(
-            self.elements, self.length, mass, self.youngs_modulus * self.area, count, bool(self.lumped)
-        )
-        if len(stations):
-            still = np.zeros_like(shapes)
-            left = taken(LineModes(omega2, shapes, still, still), np.arange(n, count))
-            every = np.ones(count - n, dtype=bool)
-            rest, _ = residual_line(left, every, self.length / self.elements, stations)
-            omega2, shapes = np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
-            damping, n = with_last(damping, n, len(omega2)), len(omega2)
+        places = interfaces_of(interfaces)
+        omega2, shapes = self._modes(n, mass, line_loads(self.length, height, places))
+        free, n = n, len(omega2)
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         moments = _line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
         vanish("S", moments[:, 0], math.sqrt(mass))
-        still = np.zeros_like(shapes)
-        found, h = LineModes(omega2, shapes, still, still), self.length / self.elements
+        found, h = _stretching(omega2, shapes), self.length / self.elements
         locate = _locator(found, self.length, height, h)
         inertia = float(_line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
         return Body(
@@ -282,15 +312,62 @@ class Bar:
             a=moments[:, 1],
             c=np.zeros(n),
             stiffness=omega2,
-            damping=modal_damping(damping, np.sqrt(omega2)),
+            damping=with_residual(damping, residual_damping, np.sqrt(omega2), free),
             coupling=None,
             cross_damping=None,
             points=_end_points(locate, self.length),
             surfaces=_strip(found, h, nodes, 0.5 * height),
             locate=locate,
-            ladder=lambda: mode_ladder(self.elements, self.reduce, damping),
+            residual_modes=n - free,
+            contact_modes=n - free - self._held_modes(free, mass, height, places),
+            statics=LineStatics(lambda: self._whole(mass), self.length),
+            ladder=lambda: mode_ladder(
+                self.elements,
+                lambda k, z, held: self.reduce(
+                    k, z, interfaces=places if held else (), residual_damping=residual_damping
+                ),
+                damping,
+                n - free,
+            ),
             products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
         )
+
+    def _modes(self, n: int, mass: float, loads: LineLoads) -> tuple[FloatArray, FloatArray]:
+        """omega2 and shapes (nodes, .) of the n lowest modes and the residual ones of the loads."""
+        more = bool(len(loads.stretch))
+        count = self.elements if more else n
+        rigidity = self.youngs_modulus * self.area
+        omega2, shapes = stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped))
+        if not more:
+            return omega2, shapes
+        left = taken(_stretching(omega2, shapes), np.arange(n, count))
+        every = np.ones(count - n, dtype=bool)
+        rest, _ = residual_line(left, every, self.length / self.elements, loads)
+        return np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
+
+    def _held_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
+        """How many residual modes there are for interfaces that nothing touches."""
+        held = tuple(place for place in places if not place.contact)
+        return len(self._modes(free, mass, line_loads(self.length, height, held))[0]) - free if held else 0
+
+    def _whole(self, mass: float) -> LineModes:
+        """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
+        coarse = _coarser(self, 2 * FINE_ENOUGH)
+        return _stretching(*coarse._modes(coarse.elements, mass, line_loads(self.length, 0.0, ())))
+
+
+def _coarser(line: Line_, most: int) -> Line_:
+    """The beam or bar with at most so many elements; its material has been checked, and warned of, before."""
+    if line.elements <= most:
+        return line
+    coarse = copy(line)
+    object.__setattr__(coarse, "elements", most)
+    return coarse
+
+
+def _stretching(omega2: FloatArray, shapes: FloatArray) -> LineModes:
+    """Modes that stretch a line and do not bend it."""
+    return LineModes(omega2, shapes, np.zeros_like(shapes), np.zeros_like(shapes))
 
 
 def _check_positive(part: Any, names: tuple[str, ...]) -> None:

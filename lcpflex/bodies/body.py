@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -32,9 +32,11 @@ __all__ = [
     "Lazily",
     "MaterialPoint",
     "Outline",
+    "Reducible",
     "Resolution",
     "Round",
     "Rung",
+    "Statics",
     "array_of",
     "named",
     "whole_number",
@@ -96,6 +98,29 @@ class Resolution:
 
     wave_speed: float
     element_size: float
+
+
+class Reducible(Protocol):
+    """What is reduced to a body: a beam, a bar, a mesh, matrices."""
+
+    @property
+    def reduce(self) -> Callable[..., Body]:
+        """Makes the body: ``reduce(modes, damping, interfaces=..., residual_damping=...)``."""
+        ...
+
+
+class Statics(Protocol):
+    """Static compliance of a whole mesh that floats freely: loads are balanced by its inertia."""
+
+    known: dict[Any, Any]  # what was found from it, by place and direction
+
+    def compliance(self, x: float, y: float) -> FloatArray:
+        """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
+        ...
+
+    def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
+        """How many free modes miss at most ``share`` of the compliance in the rows (3, k); 0 where it is not known."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -195,6 +220,9 @@ class Body:
     axisymmetric : whether it stands for a solid of revolution about x, which moves along its axis only
     resolution : what the mesh can resolve; None where it has none
     ladder : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is known
+    residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
+    contact_modes : how many of these interfaces of contacts have added: what ``MasslessBoundary`` makes static
+    statics : static compliance of the whole mesh, to compare with; None where it is not known
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
 
@@ -221,6 +249,9 @@ class Body:
     axisymmetric: bool = False
     resolution: Resolution | None = field(default=None, repr=False)
     ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
+    residual_modes: int = 0
+    contact_modes: int = 0
+    statics: Statics | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -243,6 +274,9 @@ class Body:
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         if self.geometric is not None and not np.array_equal(self.geometric, self.geometric.T):
             raise ModelError("geometric: the matrix that was given is not symmetric, expected G = G^T")
+        object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
+        most = self.residual_modes
+        object.__setattr__(self, "contact_modes", whole_number("contact_modes", self.contact_modes, 0, most))
         least = float(self.moment @ self.moment) / self.mass
         if not self.inertia > least:
             raise ModelError(f"inertia: {self.inertia!r} was given, expected more than |moment|^2 / mass = {least!r}")

@@ -13,11 +13,11 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.elastic_mesh import finite_elements_of
 from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.material import check_material
-from lcpflex.bodies.node_choice import Nodes
 from lcpflex.bodies.planar_mesh import planar_mesh
 from lcpflex.bodies.reduction import Damping
-from lcpflex.bodies.reductions import free_interface, residual_compliance
+from lcpflex.bodies.reductions import free_interface
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.errors import ModelError, in_range
 
@@ -93,7 +93,8 @@ class Continuum:
         damping: Damping | None = None,
         stiffening: Stiffening | None = None,
         *,
-        interfaces: Nodes | None = None,
+        interfaces: Interfaces = (),
+        residual_damping: float | None = None,
     ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
 
@@ -103,9 +104,10 @@ class Continuum:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
             None for none
         stiffening : :class:`Stiffening` to keep the geometric stiffness of a turning body; None for none
-        interfaces : nodes at which joints hold the body, springs or loads act on it, or something strikes it, as
-            :func:`residual_compliance` takes them: each adds two residual modes behind the free ones, so that the
-            compliance there is that of the mesh
+        interfaces : where joints hold the body, springs or loads act on it, or something strikes it, as for
+            :func:`free_interface`: residual modes behind the free ones make the compliance there that of the mesh.
+            ``scene.add(mesh, modes=8)`` finds the interfaces itself
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
         Raises
         ------
@@ -113,6 +115,11 @@ class Continuum:
             For more modes than the mesh has, nodes it does not have, or a damping that is negative or of the wrong
             length.
         """
-        if interfaces is not None:
-            return residual_compliance(self, interfaces, modes, damping=damping, stiffening=stiffening)
-        return free_interface(self, modes, damping=damping, stiffening=stiffening)
+        return free_interface(
+            self,
+            modes,
+            damping=damping,
+            stiffening=stiffening,
+            interfaces=interfaces,
+            residual_damping=residual_damping,
+        )

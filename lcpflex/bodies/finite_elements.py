@@ -14,22 +14,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, Resolution
-from lcpflex.bodies.reduction import Damping, modal_damping, sampled, signed, skew, vanish
+from lcpflex.bodies.mesh_material import material_at_nodes, material_weights
+from lcpflex.bodies.reduction import Damping, sampled, signed, skew, vanish, with_residual
 from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["FiniteElements", "body_of", "material_at_nodes", "rigid_motions"]
-
-NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is estimated
+__all__ = ["NO_RESIDUAL", "FiniteElements", "Residual", "body_of", "rigid_motions"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,12 +77,24 @@ class FiniteElements:
         return whole.reshape(len(self.places), 2, shapes.shape[1])
 
 
+class Residual(NamedTuple):
+    """How many of the last columns of a basis are residual modes, how many of these of contacts, and their damping."""
+
+    modes: int = 0
+    of_contacts: int = 0
+    damping: float | None = None  # ratio; None: that of the others
+
+
+NO_RESIDUAL = Residual()
+
+
 def body_of(
     mesh: FiniteElements,
     omega2: FloatArray,
     shapes: FloatArray,
     damping: Damping | None,
     stiffening: Stiffening | None = None,
+    residual: Residual = NO_RESIDUAL,
 ) -> Body:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
@@ -95,6 +106,7 @@ def body_of(
     damping : of the modes; None for the damping matrix of the mesh, no damping if there is none
     stiffening : by spin. Its axial force belongs into the stiffness that the basis diagonalises:
         :func:`lcpflex.bodies.stiffening.prestressed`
+    residual : how many of the last columns are residual modes
 
     Raises
     ------
@@ -103,7 +115,7 @@ def body_of(
         cannot be stiffened as asked.
     """
     shapes = signed(shapes)
-    diagonal, cross = _damping(mesh, omega2, shapes, damping)
+    diagonal, cross = _damping(mesh, omega2, shapes, damping, residual)
     nodal = mesh.nodal(shapes)
     material = material_at_nodes(mesh, nodal)
     integrals = _axial_integrals if mesh.axisymmetric else _planar_integrals
@@ -125,6 +137,8 @@ def body_of(
         locate=_locator(mesh, material),
         axisymmetric=mesh.axisymmetric,
         resolution=mesh.resolution,
+        residual_modes=residual.modes,
+        contact_modes=residual.of_contacts,
         products=lambda displacement: _products(displacement, mesh, weighed),
     )
 
@@ -173,13 +187,18 @@ def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...
 
 
 def _damping(
-    mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None
+    mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None, residual: Residual
 ) -> tuple[FloatArray, FloatArray | None]:
     """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
     if damping is not None or mesh.damping is None:
         if mesh.damping is not None:
             raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
-        return modal_damping(0.0 if damping is None else damping, np.sqrt(omega2)), None
+        given = 0.0 if damping is None else damping
+        return with_residual(given, residual.damping, np.sqrt(omega2), len(omega2) - residual.modes), None
+    if residual.damping is not None:
+        raise ModelError(
+            f"residual_damping: {residual.damping!r} was given besides a damping matrix, expected one of the two"
+        )
     modal = shapes.T @ (mesh.damping @ shapes)
     modal = 0.5 * (modal + modal.T)
     diagonal = np.diag(modal).copy()
@@ -202,47 +221,6 @@ def _axis(mesh: FiniteElements, center: FloatArray, modes: int) -> dict[str, Mat
     return {"axis": MaterialPoint(center, np.zeros((modes, 2)), np.zeros(modes))}
 
 
-def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int], MaterialPoint]:
-    """Node -> material point of shapes (N, 2, n); the rotation of the material is estimated from its neighbours."""
-    from scipy.sparse import csc_matrix
-
-    stiffness, places = mesh.stiffness, mesh.places
-    node = mesh.dofs // 2
-    count = len(places)
-    owner = csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
-    pattern = csc_matrix((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
-    links = (owner.T @ pattern @ owner).tocsc()
-    links.sort_indices()
-
-    on_axis = np.ones(count, dtype=np.bool_)  # where a node cannot leave an axis of symmetry, the axis does not turn
-    on_axis[mesh.dofs[mesh.dofs % 2 == 1] // 2] = False
-
-    def material(node: int) -> MaterialPoint:
-        linked = links.indices[links.indptr[node] : links.indptr[node + 1]]
-        linked = linked[linked != node]
-        arms = places[linked] - places[node]
-        near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
-        if on_axis[node]:
-            return MaterialPoint(places[node], nodal[node].T.copy(), np.zeros(nodal.shape[2]))
-        moves = nodal[linked[near]] - nodal[node]
-        return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(arms[near], moves))
-
-    return material
-
-
-def _rotation(arms: FloatArray, moves: FloatArray) -> FloatArray:
-    """(n,) rotation of the linear field that fits the relative displacements (k, 2, n) at the arms (k, 2)."""
-    modes = moves.shape[2]
-    if not len(arms) or not modes:
-        return np.zeros(modes)
-    spread = np.linalg.svd(arms, compute_uv=False)
-    if len(spread) < 2 or spread[1] <= 1e-6 * spread[0]:  # all on one line: the rotation of that line
-        turning = arms[:, 0, None] * moves[:, 1] - arms[:, 1, None] * moves[:, 0]
-        return np.asarray(turning.sum(axis=0) / np.sum(arms**2))
-    gradient = np.linalg.lstsq(arms, moves.reshape(len(arms), 2 * modes), rcond=None)[0].reshape(2, 2, modes)
-    return np.asarray(0.5 * (gradient[0, 1] - gradient[1, 0]))
-
-
 def _maker(chain: tuple[IntArray, bool], material: Callable[[int], MaterialPoint]) -> Callable[[], Outline]:
     nodes, closed = chain
     return lambda: Chain(tuple(material(int(node)) for node in nodes), closed)
@@ -250,23 +228,15 @@ def _maker(chain: tuple[IntArray, bool], material: Callable[[int], MaterialPoint
 
 def _locator(mesh: FiniteElements, material: Callable[[int], MaterialPoint]) -> Callable[[float, float], MaterialPoint]:
     """The material at (x, y): at a node, or interpolated where the elements are known."""
-    places = mesh.places
-    slack = 1e-9 * float(np.ptp(places, axis=0).max())
 
     def locate(x: float, y: float) -> MaterialPoint:
-        at = (in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf))
-        distance = np.hypot(places[:, 0] - at[0], places[:, 1] - at[1])
-        nearest = int(distance.argmin())
-        if distance[nearest] <= slack:
-            return material(nearest)
-        if mesh.locate is not None:
-            nodes, weights = mesh.locate(*at)
-            found = [material(int(node)) for node in nodes]
-            phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
-            psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
-            return MaterialPoint(np.array(at), phi, psi)
-        near = tuple(float(value) for value in places[nearest])
-        raise ModelError(f"x, y: {at} was given, expected the place of a node; node {nearest} at {near} is nearest")
+        nodes, weights = material_weights(mesh, x, y)
+        if len(nodes) == 1:
+            return material(int(nodes[0]))
+        found = [material(int(node)) for node in nodes]
+        phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
+        psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
+        return MaterialPoint(np.array([float(x), float(y)]), phi, psi)
 
     return locate
 

@@ -10,54 +10,89 @@ mode: what adds less than DEPENDENT^2 to the compliance is dropped. Source: MacN
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeAlias
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import array_of
+from lcpflex.bodies.interface import Interface
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.stiffening import place_of
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import in_range
 
-__all__ = ["Interfaces", "residual_line", "residual_modes", "station", "stations_of", "taken"]
+__all__ = ["LineLoads", "LineStatics", "line_loads", "residual_line", "residual_modes", "station", "taken"]
 
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
-Interfaces: TypeAlias = Sequence[str | float | tuple[float, float]]
 
 DEPENDENT = 1e-5  # square root of the share of the compliance that a mode must add
 NOTHING = 1e-12  # of the largest load: one that moves no mode
+ALONG = 1e-9  # a direction with less than this part along the line, or across it, has none
 
 
-def stations_of(length: float, thickness: float, interfaces: Interfaces) -> FloatArray:
-    """Where along the line the interfaces lie (k,), ascending, each once.
+class LineLoads(NamedTuple):
+    """Unit loads on a line, each once."""
+
+    stretch: FloatArray  # (k,) places of forces along it [m]
+    bend: FloatArray  # (m, 3) places [m] of forces across it, with their force and moment
+
+
+def line_loads(length: float, thickness: float, interfaces: Sequence[Interface]) -> LineLoads:
+    """The loads of the interfaces. A force beside the axis is one on it and a moment: -y f_x.
 
     Raises
     ------
     ModelError
         For what is no place of the line.
     """
-    if isinstance(interfaces, str) or not isinstance(interfaces, Sequence):
-        raise ModelError(
-            f"interfaces: {interfaces!r} was given, expected a list of places: 'left', 'center', 'right', x or (x, y)"
-        )
-    found = []
-    for k, place in enumerate(interfaces):
-        name = f"interfaces[{k}]"
-        at = (place, 0.0) if isinstance(place, (int, float)) and not isinstance(place, bool) else place
-        found.append(station(name, at if isinstance(at, str) else array_of(name, at, (2,)), length, thickness))
-    return np.unique(found)
+    stretch: set[float] = set()
+    bend: set[tuple[float, float, float]] = set()
+    for k, interface in enumerate(interfaces):
+        at = interface.place
+        x, y = _on_line(f"interfaces[{k}]", (at, 0.0) if isinstance(at, (int, float)) else at, length, thickness)
+        if interface.forces:
+            _add_forces(stretch, bend, (x, y), interface.along, ALONG * length)
+        if interface.moment:
+            bend.add((x, 0.0, 1.0))
+    return LineLoads(np.array(sorted(stretch)), np.array(sorted(bend)).reshape(-1, 3))
+
+
+def _add_forces(
+    stretch: set[float],
+    bend: set[tuple[float, float, float]],
+    place: tuple[float, float],
+    along: tuple[float, float] | None,
+    least: float,
+) -> None:
+    """Forces at a place of the line, in one direction or in all; levers below ``least`` [m] are none."""
+    x, y = place
+    if along is None:
+        stretch.add(x)
+        bend.add((x, 1.0, 0.0))
+        if abs(y) > least:
+            bend.add((x, 0.0, 1.0))
+        return
+    fx, fy = along
+    if abs(fx) > ALONG:
+        stretch.add(x)
+    if abs(fy) > ALONG or abs(y * fx) > least:
+        sign = math.copysign(1.0, fy if abs(fy) > ALONG else -y * fx)  # one load, whichever way it points
+        bend.add((x, sign * fy, -sign * y * fx))
 
 
 def station(name: str, place: str | npt.ArrayLike, length: float, thickness: float) -> float:
     """Where along a line a place lies, a name or (x, y). Raises ModelError for one off the line."""
+    return _on_line(name, place, length, thickness)[0]
+
+
+def _on_line(name: str, place: str | npt.ArrayLike, length: float, thickness: float) -> tuple[float, float]:
     ends = {"left": (0.0, 0.0), "center": (0.5 * length, 0.0), "right": (length, 0.0)}
     x, y = place_of(name, place, ends)
     slack = 1e-12 * length
     in_range(f"{name}: y", y, -0.5 * thickness - slack, 0.5 * thickness + slack)
-    return min(max(in_range(f"{name}: x", x, -slack, length + slack), 0.0), length)
+    return min(max(in_range(f"{name}: x", x, -slack, length + slack), 0.0), length), y
 
 
 def residual_modes(omega2: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -83,19 +118,57 @@ def taken(modes: LineModes, which: IntArray) -> LineModes:
     return LineModes(*(np.asarray(part[..., which]) for part in modes))
 
 
-def residual_line(left: LineModes, is_axial: BoolArray, h: float, stations: FloatArray) -> tuple[LineModes, BoolArray]:
-    """Residual modes of forces and moments at the stations, of modes ``left`` out; and which of them stretch.
+def residual_line(left: LineModes, is_axial: BoolArray, h: float, loads: LineLoads) -> tuple[LineModes, BoolArray]:
+    """Residual modes of the loads, of modes ``left`` out; and which of them stretch.
 
-    h: length of an element [m]. Bending and stretching stay apart: a force beside the axis is one on it and a moment.
+    h: length of an element [m]. Bending and stretching stay apart.
     """
     parts, axial = [], []
     for stretching in (False, True):
         own = taken(left, np.flatnonzero(is_axial == stretching))
-        stretch, deflection, slope = interpolate(own, h, stations)
-        loads = stretch if stretching else np.concatenate([deflection, slope])
-        omega2, turn = residual_modes(own.omega2, loads.T)
+        omega2, turn = residual_modes(own.omega2, _on_modes(own, h, loads, stretching).T)
         parts.append(LineModes(omega2, *(shape @ turn for shape in own[1:])))
         axial.append(np.full(len(omega2), stretching))
     both = LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(*parts, strict=True)))
     order = np.argsort(both.omega2, kind="stable")
     return taken(both, order), np.concatenate(axial)[order]
+
+
+def _on_modes(modes: LineModes, h: float, loads: LineLoads, stretching: bool) -> FloatArray:
+    """(loads, n) what each load does on each mode."""
+    if stretching:
+        return interpolate(modes, h, loads.stretch)[0]
+    place, force, moment = loads.bend.T[:, :, None]
+    _, deflection, slope = interpolate(modes, h, place[:, 0])
+    return np.asarray(force * deflection + moment * slope)
+
+
+class LineStatics:
+    """Static compliance of a whole line, from all of its modes, which are made when they are first asked for."""
+
+    def __init__(self, modes: Callable[[], LineModes], length: float) -> None:
+        self._make = modes
+        self._length = length
+        self._modes: LineModes | None = None
+        self.known: dict[Any, Any] = {}
+
+    def compliance(self, x: float, y: float) -> FloatArray:
+        """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
+        loads, omega2 = self._at(x, y)
+        return np.asarray(loads.T @ (loads / omega2[:, None]))
+
+    def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
+        """How many free modes miss at most ``share`` of the compliance in the rows (3, k) at a place."""
+        loads, omega2 = self._at(x, y)
+        part = np.sum((loads @ rows) ** 2, axis=1) / omega2
+        order = np.argsort(omega2, kind="stable")
+        missing = np.sum(part) - np.cumsum(part[order])
+        return int(np.searchsorted(-missing, -share * np.sum(part))) + 1
+
+    def _at(self, x: float, y: float) -> tuple[FloatArray, FloatArray]:
+        """(n, 3) what unit loads at a place do on each mode, and omega2 (n,)."""
+        if self._modes is None:
+            self._modes = self._make()
+        h = self._length / (len(self._modes.stretch) - 1)
+        u, w, slope = (part[0] for part in interpolate(self._modes, h, np.array([x])))
+        return np.column_stack([u - y * slope, w, slope]), self._modes.omega2

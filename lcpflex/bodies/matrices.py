@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, array_of, named
 from lcpflex.bodies.finite_elements import FiniteElements, rigid_motions
-from lcpflex.bodies.node_choice import Nodes
+from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.reduction import Damping
-from lcpflex.bodies.reductions import free_interface, residual_compliance
+from lcpflex.bodies.reductions import free_interface
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, ModelWarning
 
@@ -80,7 +80,14 @@ class Matrices:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
-    def reduce(self, modes: int | None = 8, damping: Damping | None = None, *, interfaces: Nodes | None = None) -> Body:
+    def reduce(
+        self,
+        modes: int | None = 8,
+        damping: Damping | None = None,
+        *,
+        interfaces: Interfaces = (),
+        residual_damping: float | None = None,
+    ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh.
 
         The rotation shape psi of a point is that of the best linear field through the displacements of the node and
@@ -91,9 +98,10 @@ class Matrices:
         modes : at most 2 N - 3; None for all, 0 for a rigid body
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
             None for the damping matrix of the mesh, no damping if there is none
-        interfaces : nodes at which joints hold the body, springs or loads act on it, or something strikes it, as
-            :func:`residual_compliance` takes them: each adds two residual modes behind the free ones, so that the
-            compliance there is that of the mesh
+        interfaces : where joints hold the body, springs or loads act on it, or something strikes it, as for
+            :func:`free_interface`: residual modes behind the free ones make the compliance there that of the mesh.
+            ``scene.add(mesh, modes=8)`` finds the interfaces itself
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
         Raises
         ------
@@ -101,9 +109,7 @@ class Matrices:
             For more modes than the mesh has, nodes it does not have, an indefinite matrix, a mechanism, or damping that
             is negative, of the wrong length, or given here as well as by a matrix.
         """
-        if interfaces is not None:
-            return residual_compliance(self, interfaces, modes, damping=damping)
-        return free_interface(self, modes, damping=damping)
+        return free_interface(self, modes, damping=damping, interfaces=interfaces, residual_damping=residual_damping)
 
     def finite_elements(self) -> FiniteElements:
         """What every reduction starts from."""

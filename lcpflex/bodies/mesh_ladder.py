@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.bases import Basis, elastic_count, free_basis, residual_basis
+from lcpflex.bodies.bases import Basis, elastic_count, free_basis, interface_basis, residual_basis
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.bodies.elastic_modes import FULL_LIMIT, FreeMesh
-from lcpflex.bodies.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.finite_elements import NO_RESIDUAL, FiniteElements, Residual, body_of
+from lcpflex.bodies.ladder import counted
+from lcpflex.bodies.mesh_interfaces import MeshStatics
 from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
 from lcpflex.bodies.stiffening import Stiffening, prestressed
-from lcpflex.compiled import IntArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 
-__all__ = ["reduced"]
+__all__ = ["Held", "reduced"]
 
 NEAR = 1.4  # rungs have fewer modes than the full mesh by this factor: else they are hardly cheaper
 MOST_MODES = 128  # of the rungs between rigid and the boundary nodes
@@ -33,39 +36,81 @@ def reduced(
     stiffening: Stiffening | None,
     nodes: IntArray | None = None,
     columns: int | None = None,
+    held: Held | None = None,
+    residual_from: int | None = None,
 ) -> Body:
     """The body of a mesh in the basis that is made of it, with its ladder.
 
     Parameters
     ----------
     nodes : those that the ladder takes for the boundary; None for those of small named sets
-    columns : number of modes, where it is known before the basis is made: to refuse wrong dampings early
+    columns : number of free modes, where it is known before the basis is made: to refuse wrong dampings early
+    held : the interfaces of which the columns behind these are the residual modes
+    residual_from : where the residual modes begin, of a basis that has some without it
     """
     if damping is not None and mesh.damping is not None:
         raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
     if damping is not None and columns is not None:
         check_damping(damping, columns)
     stiffened = prestressed(mesh, stiffening)
-    body = body_of(stiffened, *basis(stiffened), damping, stiffening)
-    return replace(body, ladder=lambda: _ladder(stiffened, damping, stiffening, nodes))
+    omega2, shapes = basis(stiffened)
+    behind = 0 if residual_from is None else len(omega2) - residual_from
+    residual = Residual(behind, behind) if held is None else held.residual(len(omega2) - (columns or 0))
+    body = body_of(stiffened, omega2, shapes, damping, stiffening, residual)
+    return replace(
+        body,
+        statics=MeshStatics(stiffened),
+        ladder=lambda: _ladder(stiffened, damping, stiffening, nodes, held, residual),
+    )
+
+
+class Held(NamedTuple):
+    """Loads (f, k) at interfaces, for which residual modes are made, and how many of them hold the body."""
+
+    loads: FloatArray
+    of_joints: int  # of joints and loads, which nothing touches
+    damping: float | None  # ratio of the residual modes; None: that of the others
+
+    def residual(self, modes: int) -> Residual:
+        """Of a basis with so many residual modes."""
+        return Residual(modes, max(modes - self.of_joints, 0), self.damping)
 
 
 def _ladder(
-    mesh: FiniteElements, damping: Damping | None, stiffening: Stiffening | None, nodes: IntArray | None
+    mesh: FiniteElements,
+    damping: Damping | None,
+    stiffening: Stiffening | None,
+    nodes: IntArray | None,
+    held: Held | None = None,
+    residual: Residual = NO_RESIDUAL,
 ) -> tuple[Rung, ...]:
     """Rigid, 1, 2, 4, ... free-interface modes, the static response of the boundary nodes, and the full mesh.
+
+    With interfaces, each rung between rigid and the boundary nodes has their residual modes besides.
 
     With a damping ratio for each mode the ladder ends with as many: of the damping of others nothing is known.
     """
     free = cache(lambda: FreeMesh.of(mesh))  # one factor for all rungs
     rungs: list[Rung] = []
 
-    def rung(name: str, modes: int, basis: Callable[[], Basis]) -> None:
+    def rung(name: str, modes: int, basis: Callable[[], Basis], extra: Residual = NO_RESIDUAL) -> None:
         def make() -> Body:
-            own = damping[:modes] if isinstance(damping, np.ndarray) else damping
-            return replace(body_of(mesh, *basis(), own, stiffening), ladder=lambda: tuple(rungs))
+            own = damping[: modes - extra.modes] if isinstance(damping, np.ndarray) else damping
+            body = body_of(mesh, *basis(), own, stiffening, extra)
+            return replace(body, statics=MeshStatics(mesh), ladder=lambda: tuple(rungs))
 
         rungs.append(Rung(name, modes, make))
+
+    def some(n: int) -> None:
+        if held is None or not n + residual.modes < most:
+            rung(counted(n, 0), n, partial(_modes, free, n))
+        else:
+            rung(
+                counted(n, residual.modes),
+                n + residual.modes,
+                lambda: interface_basis(free(), held.loads, n),
+                residual,
+            )
 
     most = elastic_count(mesh)
     known = most
@@ -74,9 +119,9 @@ def _ladder(
         known = len(damping)
     rung("rigid", 0, partial(_modes, free, 0))
     for n in _powers(min(known, most)):
-        rung("1 mode" if n == 1 else f"{n} modes", n, partial(_modes, free, n))
+        some(n)
     if known < most:
-        rung(f"{known} modes", known, partial(_modes, free, known))
+        some(known)
         return tuple({rung.modes: rung for rung in rungs}.values())
     rows = rows_of(mesh, _boundary(mesh) if nodes is None else nodes)
     if 0 < len(rows) <= 2 * MOST_NODES and NEAR * (len(rows) + KEPT) < most:

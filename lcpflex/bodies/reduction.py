@@ -24,7 +24,7 @@ __all__ = [
     "signed",
     "skew",
     "vanish",
-    "with_last",
+    "with_residual",
 ]
 
 ORTHOGONAL = 1e-9  # largest <Phi> and <Phi^T J x>, relative to the mass and inertia they belong to
@@ -76,12 +76,26 @@ def check_damping(damping: Damping, modes: int) -> None:
     modal_damping(damping, np.ones(modes))
 
 
-def with_last(damping: Damping, modes: int, count: int) -> Damping:
-    """The damping of ``count`` modes, where that of ``modes`` was given: further ones have the last of the ratios."""
+def with_residual(damping: Damping, residual_damping: float | None, omega: FloatArray, free: int) -> FloatArray:
+    """(n,) 2 zeta_k omega_k [1/s] of ``free`` free modes and the residual ones behind them, omega (n,) [rad/s].
+
+    ``damping`` is that of :func:`modal_damping` for the free modes; residual ones have the damping ratio
+    ``residual_damping``, or, where it is None, that of the others: the last one of several.
+
+    Raises
+    ------
+    ModelError
+        For negative or non-finite ratios, or a wrong number of them.
+    """
+    rest = omega[free:]
+    if residual_damping is not None:
+        ratio = in_range("residual_damping", residual_damping, 0.0, math.inf)
+        return np.concatenate([modal_damping(damping, omega[:free]), 2.0 * ratio * rest])
     if isinstance(damping, Rayleigh) or np.ndim(damping) == 0:
-        return damping
-    ratios = np.asarray(damping, dtype=np.float64)
-    return np.concatenate([ratios, np.full(count - modes, ratios[-1] if modes else 0.0)])
+        return modal_damping(damping, omega)
+    own = modal_damping(damping, omega[:free])
+    last = float(np.asarray(damping, dtype=np.float64)[-1]) if free else 0.0
+    return np.concatenate([own, 2.0 * last * rest])
 
 
 def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) -> FloatArray:

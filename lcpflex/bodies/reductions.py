@@ -29,19 +29,30 @@ from lcpflex.bodies.bases import (
     check_full,
     elastic_count,
     free_basis,
+    interface_basis,
     regional_basis,
     residual_basis,
 )
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.elastic_modes import FreeMesh, check_memory
-from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.bodies.mesh_ladder import reduced
+from lcpflex.bodies.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.interface import Interfaces
+from lcpflex.bodies.mesh_interfaces import interface_loads, of_mesh
+from lcpflex.bodies.mesh_ladder import Held, reduced
 from lcpflex.bodies.node_choice import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.reduction import Damping, count_of_modes
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.errors import ModelError
 
-__all__ = ["Mesh", "craig_bampton", "free_interface", "residual_compliance", "sub_regional", "unreduced"]
+__all__ = [
+    "Mesh",
+    "craig_bampton",
+    "free_interface",
+    "residual_compliance",
+    "sub_regional",
+    "undeformed",
+    "unreduced",
+]
 
 
 class Mesh(Protocol):
@@ -53,9 +64,20 @@ class Mesh(Protocol):
 
 
 def free_interface(
-    model: Mesh, modes: int | None = 8, *, damping: Damping | None = None, stiffening: Stiffening | None = None
+    model: Mesh,
+    modes: int | None = 8,
+    *,
+    damping: Damping | None = None,
+    stiffening: Stiffening | None = None,
+    interfaces: Interfaces = (),
+    residual_damping: float | None = None,
 ) -> Body:
-    """The body with the lowest free-free modes of the mesh: for global vibration.
+    """The body with the lowest free-free modes of the mesh, and the static response of all others at interfaces.
+
+        T = [Phi | G b - Phi Omega^-2 Phi^T b]
+
+    b: unit forces along x and y and a unit moment at each point (forces alone at nodes of sets, and at nodes that are
+    numbered), G as for :func:`residual_compliance`. Without interfaces: for global vibration of a free body.
 
     Parameters
     ----------
@@ -64,6 +86,9 @@ def free_interface(
     damping : damping ratio of all modes, one for each (ascending frequencies), or :class:`Rayleigh`; None for the
         damping matrix of the mesh, no damping if there is none
     stiffening : by spin and axial force; None for the linear body
+    interfaces : where joints hold the body, springs or loads act on it, or something strikes it: names of points or
+        sets, numbers of nodes, places (x, y), or :class:`Interface`. The compliance there is that of the mesh
+    residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
     Raises
     ------
@@ -72,7 +97,16 @@ def free_interface(
     """
     mesh = _mesh_of(model)
     n = count_of_modes(modes, elastic_count(mesh))
-    return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)
+    places = of_mesh(interfaces)
+    if not places or n == elastic_count(mesh):
+        return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)
+    loads = interface_loads(mesh, places)
+    check_memory("interfaces, modes", len(mesh.dofs), SHARE * (loads.shape[1] + n))
+    joints = interface_loads(mesh, [place for place in places if not place.contact]).shape[1]
+    return reduced(
+        mesh, lambda mesh: interface_basis(FreeMesh.of(mesh), loads, n), damping, stiffening,
+        columns=n, held=Held(loads, joints, residual_damping),
+    )  # fmt: skip
 
 
 def craig_bampton(
@@ -182,8 +216,11 @@ def residual_compliance(
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "contact", contact)
     rows = rows_of(mesh, nodes)
-    check_memory("contact, modes", len(mesh.dofs), SHARE * (len(rows) + count_of_modes(modes, elastic_count(mesh))))
-    return reduced(mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, modes), damping, stiffening, nodes)
+    n = count_of_modes(modes, elastic_count(mesh))
+    check_memory("contact, modes", len(mesh.dofs), SHARE * (len(rows) + n))
+    return reduced(
+        mesh, lambda mesh: residual_basis(FreeMesh.of(mesh), rows, n), damping, stiffening, nodes, residual_from=n
+    )
 
 
 def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffening | None = None) -> Body:
@@ -204,6 +241,12 @@ def unreduced(model: Mesh, *, damping: Damping | None = None, stiffening: Stiffe
     return reduced(
         mesh, lambda mesh: free_basis(FreeMesh.of(mesh), None), damping, stiffening, columns=elastic_count(mesh)
     )
+
+
+def undeformed(model: Mesh) -> Body:
+    """The rigid body of a mesh, with its points and surfaces; no factor of the stiffness is made for it."""
+    mesh = _mesh_of(model)
+    return body_of(mesh, np.zeros(0), np.zeros((len(mesh.dofs), 0)), None)
 
 
 def _mesh_of(model: Mesh) -> FiniteElements:

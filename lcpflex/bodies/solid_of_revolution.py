@@ -11,6 +11,7 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.elastic_mesh import finite_elements_of
 from lcpflex.bodies.element_integrals import Solid, lame_constants
 from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.material import check_material
 from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh, planar_mesh
 from lcpflex.bodies.reduction import Damping
@@ -75,7 +76,13 @@ class SolidOfRevolution:
         return self._finite_elements
 
     def reduce(
-        self, modes: int | None = 8, damping: Damping | None = None, stiffening: Stiffening | None = None
+        self,
+        modes: int | None = 8,
+        damping: Damping | None = None,
+        stiffening: Stiffening | None = None,
+        *,
+        interfaces: Interfaces = (),
+        residual_damping: float | None = None,
     ) -> Body:
         """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
 
@@ -85,13 +92,24 @@ class SolidOfRevolution:
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
             None for none
         stiffening : must be None: a body that moves along its axis only does not turn
+        interfaces : where joints hold the body, springs or loads act on it, or something strikes it, as for
+            :func:`free_interface`: residual modes behind the free ones make the compliance there that of the mesh.
+            ``scene.add(mesh, modes=8)`` finds the interfaces itself
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
         Raises
         ------
         ModelError
             For more modes than the mesh has, or a damping that is negative or of the wrong length.
         """
-        return free_interface(self, modes, damping=damping, stiffening=stiffening)
+        return free_interface(
+            self,
+            modes,
+            damping=damping,
+            stiffening=stiffening,
+            interfaces=interfaces,
+            residual_damping=residual_damping,
+        )
 
 
 def _above_axis(mesh: PlanarMesh) -> PlanarMesh:

@@ -36,12 +36,15 @@ _OTHERWISE = {
 T = TypeVar("T")
 
 
-def flexibilities(model: Model, dynamic_modes: int | None, soft: IntArray) -> FloatArray:
+def flexibilities(
+    model: Model, dynamic_modes: int | None, soft: IntArray, contact_modes: tuple[int, ...] = ()
+) -> FloatArray:
     """(ndof,) 1/omega^2 [s^2] of the coordinates that become static, 0 of all others.
 
-    Each body with a contact keeps its ``dynamic_modes`` lowest modes, or half of its modes, rounded down, if that is
-    None. Bodies without a contact keep all: no force would ever move the rest. ``soft`` (laws,) is 1 for contacts that
-    give way by themselves.
+    Each body with a contact keeps its ``dynamic_modes`` lowest modes. If that is None, it keeps all but as many as it
+    has residual modes of contacts, ``contact_modes`` of each body, or half of its modes, rounded down, where it has
+    none; and all of them where its contacts give way by themselves, ``soft`` (laws,) being 1. Bodies without a contact
+    keep all: no force would ever move the rest.
 
     Raises
     ------
@@ -60,13 +63,22 @@ def flexibilities(model: Model, dynamic_modes: int | None, soft: IntArray) -> Fl
             "MoreauJean or EventDriven, which need no compliance"
         )
     flexibility = np.zeros(int(dof[-1]))
+    if dynamic_modes is None:
+        touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts, soft)} - {-1})
     for b in touched:
         first, last = int(dof[b]) + 3, int(dof[b + 1])
         stiffness = model.bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
-        kept = modes[b] // 2 if dynamic_modes is None else min(dynamic_modes, int(modes[b]))
+        kept = _asked(int(modes[b]), contact_modes[b] if contact_modes else 0, dynamic_modes)
         static = np.argsort(stiffness, kind="stable")[kept:]
         flexibility[first + static] = 1.0 / stiffness[static]
     return flexibility
+
+
+def _asked(modes: int, contact_modes: int, dynamic_modes: int | None) -> int:
+    """How many modes of a body keep their mass."""
+    if dynamic_modes is not None:
+        return min(dynamic_modes, modes)
+    return modes - contact_modes if contact_modes else modes // 2
 
 
 def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
@@ -141,8 +153,10 @@ def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, 
     ), place
 
 
-def _in_contact(contacts: Contacts) -> set[int]:
-    return {int(s) for s in np.concatenate([contacts.pass_slave, contacts.pass_feature])}
+def _in_contact(contacts: Contacts, soft: IntArray | None = None) -> set[int]:
+    """The surfaces of contacts, without those of ``soft`` ones."""
+    hard = slice(None) if soft is None else soft[contacts.pass_law] == 0
+    return {int(s) for s in np.concatenate([contacts.pass_slave[hard], contacts.pass_feature[hard]])}
 
 
 def _shapes(model: Model, p: int) -> tuple[FloatArray, slice]:

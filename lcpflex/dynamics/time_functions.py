@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, Protocol
 
 import numpy as np
 
+from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.dynamics.compiled_function import (
@@ -30,6 +31,7 @@ __all__ = [
     "Callback",
     "Calls",
     "ForceCallback",
+    "Materials",
     "MotionCallback",
     "SignalTable",
     "State",
@@ -47,6 +49,25 @@ class OnBody(Protocol):
     def body(self) -> int: ...
 
 
+class Materials:
+    """The material of points of a scene in the bodies that they were given when the scene was compiled.
+
+    later: by number of the body, its handle in the compiled scene.
+    """
+
+    def __init__(self, later: Mapping[int, Any]) -> None:
+        self._later = later
+        self._known: dict[int, tuple[PlacedPoint, MaterialPoint]] = {}
+
+    def of(self, point: PlacedPoint) -> MaterialPoint:
+        """The material at a point of the scene as it was declared."""
+        if point.body not in self._later:
+            return point.material
+        if id(point) not in self._known:
+            self._known[id(point)] = (point, point.again(self._later[point.body]).material)
+        return self._known[id(point)][1]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
     """The state that a Python force is asked at; nothing in it may be changed.
@@ -58,6 +79,7 @@ class State:
     q: FloatArray  # (ndof,)
     u: FloatArray  # (ndof,)
     dof: IntArray  # (nb + 1,) offsets of the bodies into q and u
+    materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced; None: theirs
 
     def position(self, point: PlacedPoint) -> FloatArray:
         """r_P (2,) [m]."""
@@ -84,17 +106,23 @@ class State:
         if of.body < 0:
             return 0.0
         d = int(self.dof[of.body])
-        elastic = of.material.psi @ values[d + 3 : self.dof[of.body + 1]] if isinstance(of, PlacedPoint) else 0.0
+        elastic = 0.0
+        if isinstance(of, PlacedPoint):
+            elastic = float(self._material(of).psi @ values[d + 3 : self.dof[of.body + 1]])
         return float(values[d + 2] + elastic)
 
     def _local(self, point: PlacedPoint) -> tuple[FloatArray, FloatArray, int | None]:
         """x + Phi q and Phi qdot, body axes, and the offset of the body; None for the ground."""
-        place = np.array(point.material.place, dtype=float)
+        material = self._material(point)
+        place = np.array(material.place, dtype=float)
         if point.body < 0:
             return place, np.zeros(2), None
         d = int(self.dof[point.body])
         modal = slice(d + 3, int(self.dof[point.body + 1]))
-        return place + self.q[modal] @ point.material.phi, self.u[modal] @ point.material.phi, d
+        return place + self.q[modal] @ material.phi, self.u[modal] @ material.phi, d
+
+    def _material(self, point: PlacedPoint) -> MaterialPoint:
+        return point.material if self.materials is None else self.materials.of(point)
 
 
 def _turned(angle: float, s: FloatArray) -> FloatArray:
@@ -180,12 +208,12 @@ class Calls:
     time: float = 0.0  # [s]
 
 
-def supplier(callbacks: tuple[Callback, ...], calls: Calls) -> Callable[..., None]:
+def supplier(callbacks: tuple[Callback, ...], calls: Calls, materials: Materials | None = None) -> Callable[..., None]:
     """What stands in for the kernel ``supply``: it fills ``work.external`` from Python functions, and counts."""
 
     def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Any) -> None:
         began = time.perf_counter()
-        state = State(t, _read_only(q), _read_only(u), model.bodies.dof)
+        state = State(t, _read_only(q), _read_only(u), model.bodies.dof, materials)
         for callback in callbacks:
             callback.fill(t, state, work.external)
         calls.number += len(callbacks)

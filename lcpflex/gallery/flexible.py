@@ -28,7 +28,7 @@ def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40, restitut
     """
     strip = aluminium_strip(length=0.7, width=0.028, thickness=0.005, elements=elements)
     scene = Scene(gravity=WEIGHT)
-    bar = scene.add(strip.reduce(modes=modes), name="pendulum")
+    bar = scene.add(strip, name="pendulum", modes=modes)
     scene.join(Revolute(bar.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
     stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
     scene.contact(bar.surface(), stop, friction=friction, restitution=restitution, name="stop")
@@ -49,7 +49,7 @@ def hemisphere_pendulum(
     center = (face[0] - radius * math.sin(drop), face[1] - radius * math.cos(drop))
     strip = aluminium_strip(length=0.7, width=0.028, thickness=2.0 * half)
     scene = Scene(gravity=WEIGHT)
-    bar = scene.add(strip.reduce(modes=modes), name="pendulum")
+    bar = scene.add(strip, name="pendulum", modes=modes)
     scene.join(Revolute(bar.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
     bump = scene.ground.arc(center, radius, start=0.0, extent=math.pi)
     scene.contact(bar.surface("bottom"), bump, friction=friction, restitution=0.0, name="hemisphere")
@@ -61,11 +61,13 @@ def sliding_beam(modes: int = 8, friction: float = 0.3, roughness: float = 0.004
     strip = aluminium_strip(length=1.0, width=0.05, thickness=0.01)
     scene = Scene(gravity=WEIGHT)
     beam = scene.add(
-        strip.reduce(modes=modes, damping=damping),
+        strip,
         name="beam",
         position=(0.0, 0.15),
         angle=math.radians(8.0),
         velocity=(2.0, 0.0),
+        modes=modes,
+        damping=damping,
     )
     stations = [4.0 - 0.025 * k for k in range(181)]  # from right to left: the solid is on the left of the chain
     ground = scene.ground.chain([(x, roughness * math.cos(2.0 * math.pi * x / 0.2)) for x in stations])

@@ -29,7 +29,7 @@ def hinged_beam(modes: int = 20, elements: int = 40) -> Scene:
     """A hinged beam turns at 3.8 rad/s onto a stop at its tip (code_aster SDNL32; the stop has 18000 N/m)."""
     body = Beam(0.783, 0.014, 0.014, density=2400.0, youngs_modulus=6.7e10, elements=elements, axial=False)
     scene = Scene(gravity=(0.0, 0.0))
-    beam = scene.add(body.reduce(modes=modes), name="beam", angular_velocity=-3.8)
+    beam = scene.add(body, name="beam", angular_velocity=-3.8, modes=modes)
     scene.join(Revolute(beam.point("left"), scene.ground.at(0.0, 0.0), name="hinge"))
     scene.contact(beam.node(0.783, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="stop")
     return scene
@@ -41,7 +41,7 @@ def sphere_on_beam(modes: int = 40, elements: int = 60) -> Scene:
     body = Beam(length, side, side, density=7960.0, youngs_modulus=2.157463e11, elements=elements, axial=False)
     ball_mass = 4.0 / 3.0 * math.pi * radius**3 * 7960.0
     scene = Scene(gravity=(0.0, 0.0))
-    beam = scene.add(body.reduce(modes=modes), name="beam")
+    beam = scene.add(body, name="beam", modes=modes)
     scene.join(Revolute(beam.point("left"), scene.ground.at(0.0, 0.0), name="left support"))
     scene.join(PointOnLine(beam.point("right"), scene.ground.at(length, 0.0), (1.0, 0.0), name="right support"))
     ball = scene.add(

@@ -94,7 +94,7 @@ class MasslessBoundaryScheme:
         _refuse(system)
         self._compliance = contact_compliance(compliance_rows(stepper.compliance, system.names, system.n_laws))
         soft = self._compliance.soft
-        flexibility = flexibilities(system.model, stepper.dynamic_modes, soft)
+        flexibility = flexibilities(system.model, stepper.dynamic_modes, soft, system.contact_modes)
         model = with_static_modes(system.model, flexibility)
         check_compliance(model, flexibility, system.q, soft, system.contact_name)
         u = np.where(flexibility > 0.0, 0.0, system.u)
@@ -242,8 +242,10 @@ class MasslessBoundary:
         at the start, and at most a thousandth of the duration.
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
-        contacts. None: half of its modes, rounded down. Fewer allow longer steps; 1/omega^2 of the modes above them
-        must hold enough compliance for all the contacts of the body that close together.
+        contacts. None: all modes that were asked for, where the body has residual modes for its contacts besides, as
+        by ``scene.add(body, modes=8)``; half of its modes, rounded down, where it has none. Fewer allow longer steps;
+        1/omega^2 of the modes above them must hold enough compliance for all the contacts of the body that close
+        together.
     substeps
         Divide steps that the stability limit 2/omega does not admit, where omega is the highest frequency of the
         system with its contacts closed as they are. False: stop instead, with the admissible step.

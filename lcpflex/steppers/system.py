@@ -47,6 +47,7 @@ class System:
     soft: tuple[int, ...] = ()  # 1 for each set-valued contact that gives way by an elastic law; empty if none does
     functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
     probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
+    contact_modes: tuple[int, ...] = ()  # of each body: how many of its last modes are residual ones of contacts
     calls: Calls | None = None  # of Python functions of time, where there are any
 
     def __post_init__(self) -> None:

@@ -101,6 +101,7 @@ def of_scene(scene: Any) -> Ladders:
     if not isinstance(made, Scene):
         what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else repr(scene)
         raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
+    made = made.reduced()
     placed = made.parts().placed
     found = {one.name: one.source.ladder() for one in placed if one.source is not None and one.source.ladder}
     found = {name: rungs for name, rungs in found.items() if len(rungs) > 1}
@@ -120,7 +121,7 @@ def known_outputs() -> tuple[str, ...]:
 
 def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
     """The outputs, those of motion at the same undeformed places of every rung. Raises ModelError."""
-    places = two_places(ladders.scene.compile(project=True), ladders.names)
+    places = two_places(ladders.scene.compiled(project=True), ladders.names)
     if outputs is None:
         outputs = (MOTION, "impulses")
     if isinstance(outputs, (str, Output)) or callable(outputs):

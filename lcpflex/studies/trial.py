@@ -85,7 +85,7 @@ def _distrust(result: Result) -> list[str]:
     """What the result warns of, but for bodies too coarse for their contacts: that is no fault of a run."""
     from lcpflex.resolved import unresolved
 
-    coarse = unresolved(result)
+    coarse = (*unresolved(result), *(result.compiled.warnings if result.compiled is not None else ()))
     return [warning for warning in result.warnings if warning not in coarse]
 
 

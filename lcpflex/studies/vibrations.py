@@ -110,10 +110,8 @@ class _Turning:
         self._frames = compiled.model.bodies.dof[:-1]
 
     def _external(self, q: FloatArray, u: FloatArray) -> FloatArray:
-        from lcpflex.dynamics.time_functions import State
-
         external = np.zeros((self._compiled.n_external, 3))
-        state = State(0.0, q, u, self._compiled.model.bodies.dof)
+        state = self._compiled.state(0.0, q, u)
         for callback in self._compiled.callbacks:
             callback.fill(0.0, state, external)
         return external

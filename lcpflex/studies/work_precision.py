@@ -252,7 +252,7 @@ def _conditions(request: _Request, build: Callable[[], Any], duration: float) ->
 
 def _coordinates(scene: Any) -> int:
     if hasattr(scene, "compile"):
-        return max(1, int(scene.compile().q.size))
+        return max(1, int(scene.compiled().q.size))
     return max(1, len(getattr(scene, "q", ())))
 
 

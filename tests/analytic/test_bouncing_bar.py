@@ -67,7 +67,7 @@ def test_generalized_alpha_damps_what_rings_after_an_impact_as_rho_inf_predicts(
     scene = gallery.elastic_bar(elements=50)
     result = lf.simulate(scene, 3.0, lf.GeneralizedAlpha(step=step, rho_inf=rho), record=0.0)
     assert result.force[result.times > 1.3, 0, 0].max() == 0.0  # it flies
-    omega = np.sqrt(scene.compile().model.bodies.stiffness)
+    omega = np.sqrt(scene.compiled().model.bodies.stiffness)
     energy = 0.5 * (result.u[:, 3:] ** 2 + (omega * result.q[:, 3:]) ** 2)
     first = int(np.flatnonzero(result.times > 1.4)[0])
     last = len(result.times) - 200

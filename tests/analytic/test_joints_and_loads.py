@@ -70,7 +70,7 @@ def test_slider_crank(kind):
     scene.join(lf.Prismatic(slider.at(0, 0), scene.ground.at(0, 0), axis=(1, 0)))
     scene.join(lf.DrivenAngle(crank.point("left"), scene.ground.at(0, 0), f))
     with pytest.raises(lf.ModelError, match="initial velocity violates"):
-        scene.compile()
+        scene.compiled()
     result = lf.simulate(scene, 0.5, STEP, project=True)
     angle = 1.5 * np.sin(4.0 * result.times)
     np.testing.assert_allclose(result.q[:, 2], angle, atol=1e-9)

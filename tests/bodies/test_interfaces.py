@@ -188,13 +188,12 @@ def test_no_interfaces_and_no_modes_left() -> None:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("left", "interfaces: 'left' was given, expected a list of places"),
         (3.0, "interfaces: 3.0 was given, expected a list of places"),
         (["top"], r"interfaces\[0\]: 'top' was given, expected the name of a point"),
         ([0.5, 1.5], r"interfaces\[1\]: x: 1.5 was given"),
         ([(0.5, 0.2)], r"interfaces\[0\]: y: 0.2 was given"),
-        ([(0.5, 0.0, 1.0)], r"interfaces\[0\]: an array of shape \(3,\) was given"),
-        ([math.nan], r"interfaces\[0\]: an array with nan"),
+        ([(0.5, 0.0, 1.0)], r"interfaces\[0\]: place: an array of shape \(3,\) was given"),
+        ([math.nan], r"interfaces\[0\]: place: an array with nan"),
         ([None], r"interfaces\[0\]: "),
     ],
 )

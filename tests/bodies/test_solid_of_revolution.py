@@ -147,7 +147,7 @@ def test_a_tube_has_no_axis_and_is_held_by_its_frame():
     scene = lf.Scene()
     tube = scene.add(body, "tube")
     scene.join(lf.Prismatic(tube.point("axis"), scene.ground.at(0.05, 0.0)))
-    scene.compile()
+    scene.compiled()
 
 
 def test_geometric_stiffness_of_uniform_pressure():
@@ -177,24 +177,24 @@ def test_a_scene_refuses_a_solid_of_revolution_that_nothing_holds():
     scene = lf.Scene()
     scene.add(ROD.reduce(4), "rod")
     with pytest.raises(lf.ModelError, match=r"'rod': a solid of revolution.*scene\.join\(Prismatic"):
-        scene.compile()
+        scene.compiled()
     with pytest.raises(lf.ModelError, match="solid of revolution"):  # across the axis
-        guided(lambda rod: rod.point("axis"), (0.05, 0.0, 0.0, 1.0)).compile()
+        guided(lambda rod: rod.point("axis"), (0.05, 0.0, 0.0, 1.0)).compiled()
     with pytest.raises(lf.ModelError, match="solid of revolution"):  # material that leaves the line
-        guided(lambda rod: rod.at(0.05, 0.01), (0.05, 0.01, 1.0, 0.0)).compile()
+        guided(lambda rod: rod.at(0.05, 0.01), (0.05, 0.01, 1.0, 0.0)).compiled()
     with pytest.raises(lf.ModelError, match="solid of revolution"):  # a line that is not the axis of the turned rod
-        guided(lambda rod: rod.point("axis"), (0.05, 0.0, 1.0, 0.0), angle=0.5).compile()
+        guided(lambda rod: rod.point("axis"), (0.05, 0.0, 1.0, 0.0), angle=0.5).compiled()
 
 
 def test_a_solid_of_revolution_is_held_along_its_axis_directly_or_by_what_is_held():
-    guided(lambda rod: rod.at(0.05, 0.0), (0.05, 0.0, 1.0, 0.0)).compile()
+    guided(lambda rod: rod.at(0.05, 0.0), (0.05, 0.0, 1.0, 0.0)).compiled()
     turned = (0.05 * math.cos(0.5), 0.05 * math.sin(0.5), math.cos(0.5), math.sin(0.5))
-    guided(lambda rod: rod.point("axis"), turned, angle=0.5).compile()
+    guided(lambda rod: rod.point("axis"), turned, angle=0.5).compiled()
     scene = lf.Scene()
     first, second = (scene.add(ROD.reduce(4), position=(x, 0.0)) for x in (0.0, 0.2))
     scene.join(lf.Prismatic(first.point("axis"), scene.ground.at(0.0, 0.0)))
     scene.join(lf.Prismatic(first.point("axis"), second.point("axis")))
-    scene.compile()
+    scene.compiled()
 
 
 def test_gravity_across_the_axis_is_taken_by_the_joint():

@@ -196,14 +196,14 @@ def test_only_who_asks_is_stiffened():
     scene = Scene(gravity=(0, 0))
     for body in (plain, asked, plain):
         scene.add(body)
-    model = scene.compile().model
+    model = scene.compiled().model
     assert list(model.bodies.geometric_start) == [0, 0, 16, 16]
 
 
 def test_static_modes_are_not_stiffened():
     scene = Scene(gravity=(0, 0))
     scene.add(SLENDER.reduce(4, stiffening=Stiffening()))
-    model = scene.compile().model
+    model = scene.compiled().model
     flexibility = np.zeros(7)
     flexibility[5:] = 1.0 / model.bodies.stiffness[2:]
     left = with_static_modes(model, flexibility).bodies.geometric.reshape(4, 4)
@@ -216,7 +216,7 @@ def test_start_bent_beyond_all_sense_is_refused():
     body = SLENDER.reduce(4, stiffening=Stiffening(held="left"))
     scene = Scene(gravity=(0, 0))
     scene.add(body, "rod", modal=[0.1, 0, 0, 0])
-    scene.compile()
+    scene.compiled()
     bent = Scene(gravity=(0, 0))
     bent.add(body, "rod", modal=[2.0, 0, 0, 0])
     with pytest.raises(ModelError, match="body 'rod': modal: it is bent too far"):

@@ -321,7 +321,7 @@ def test_a_meshed_u_on_rough_ground_touches_what_is_there(wall_height, bent):
     met = [0, 0]
     for _ in range(4):
         scene, ground = meshed_u_on_rough_ground(rng, wall_height)
-        compiled = scene.compile()
+        compiled = scene.compiled()
         model, table = pack(compiled.model), contact_table(512, 2)
         points, contacts = compiled.model.points, compiled.model.contacts
         corners = [a for a, b in contacts.feature_point if points.body[a] >= 0 and a != b]

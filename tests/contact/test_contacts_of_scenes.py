@@ -16,7 +16,7 @@ STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 
 def found(scene, margin=1e-3, q=None):
     """(body of the slave, normal, gap) of each contact of a scene at its start, or at q."""
-    compiled = scene.compile()
+    compiled = scene.compiled()
     q = compiled.q.copy() if q is None else np.array(q, dtype=float)
     table = contact_table(256, len(compiled.model.contacts.surface_body))
     n = detect(pack(compiled.model), q, margin, table)
@@ -47,7 +47,7 @@ def test_one_face_of_a_thin_beam_is_met_from_its_own_side(depth):
     beam = scene.add(thin_beam(), name="beam")
     node = scene.add(lf.RigidBody(mass=1.0, inertia=1.0), name="node", position=(0.0, -1.0))
     scene.contact(node.node(0.0, 0.0), beam.surface("bottom"))
-    q = scene.compile().q.copy()
+    q = scene.compiled().q.copy()
     q[-3:] = (0.43, -0.0025 + depth, 0.0)
     ((_, normal, gap),) = found(scene, q=q)
     np.testing.assert_allclose(normal, (0.0, -1.0), atol=1e-15)
@@ -185,7 +185,7 @@ def test_the_gap_of_a_disc_is_its_distance_from_a_random_polygon():
         polygon = scene.add(lf.Polygon(corners, mass=1.0), angle=0.7, position=(0.2, 0.1))
         ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(50.0, 0.0))
         scene.contact(ball.surface(), polygon.surface())
-        compiled = scene.compile()
+        compiled = scene.compiled()
         model, table = pack(compiled.model), contact_table(64, 2)
         turn = np.array([[math.cos(0.7), -math.sin(0.7)], [math.sin(0.7), math.cos(0.7)]])
         placed = corners @ turn.T + (0.2, 0.1)
@@ -212,7 +212,7 @@ def test_the_same_contacts_in_the_same_order_every_time():
         scene.add(box, position=(0.2 * (k % 3), 0.05 + 0.1 * (k // 3)))
     scene.ground.half_plane((0, 0), (0, 1))
     scene.contact_all()
-    compiled = scene.compile()
+    compiled = scene.compiled()
     tables = [contact_table(400, 10) for _ in range(2)]
     counts = [detect(pack(compiled.model), compiled.q.copy(), 1e-3, table) for table in tables]
     assert counts[0] == counts[1] > 40
@@ -226,7 +226,7 @@ def test_compiled_and_plain_detection_agree():
     scene = lf.Scene()
     lower, upper = scene.add(thin_beam(2)), scene.add(thin_beam(2), position=(0.31, 0.005))
     scene.contact(lower.surface("top"), upper.surface("bottom"))
-    compiled = scene.compile()
+    compiled = scene.compiled()
     model = pack(compiled.model)
     tables = [contact_table(64, 2) for _ in range(2)]
     assert detect(model, compiled.q.copy(), 1e-6, tables[0]) == detect.py_func(

@@ -34,7 +34,7 @@ def test_no_node_falls_beside_the_axis_of_a_solid_of_revolution(aside):
     scene.join(lf.Prismatic(rod.point("far"), scene.ground.at(1.0, 0.0), axis=(1.0, 0.0)))
     face = rod.surface("tip")
     scene.contact(tip.node(0.0, 0.0), face)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     q = compiled.q.copy()
     first = compiled.model.bodies.dof[1]
     q[first : first + 2] = (1e-6, aside)

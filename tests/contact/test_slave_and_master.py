@@ -58,7 +58,7 @@ def momentum(compiled, q, u):
 
 @pytest.mark.parametrize(("choice", "slaves"), [("both", {0, 1}), ("upper", {1}), ("lower", {0})])
 def test_slaves_are_of_the_body_that_was_chosen(choice, slaves):
-    compiled = two_beams(choice, gap=0.0).compile()
+    compiled = two_beams(choice, gap=0.0).compiled()
     table, n = table_of(pack(compiled.model), compiled.q.copy(), 1e-9)
     assert set(table.body[:n, 0].tolist()) == slaves
     over = {0: [k / 20 for k in range(11) if k / 20 >= 0.07], 1: [k / 14 for k in range(8) if 0.07 + k / 14 <= 0.5]}
@@ -73,7 +73,7 @@ def test_a_choice_among_kinds():
         lower = scene.add(beam(10))
         pair = {"ball": ball.surface(), "beam": lower.surface("top")}
         scene.contact(pair["ball"], pair["beam"], slave=pair[choice])
-        compiled = scene.compile()
+        compiled = scene.compiled()
         table, n = table_of(pack(compiled.model), compiled.q.copy(), 1e-6)
         assert n == 1
         sides = (0, 1) if choice == "ball" else (1, 0)
@@ -100,7 +100,7 @@ def test_what_cannot_be_a_slave():
     with pytest.raises(lf.ModelError, match=r"slave: 'body1\.outline' was given, expected one of the two surfaces"):
         scene.contact(a.surface(), b.surface(), slave=stranger)
     scene.contact(a.surface(), b.surface(), slave=a.surface())  # another handle of the same surface
-    assert set(scene.compile().layout.contacts) == {"contact1"}
+    assert set(scene.compiled().layout.contacts) == {"contact1"}
 
 
 # ---- W and w with both sides flexible
@@ -126,7 +126,7 @@ def gaps_and_rows(model, table, n, q, u):
 @pytest.mark.parametrize("choice", CHOICES)
 def test_rows_and_biases_of_two_deforming_chains(choice):
     """The pairs that a scene finds: against differences of their gaps along a motion that bends both beams."""
-    compiled = two_beams(choice).compile()
+    compiled = two_beams(choice).compiled()
     model = pack(compiled.model)
     rng = np.random.default_rng(5)
     scale = np.where(np.arange(len(compiled.q)) % 9 < 3, 1.0, 0.05)
@@ -151,7 +151,7 @@ def test_rows_and_biases_of_two_deforming_chains(choice):
 
 def test_contact_forces_of_both_sides_cancel():
     """The weights of master nodes add up to the slave's: no force is left over, and the moment of the gap alone."""
-    compiled = two_beams("upper").compile()
+    compiled = two_beams("upper").compiled()
     model = pack(compiled.model)
     q = compiled.q + 1e-3 * np.random.default_rng(6).normal(size=len(compiled.q))
     table, n = table_of(model, q, 0.1)
@@ -182,7 +182,7 @@ def test_a_collision_keeps_momentum_and_explains_its_energy(name, choice):
     """The left end of a tilted beam strikes first, then others: sliding, with bending waves in both."""
     stepper, drift = STEPPERS[name]
     scene = two_beams(choice, angle=0.02, friction=0.2)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     result = lf.simulate(scene, 3e-3, stepper, record=1e-5)
     assert result.complete
     assert result.contact("contact").impulse[-1, 0] > 0.1
@@ -195,7 +195,7 @@ def test_a_collision_keeps_momentum_and_explains_its_energy(name, choice):
 
 def deepest(compiled, result):
     """(2,) greatest depth of the nodes of either body in the other over the stored instants: both passes look."""
-    model = pack(two_beams("both").compile().model)
+    model = pack(two_beams("both").compiled().model)
     assert model.bodies.dof[-1] == len(compiled.q)
     depth = np.zeros(2)
     for q in result.q:

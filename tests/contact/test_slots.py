@@ -63,7 +63,7 @@ class Found:
     """What detection finds of a compiled scene."""
 
     def __init__(self, scene):
-        compiled = scene.compile()
+        compiled = scene.compiled()
         self.q = compiled.q
         self.model = pack(compiled.model)
         self.table = contact_table(16, len(self.model.contacts.surface_body))

@@ -81,7 +81,7 @@ def scene_with(load: Any, duration: float = 2.0) -> Signals:
     scene = lf.Scene()
     disc = scene.add(lf.Disc(0.1, mass=1.0))
     scene.load(lf.Force(disc.point("center"), (load, 0.0)))
-    compiled = scene.compile()
+    compiled = scene.compiled()
     start = State(0.0, compiled.q, compiled.u, compiled.model.bodies.dof)
     return with_instants(compiled.model, (*compiled.callbacks, *compiled.functions), start, duration).signals
 

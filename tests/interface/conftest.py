@@ -70,7 +70,7 @@ def swing() -> Result:
     scene.contact(pendulum.surface(), scene.ground.circle((-0.05, -0.8), 0.04), friction=0.3, name="stop")
     scene.contact(disc.surface(), scene.ground.chain([(1.1, -0.7), (0.95, -0.9), (0.8, -0.9)]), name="ramp")
     scene.contact(disc.surface(), scene.ground.arc((0.5, -0.4), 0.3, 0.4, 2.2, hole=True), name="roof")
-    compiled = scene.compile()
+    compiled = scene.compiled()
     m, names = 41, compiled.layout.contacts
     times = np.linspace(0.0, 0.4, m)
     q, u = np.tile(compiled.q, (m, 1)), np.zeros((m, len(compiled.u)))

@@ -40,7 +40,7 @@ def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:
 def test_created_energy_is_blamed_on_what_is_in_the_run(
     restitution: float, friction: float, stepper: Any, blamed: str
 ) -> None:
-    said = _growth_cause(stepper, ball(restitution, friction).compile().system())
+    said = _growth_cause(stepper, ball(restitution, friction).compiled().system())
     assert blamed in said
     assert ("Newton" in said) == ("Newton" in blamed)
 

@@ -132,4 +132,4 @@ def test_scenes_are_the_same_for_the_same_seed() -> None:
 def test_smaller_scenes_can_be_built() -> None:
     for seed in (2, 5, 17):
         for less in smaller(draw(seed)):
-            build(less).compile(project=True)
+            build(less).compiled(project=True)

@@ -31,13 +31,13 @@ def test_a_slot_makes_four_contacts_with_names_and_laws():
     names = scene.contact_slot(pin.surface(), slot, friction=0.2, law=given)
     assert names == ("slot1.inner", "slot1.outer", "slot1.first", "slot1.last")
     assert names.outer == "slot1.outer"
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.layout.contacts == names
     assert compiled.laws == given
     np.testing.assert_array_equal(compiled.model.contacts.friction, 0.2)
     second = scene.contact_slot(pin.surface(), slider.straight_slot((0.0, 0.0), (0.1, 0.0), 0.03), restitution=0.5)
     assert second.first == "slot2.first"
-    np.testing.assert_array_equal(scene.compile().model.contacts.restitution, [0.0] * 4 + [0.5] * 4)
+    np.testing.assert_array_equal(scene.compiled().model.contacts.restitution, [0.0] * 4 + [0.5] * 4)
 
 
 @pytest.mark.parametrize("kind", ["curved", "straight"])
@@ -48,7 +48,7 @@ def test_other_bodies_get_the_same_slot(kind):
     law = laws.ContactLaw(laws.PowerLaw(1e8))
     scene.contact_slot(pin.surface(), slot, friction=0.1, name="slot", law=law)
     heavier = scene.with_bodies({"slider": lf.RigidBody(1.0, 1e-2)})
-    old, new = (one.compile() for one in (scene, heavier))
+    old, new = (one.compiled() for one in (scene, heavier))
     assert new.layout.contacts == old.layout.contacts
     assert new.laws == old.laws == (law,) * 4
     for a, b in zip(old.model.contacts, new.model.contacts, strict=True):
@@ -120,7 +120,7 @@ def test_a_revolute_joint_with_clearance():
     assert not scene.parts().joints
     pin, hole = scene.parts().contacts["bearing"].pair
     assert (pin.body, pin.shape.radius, hole.body, hole.shape.radius) == (0, 9e-3, -1, 10e-3)
-    assert scene.with_bodies({"arm": lf.Box(0.2, 0.02, mass=2.0)}).compile().layout.contacts == ("bearing",)
+    assert scene.with_bodies({"arm": lf.Box(0.2, 0.02, mass=2.0)}).compiled().layout.contacts == ("bearing",)
     with pytest.raises(ModelError, match=r"pin_radius: a radius of 0\.01 m was given, expected less than 0\.01 m"):
         scene.revolute_with_clearance(pivot, end, 10e-3, 10e-3)
     with pytest.raises(ModelError, match=r"0\.0005 m from .* expected at most the play of 0\.0004 m"):

@@ -72,8 +72,8 @@ def turned(motion: Any) -> lf.Scene:
 )
 def test_forces(value: Any, speed: tuple[float, float]) -> None:
     scene = pushed(value, torque=rising)
-    assert not scene.compile().callbacks
-    assert not scene.compile().system().hooks
+    assert not scene.compiled().callbacks
+    assert not scene.compiled().system().hooks
     result = lf.simulate(scene, 1.0, STEPPER)
     np.testing.assert_allclose(result.u[-1, :2], speed, rtol=1e-12)
     assert result.u[-1, 2] == pytest.approx(1.5 / 0.01, rel=1e-12)
@@ -117,9 +117,9 @@ def test_what_goes_wrong_ends_the_run_in_words(function: Any, words: str) -> Non
 
 def test_what_returns_something_else_is_refused_before_time_is_spent() -> None:
     with pytest.raises(lf.ModelError, match="expected 2 finite numbers"):
-        pushed(rising).compile()
+        pushed(rising).compiled()
     with pytest.raises(lf.ModelError, match="expected a finite number or three"):
-        turned(pair).compile()
+        turned(pair).compiled()
 
 
 def test_python_functions_are_counted_and_told_of() -> None:
@@ -162,7 +162,7 @@ def smooth_rise(knots: int, span: float) -> lf.Table:
 def test_a_tabulated_drive_may_start_at_rest(knots: int, span: float) -> None:
     """The spline of its values starts with some 1e-8 ... 1e-3 of its speed; the scene says that it starts at rest."""
     table = smooth_rise(knots, span)
-    compiled = turned(table).compile()
+    compiled = turned(table).compiled()
     assert compiled.u[2] == 0.0
     pieces = compiled.model.signals.coefficients
     assert pieces[0, 2] == pytest.approx(0.0, abs=1e-12 / span)
@@ -173,11 +173,11 @@ def test_a_tabulated_drive_may_start_at_rest(knots: int, span: float) -> None:
 def test_a_tabulated_drive_at_another_speed_is_refused() -> None:
     times = np.linspace(0.0, 1.0, 40)
     with pytest.raises(lf.ModelError, match=r"initial velocity violates it by 0\.3"):
-        turned(lf.Table(times, 0.3 * times + times**3)).compile()
+        turned(lf.Table(times, 0.3 * times + times**3)).compiled()
     scene = lf.Scene(gravity=(0.0, 0.0))
     disc = scene.add(lf.Disc(0.1, mass=2.0), angular_velocity=0.3005)
     scene.join(lf.DrivenAngle(disc.point("center"), scene.ground.at(0.0, 0.0), lf.Table(times, 0.3 * times + times**3)))
-    assert scene.compile().model.signals.coefficients[0, 2] == pytest.approx(0.3005, rel=1e-12)
+    assert scene.compiled().model.signals.coefficients[0, 2] == pytest.approx(0.3005, rel=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["displacement", "distance"])
@@ -196,4 +196,4 @@ def test_other_tabulated_drives_take_the_velocity_of_the_start(kind: str) -> Non
         rate = (0.7 + 0.5 * 2.0) / length
         motion = lf.Table(times, length + rate * times + 0.5 * np.sin(3.0 * times) ** 2)
         scene.join(lf.Distance(slider.point("center"), turning.point("center"), length=motion))
-    assert scene.compile().model.signals.coefficients[0, 2] == pytest.approx(rate, rel=1e-12)
+    assert scene.compiled().model.signals.coefficients[0, 2] == pytest.approx(rate, rel=1e-12)

@@ -22,10 +22,10 @@ def test_laws_are_carried_to_the_compiled_scene_and_its_system():
     floor = scene.ground.half_plane((0, 0), (0, 1))
     scene.contact(a.surface(), floor, law=LAW, name="soft")
     scene.contact(b.surface(), floor, restitution=0.5, name="hard")
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.laws == (LAW, None)
     assert compiled.system().laws == (LAW, None)
-    assert scene.with_bodies({"ball0": lf.Disc(0.1, 2.0)}).compile().laws == (LAW, None)
+    assert scene.with_bodies({"ball0": lf.Disc(0.1, 2.0)}).compiled().laws == (LAW, None)
 
 
 @pytest.mark.parametrize("soft", [0, 1, 2])
@@ -36,7 +36,7 @@ def test_kernels_serve_scenes_with_and_without_laws_alike(soft):
     for k, ball in enumerate(balls):
         scene.contact(ball.surface(), floor, law=LAW if k < soft else None)
     plain, _ = two_balls()
-    ours, theirs = (made.compile().system() for made in (scene, plain))
+    ours, theirs = (made.compiled().system() for made in (scene, plain))
     assert ours.workspace(4)._type == theirs.workspace(4)._type
     assert ours.model._type == theirs.model._type
     assert ours.tape(4, 4)._type == theirs.tape(4, 4)._type
@@ -47,10 +47,10 @@ def test_rules_carry_laws_and_declared_contacts_go_before_them():
     floor = scene.ground.half_plane((0, 0), (0, 1))
     scene.contact(a.surface(), floor, name="hard")
     scene.contact_all(friction=0.1, law=LAW)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert dict(zip(compiled.layout.contacts, compiled.laws, strict=True))["hard"] is None
     assert compiled.laws[1:] == (LAW, LAW)
-    assert scene.with_bodies({"ball0": lf.Disc(0.1, 2.0)}).compile().laws == compiled.laws
+    assert scene.with_bodies({"ball0": lf.Disc(0.1, 2.0)}).compiled().laws == compiled.laws
 
 
 @pytest.mark.parametrize("law", [1e5, Penalty, "hertz"])
@@ -85,4 +85,4 @@ def test_a_law_of_three_parts_is_taken():
     scene, (a, b) = two_balls()
     law = ContactLaw(Linear())
     scene.contact(a.surface(), b.surface(), law=law)
-    assert scene.compile().laws == (law,)
+    assert scene.compiled().laws == (law,)

@@ -55,7 +55,7 @@ def test_an_equal_body_gives_the_same_motion_to_the_last_bit() -> None:
     given = everything(4, modal=True)
     again = given.with_bodies({"arm": strip(4), "rod": strip(3)})
     assert again is not given
-    assert again.compile().layout.contacts == given.compile().layout.contacts
+    assert again.compiled().layout.contacts == given.compiled().layout.contacts
     for new, old in zip(motion(again), motion(given), strict=True):
         np.testing.assert_array_equal(new, old)
 
@@ -63,7 +63,7 @@ def test_an_equal_body_gives_the_same_motion_to_the_last_bit() -> None:
 def test_another_body_gives_the_scene_written_with_it() -> None:
     changed = everything(4).with_bodies({"arm": strip(0), "rod": strip(6)})
     written = everything(0, other=6)
-    assert changed.compile().layout.contacts == written.compile().layout.contacts
+    assert changed.compiled().layout.contacts == written.compiled().layout.contacts
     for new, old in zip(motion(changed), motion(written), strict=True):
         np.testing.assert_array_equal(new, old)
 

@@ -32,7 +32,7 @@ def test_state_names_and_points():
     box = lf.Box(width=0.4, height=0.2, mass=3.0)
     first = scene.add(box, position=(1, 2), angle=0.3, velocity=(4, 5), angular_velocity=6)
     second = scene.add(box, position=(-1, 0))
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.layout.bodies == ("body1", "body2") == (first.name, second.name)
     np.testing.assert_array_equal(compiled.q, [1, 2, 0.3, -1, 0, 0])
     np.testing.assert_array_equal(compiled.u, [4, 5, 6, 0, 0, 0])
@@ -47,8 +47,8 @@ def test_state_names_and_points():
 
 def test_compiling_twice_gives_the_same_arrays_and_leaves_the_scene_alone():
     scene, _, lower = rods()
-    first = scene.compile()
-    again = scene.compile()
+    first = scene.compiled()
+    again = scene.compiled()
     for group, same in zip(first.model, again.model, strict=True):
         for one, other in zip(group, same, strict=True):
             np.testing.assert_array_equal(one, other)
@@ -62,7 +62,7 @@ def test_arrays_have_the_types_of_every_other_model():
     from lcpflex.model import bodiless_model
 
     scene, _, _ = rods()
-    for group, reference in zip(scene.compile().model, bodiless_model(1, 0, [], [], []), strict=True):
+    for group, reference in zip(scene.compiled().model, bodiless_model(1, 0, [], [], []), strict=True):
         for name, array, same in zip(group._fields, group, reference, strict=True):
             assert (array.dtype, array.ndim) == (same.dtype, same.ndim), name
             assert array.flags.c_contiguous, name
@@ -72,16 +72,16 @@ def test_arrays_have_the_types_of_every_other_model():
 def test_violated_start_is_refused_with_name_and_size():
     scene, _, _ = rods(position=(0.003, 0.004))
     with pytest.raises(lf.ModelError, match=r"'hinge'.*upper\.left.*position violates it by 0\.005 m.*project=True"):
-        scene.compile()
+        scene.compiled()
     scene, _, _ = rods(velocity=(0.0, 0.25))
     with pytest.raises(lf.ModelError, match=r"velocity violates it by 0\.25 m/s"):
-        scene.compile()
+        scene.compiled()
 
 
 def test_projected_start_is_the_nearest_in_the_mass_metric():
     given = {"position": (0.02, -0.01), "angle": 0.05, "velocity": (0.3, 0.1), "angular_velocity": 0.7}
     scene, _, _ = rods(second_angle=0.4, **given)
-    compiled = scene.compile(project=True)
+    compiled = scene.compiled(project=True)
     found = violation(compiled.model, compiled.q.copy(), compiled.u.copy(), external(compiled))
     np.testing.assert_allclose(found.position, 0.0, atol=2e-12)
     np.testing.assert_allclose(found.velocity, 0.0, atol=1e-12)
@@ -95,7 +95,7 @@ def test_projected_start_is_the_nearest_in_the_mass_metric():
 
 def test_a_consistent_start_is_projected_onto_itself_to_rounding():
     scene, _, _ = rods(second_angle=0.4)
-    plain, projected = scene.compile(), scene.compile(project=True)
+    plain, projected = scene.compiled(), scene.compiled(project=True)
     np.testing.assert_allclose(projected.q, plain.q, atol=1e-15)
     np.testing.assert_allclose(projected.u, plain.u, atol=1e-15)
 
@@ -103,10 +103,10 @@ def test_a_consistent_start_is_projected_onto_itself_to_rounding():
 def test_contradicting_joints_are_refused_and_redundant_ones_are_not():
     scene, upper, _ = rods()
     scene.join(lf.Revolute(upper.point("left"), scene.ground.at(0, 0)))
-    scene.compile(project=True)
+    scene.compiled(project=True)
     scene.join(lf.Revolute(upper.point("left"), scene.ground.at(0.0, 0.1), name="elsewhere"))
     with pytest.raises(lf.ModelError, match="contradict"):
-        scene.compile(project=True)
+        scene.compiled(project=True)
 
 
 def test_rest_values_are_those_of_the_start():
@@ -126,7 +126,7 @@ def test_rest_values_are_those_of_the_start():
     scene.join(lf.DrivenAngle(b.at(0, 0), a.at(0, 0), lambda t: 0.0))
     scene.load(lf.Spring(a.at(0, 0), b.at(0, 0), stiffness=10.0))
     scene.load(lf.TorsionSpring(b.at(0, 0), a.at(0, 0), stiffness=10.0, angle=0.0))
-    compiled = scene.compile()
+    compiled = scene.compiled()
     np.testing.assert_allclose(compiled.model.joints.value[:, 3][0], 5.0)
     np.testing.assert_allclose(compiled.model.joints.value[1:, 0], [0.2, 0.3])
     assert spring_energy(compiled.model, compiled.q.copy()) == pytest.approx(0.5 * 10.0 * 0.3**2, rel=1e-12)
@@ -136,7 +136,7 @@ def test_same_point_is_registered_once():
     scene, upper, lower = rods()
     for _ in range(3):
         scene.load(lf.Spring(upper.point("right"), lower.point("right"), stiffness=1.0))
-    assert len(scene.compile().model.points.body) == len(rods()[0].compile().model.points.body)
+    assert len(scene.compiled().model.points.body) == len(rods()[0].compile().model.points.body)
 
 
 def test_mass_matrix_of_a_deformed_flexible_body():
@@ -150,7 +150,7 @@ def test_mass_matrix_of_a_deformed_flexible_body():
     u = np.concatenate([[1.0, 2.0, 3.0], random.normal(size=n)])
     scene = lf.Scene()
     placed = scene.add(beam, position=q[:2], angle=q[2], modal=q[3:])
-    M = mass_matrix(scene.compile().model, q)
+    M = mass_matrix(scene.compiled().model, q)
     np.testing.assert_array_equal(M, M.T)
     assert np.linalg.eigvalsh(M).min() > 0.0
     # <v.v> / 2 of the absolute velocity field in body axes, v = A^T Rdot + omega J (x + Phi q) + Phi qdot
@@ -192,7 +192,7 @@ def test_force_callbacks_see_the_state():
         return 3.0 * state.time, -2.0
 
     scene.load(lf.Force(tip, pull))
-    compiled = scene.compile()
+    compiled = scene.compiled()
     from types import SimpleNamespace
 
     from lcpflex.bodies.floating_frame import point_angle, point_position, point_velocity
@@ -216,9 +216,9 @@ def test_force_callbacks_see_the_state():
 def test_a_scene_without_python_functions_stays_compiled():
     scene, _, lower = rods()
     scene.load(lf.Torque(lower.point("right"), lf.Harmonic(1.0, 2.0)))
-    assert not scene.compile().system().hooks
+    assert not scene.compiled().system().hooks
     scene.load(lf.Torque(lower.point("right"), math.sin))
-    assert set(scene.compile().system().hooks) == {supply}
+    assert set(scene.compiled().system().hooks) == {supply}
 
 
 @pytest.mark.parametrize(
@@ -236,7 +236,7 @@ def test_bad_force_functions_are_refused_when_compiled(function, message):
     scene, _, lower = rods()
     scene.load(lf.Force(lower.point("right"), function))
     with pytest.raises(lf.ModelError, match=message):
-        scene.compile()
+        scene.compiled()
 
 
 def test_what_a_function_raises_is_chained():
@@ -246,7 +246,7 @@ def test_what_a_function_raises_is_chained():
     scene, _, lower = rods()
     scene.load(lf.Torque(lower.point("right"), broken, name="motor"))
     with pytest.raises(lf.ModelError, match="motor at lower") as caught:
-        scene.compile()
+        scene.compiled()
     assert isinstance(caught.value.__cause__, KeyError)
 
 
@@ -255,7 +255,7 @@ def test_what_a_function_raises_is_chained():
     [
         (lambda s, a, b: s.add(lf.Box(1, 1, mass=1), "upper"), "name: 'upper' was given twice"),
         (lambda s, a, b: s.add(lf.Box(1, 1, mass=1), "ground"), "name: 'ground'"),
-        (lambda s, a, b: s.add(lf.Beam(1, 0.1, 0.1, 1e3, 1e9)), r"expected a Body; reduce it .*\.reduce\("),
+        (lambda s, a, b: s.add(lf.Beam(1, 0.1, 0.1, 1e3, 1e9)), "modes: none were given for Beam, expected a number"),
         (lambda s, a, b: s.add(lf.Box(1, 1, mass=1), position=(math.nan, 0)), "position"),
         (lambda s, a, b: s.add(lf.Box(1, 1, mass=1), velocity=(0, 0, 0)), "velocity"),
         (lambda s, a, b: s.add(lf.Box(1, 1, mass=1), angle=math.inf), "angle"),
@@ -293,7 +293,7 @@ def test_what_a_function_raises_is_chained():
         (lambda s, a, b: lf.Table([0.0, 1.0, 2.0], [1.0, 2.0]), "2 were given for 3 times"),
         (lambda s, a, b: lf.Harmonic(1.0, math.inf), "omega: inf"),
         (lambda s, a, b: lf.Scene(gravity=9.81), "gravity"),
-        (lambda s, a, b: lf.Scene().compile(), "no body"),
+        (lambda s, a, b: lf.Scene().compiled(), "no body"),
         (lambda s, a, b: lf.Scene().join(lf.Revolute(a.at(0, 0), b.at(0, 0))), "not of another one"),
         (lambda s, a, b: lf.Revolute(a.at(0, 0), lf.Scene().ground.at(0, 0)), "same scene"),
     ],
@@ -308,7 +308,7 @@ def test_a_distance_between_coinciding_points_is_refused():
     scene, upper, lower = rods()
     scene.join(lf.Distance(upper.point("right"), lower.point("left")))
     with pytest.raises(lf.ModelError, match="coincide"):
-        scene.compile()
+        scene.compiled()
 
 
 def test_automatic_names_avoid_taken_ones():

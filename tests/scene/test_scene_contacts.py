@@ -22,7 +22,7 @@ def test_the_scene_of_the_readme():
     scene.join(lf.Revolute(pendulum.point("left"), scene.ground.at(0, 0)))
     stop = scene.ground.circle(center=(-0.0125, -0.69), radius=0.01)
     scene.contact(pendulum.surface(), stop, friction=0.3, restitution=0.0)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.layout.bodies == ("pendulum",)
     assert compiled.layout.contacts == ("contact1",)
     assert compiled.layout.joints == ("joint1",)
@@ -36,7 +36,7 @@ def test_laws_keep_the_order_of_declaration():
     assert scene.contact(a.surface(), floor, friction=0.1, name="first") == "first"
     assert scene.contact(b.surface(), floor, restitution=0.2) == "contact2"
     assert scene.contact(c.surface(), floor, friction=0.3, tangential_restitution=0.4) == "contact3"
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.layout.contacts == ("first", "contact2", "contact3")
     np.testing.assert_array_equal(compiled.model.contacts.friction, [0.1, 0.0, 0.3])
     np.testing.assert_array_equal(compiled.model.contacts.restitution, [0.0, 0.2, 0.0])
@@ -48,7 +48,7 @@ def test_everything_against_everything():
     scene.contact_all(friction=0.5, exclude=[(a, c)])
     floor = scene.ground.half_plane((0, 0), (0, 1))  # later than the rule
     scene.contact(b.surface(), floor, friction=0.9, name="mine")
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert compiled.layout.contacts == (
         "mine",
         "box1.outline/box2.outline",
@@ -65,7 +65,7 @@ def test_jointed_bodies_are_left_out_but_meet_the_ground():
     scene.join(lf.Revolute(a.at(0, 0), scene.ground.at(0, 0.5)))
     scene.ground.half_plane((0, 0), (0, 1))
     scene.contact_all()
-    names = scene.compile().layout.contacts
+    names = scene.compiled().layout.contacts
     assert "box1.outline/box2.outline" not in names
     assert {"box1.outline/box3.outline", "box1.outline/ground.half_plane1"} <= set(names)
 
@@ -75,7 +75,7 @@ def test_everything_leaves_out_what_cannot_touch():
     a.hole((0, 0), 0.1)
     scene.ground.half_plane((0, 0), (0, 1))
     scene.contact_all(exclude=[(a, scene.ground)])
-    assert scene.compile().layout.contacts == (
+    assert scene.compiled().layout.contacts == (
         "box1.outline/box2.outline",
         "box2.outline/box1.hole1",
         "box2.outline/ground.half_plane1",
@@ -86,7 +86,7 @@ def test_a_later_rule_adds_only_what_is_left():
     scene, (a, b, _c) = boxes()
     scene.contact_all(friction=0.1, exclude=[(a.surface(), b.surface())])
     scene.contact_all(friction=0.2)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert dict(zip(compiled.layout.contacts, compiled.model.contacts.friction, strict=True)) == {
         "box1.outline/box3.outline": 0.1,
         "box2.outline/box3.outline": 0.1,
@@ -139,7 +139,7 @@ def test_initial_penetration_is_refused_with_contact_and_depth():
     scene, (a, b) = boxes(2, gap=-0.03)
     scene.contact(a.surface(), b.surface(), name="pair")
     with pytest.raises(lf.ModelError, match=r"'pair': its surfaces penetrate by 0\.03 m"):
-        scene.compile()
+        scene.compiled()
 
 
 @pytest.mark.parametrize("gap", [0.0, -1e-12, 1e-12])
@@ -147,12 +147,12 @@ def test_touching_is_no_penetration(gap):
     scene, (_a, _b) = boxes(2, gap=gap)
     scene.ground.half_plane((0, 0), (0, 1))
     scene.contact_all()
-    assert len(scene.compile().layout.contacts) == 3
+    assert len(scene.compiled().layout.contacts) == 3
 
 
 def test_surfaces_are_drawn():
     scene, (a, _) = boxes(2)
     a.circle((0, 0), 0.2)
-    compiled = scene.compile()
+    compiled = scene.compiled()
     assert [radius for _, radius in compiled.layout.circles] == [0.2]
     assert [body for body, _, _ in compiled.layout.outlines] == [0, 1]

@@ -46,7 +46,7 @@ def test_penalty_springs_beyond_the_limit_of_the_step(loud: Any) -> None:
 def test_stiff_modes_with_explicit_steps(loud: Any) -> None:
     """A bar on a wall by steps of twice 2/omega of its highest mode: explicit ones explode, implicit ones do not."""
     scene = gallery.elastic_bar(elements=30)
-    highest = math.sqrt(scene.compile().model.bodies.stiffness.max())
+    highest = math.sqrt(scene.compiled().model.bodies.stiffness.max())
     step = 2.0 * 2.0 / highest
     said = loud(scene, 1.5, lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(step)))
     assert "energy" in said or "finite" in said
@@ -91,7 +91,7 @@ def test_newmarks_rule_with_contact(example: ModuleType, elements: int) -> None:
 def test_massless_contact_keeps_its_limit() -> None:
     """Every mode but one kept: the limit of the modes alone would be 6e3 times too much energy; ours is divided."""
     scene = gallery.elastic_bar(elements=101)
-    highest = math.sqrt(np.sort(scene.compile().model.bodies.stiffness)[-2])
+    highest = math.sqrt(np.sort(scene.compiled().model.bodies.stiffness)[-2])
     result = lf.simulate(scene, 1.5, lf.MasslessBoundary(step=1.8 / highest, dynamic_modes=100))
     stored = result.energies.stored
     assert np.abs(stored / stored[0] - 1.0).max() < 0.01

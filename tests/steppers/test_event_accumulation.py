@@ -13,6 +13,7 @@ from lcpflex import gallery
 from lcpflex.contact.impact_laws import Energetic, Poisson
 from lcpflex.steppers.event_memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
 from lcpflex.steppers.event_thresholds import Thresholds
+from tests.run_warnings import of_the_run
 
 
 def pressed_ball(restitution: float, gravity: float, height: float) -> lf.Scene:
@@ -39,7 +40,7 @@ def test_bounces_under_a_large_force_end(gravity: float, height: float, restitut
     assert impacts[-1] == pytest.approx(end, abs=1e-5 * end)
     assert result.q[-1, 1] == pytest.approx(0.1, abs=1e-9)
     assert result.energies.relative_remainder < 1e-6
-    assert not result.warnings
+    assert not of_the_run(result)
 
 
 def flexible_links(count: int, restitution: float, friction: float = 0.0, modes: int = 2) -> lf.Scene:
@@ -64,7 +65,7 @@ def test_chain_with_clearances(friction: float) -> None:
     impacts = [event for event in result.events if event.kind == "impact"]
     assert impacts[0].time == pytest.approx(math.sqrt(2 * 2e-4 / 9.81), abs=1e-6)
     assert 6 <= len(impacts) <= 9
-    (said,) = result.warnings
+    (said,) = of_the_run(result)
     assert "does not set the rebound" in said
     assert result.energies.relative_remainder < 1e-6
     stepped = lf.simulate(scene, 8e-3, lf.MoreauJean(step=2e-7), record=1e-4)
@@ -81,12 +82,12 @@ def test_ten_links_go_on_with_a_word_where_they_rattle_too_fast(modes: int, told
     result = lf.simulate(flexible_links(10, 0.2, modes=modes), 0.05, lf.EventDriven(), record=1e-3)
     assert result.complete
     assert result.energies.relative_remainder < 1e-5
-    assert "does not set the rebound" in result.warnings[-1]
+    assert "does not set the rebound" in of_the_run(result)[-1]
     if not told:
-        assert len(result.warnings) == 1
+        assert len(of_the_run(result)) == 1
         return
     fastest = np.abs(result.u[:, 1 :: 3 + modes]).max()
-    said, _ = result.warnings
+    said, _ = of_the_run(result)
     assert "events accumulated faster than 100000 a second (most_events)" in said
     assert "'joint1'" in said
     stopped = float(said.split("approach slower than ")[1].split(" m/s")[0])
@@ -98,8 +99,8 @@ def test_thresholds_return_and_say_what_they_were() -> None:
     scene = gallery.bouncing_ball(height=2e-4, restitution=0.99)
     exact = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.01)
     sooner = lf.simulate(scene, 2.0, lf.EventDriven(most_events=500.0), record=0.01)
-    assert not exact.warnings
-    (said,) = sooner.warnings
+    assert not of_the_run(exact)
+    (said,) = of_the_run(sooner)
     assert "approach slower than 1e-05 m/s was stopped" in said
     assert "once" in said
     rest = [next(e.time for e in result.events if e.kind == "touch-down") for result in (exact, sooner)]
@@ -172,7 +173,7 @@ def test_twenty_dominoes_fall_and_come_to_rest(
     assert (result.q[-1, 2::3] < -0.3).all()
     stepped = lf.simulate(dominoes(20, height, width, gap, friction, restitution), 1.5, lf.MoreauJean(step=1e-5))
     assert np.abs(result.q[-1, 2::3] - stepped.q[-1, 2::3]).max() < 1e-3  # [rad]: of order 1 in its step
-    for said in result.warnings:
+    for said in of_the_run(result):
         assert "events accumulated faster than 100000 a second" in said
         assert "slip slower than" in said or "approach slower than" in said
 

@@ -269,7 +269,7 @@ def test_spinning_beam_in_flight_keeps_its_momenta() -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     scene.add(beam, velocity=(0.4, -0.1), angular_velocity=6.0, modal_velocity=rate)
     result = lf.simulate(scene, 0.2, lf.EventDriven(**SHARP), record=0.01)
-    model = scene.compile().model
+    model = scene.compiled().model
 
     def momenta(q: FloatArray, u: FloatArray) -> FloatArray:
         motions = np.zeros((3, len(q)))

@@ -125,7 +125,7 @@ def test_every_mode_of_a_body_shrinks_as_theory_says() -> None:
     """omega h from 0.08 to 1.5: logarithmic decrement against the spectral radius of the amplification matrix."""
     step, rho = 2e-3, 0.5
     scene = swinging_beam()
-    omega = np.sqrt(scene.compile().model.bodies.stiffness)
+    omega = np.sqrt(scene.compiled().model.bodies.stiffness)
     result = lf.simulate(scene, 300 * step, GeneralizedAlpha(step, rho))
     size = np.sqrt(result.u[:, 3:] ** 2 + (omega * result.q[:, 3:]) ** 2)
     for k, x in enumerate(omega * step):

@@ -154,7 +154,7 @@ def test_stiff_law_leaves_the_compliance_of_the_body() -> None:
 
     def impulse(law: PowerLaw | None) -> np.ndarray:
         scene = gallery.elastic_bar(elements=60, gap=0.1)
-        name = scene.compile().layout.contacts[0]
+        name = scene.compiled().layout.contacts[0]
         stepper = MasslessBoundary(step=2e-4, safety=1.0, compliance={} if law is None else {name: law})
         return lf.simulate(scene, 0.9, stepper, record=0.0).impulse[:, 0, 0]
 

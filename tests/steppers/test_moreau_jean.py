@@ -37,7 +37,7 @@ def momenta(scene: lf.Scene, q: FloatArray, u: FloatArray) -> FloatArray:
     """Linear (2) and angular momentum about the world's origin, from M(q) and two rigid motions of the frame."""
     from lcpflex.dynamics.mass_matrix import mass_matrix
 
-    model = scene.compile().model
+    model = scene.compiled().model
     motions = np.zeros((3, len(q)))
     motions[0, 0] = motions[1, 1] = motions[2, 2] = 1.0
     motions[2, :2] = (-q[1], q[0])

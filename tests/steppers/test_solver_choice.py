@@ -32,7 +32,7 @@ HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0
 def stack_memory(steps: int = 5) -> tuple[Workspace, FixedRun]:
     """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
     case = scenes()["stack"]
-    run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
+    run = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
     assert run.advance(steps) == ""
     return run.scheme.work, run
 
@@ -99,7 +99,7 @@ def test_rescues_at_one_instant_end() -> None:
 def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
     case = scenes()["stack"]
     _, plain = stack_memory(20)
-    run = case.stepper.start(case.build().compile().system(), 1.0, 1.0)
+    run = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
     assert run.advance(3) == ""
     compiled, failures = run.scheme._advance, []
 

@@ -257,12 +257,12 @@ def stretched() -> Scene:
 def test_poor_bodies_start_on_their_joints() -> None:
     scene = stretched()
     with pytest.raises(ModelError, match="initial position violates"):
-        scene.with_bodies({"bar": scene.body("bar").source.ladder()[0].make()}).compile()
+        scene.with_bodies({"bar": scene.body("bar").source.ladder()[0].make()}).compiled()
     found = right_size(scene, "motion", 0.2, duration=1e-3, stepper=lf.GeneralizedAlpha(step=1e-6), progress=False)
     assert not any(run.failure for run in found.runs)
     assert found.within
     assert found.runs[0].estimate > 0.5  # rigid: it does not move
-    found.scene.compile()
+    found.scene.compiled()
 
 
 def test_outputs_of_the_users_own() -> None:

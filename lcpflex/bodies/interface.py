@@ -1,0 +1,91 @@
+"""Interfaces: the places of a body at which something acts on it, and what acts there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.body import array_of
+from lcpflex.errors import ModelError
+
+__all__ = ["Interface", "Interfaces", "interfaces_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """A place of a body at which a joint holds it, a spring or load acts on it, or something touches it.
+
+    A reduction adds residual modes for it, the static response of the free body to what acts there, so that the static
+    compliance there is that of the mesh.
+
+    Parameters
+    ----------
+    place : the name of a point ("left"), a place (x, y) of the body frame [m], x alone on the axis of a beam or bar, or
+        the number of a node of a mesh
+    along : direction (x, y) of the only force that acts there, body frame; None for forces in any direction
+    moment : whether a moment acts there, as of a weld, a prismatic joint, a prescribed angle or a torque
+    forces : whether forces act there; False for a torque alone
+    contact : whether something touches the body there: ``MasslessBoundary`` makes as many residual modes static as such
+        interfaces add, and keeps the others dynamic
+
+    Raises
+    ------
+    ModelError
+        For what is no place, and for a direction that is none.
+
+    Source: MacNeal 1971; Rubin 1975.
+    """
+
+    place: str | float | tuple[float, float]
+    along: tuple[float, float] | None = None
+    moment: bool = True
+    contact: bool = True
+    forces: bool = True
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.place, str):
+            object.__setattr__(self, "place", _place(self.place))
+        if self.along is not None:
+            x, y = array_of("along", self.along, (2,))
+            size = float(np.hypot(x, y))
+            if not size > 0.0:
+                raise ModelError(f"along: {self.along!r} was given, expected a direction (x, y), not both 0")
+            object.__setattr__(self, "along", (float(x) / size, float(y) / size))
+        for name in ("moment", "contact", "forces"):
+            if not isinstance(getattr(self, name), (bool, np.bool_)):
+                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected True or False")
+
+
+Interfaces: TypeAlias = (
+    Interface | str | Sequence[Interface | str | float | tuple[float, float]] | npt.NDArray[np.integer]
+)
+
+
+def interfaces_of(given: Any) -> tuple[Interface, ...]:
+    """The interfaces that were given, places made interfaces. Raises ModelError for anything else."""
+    if isinstance(given, (str, Interface)):
+        given = [given]
+    if not isinstance(given, (Sequence, np.ndarray)):
+        raise ModelError(
+            f"interfaces: {given!r} was given, expected a list of places, such as ['left', (0.5, 0.0)], or Interfaces"
+        )
+    found = []
+    for k, one in enumerate(given):
+        try:
+            found.append(one if isinstance(one, Interface) else Interface(one))
+        except ModelError as error:
+            raise ModelError(f"interfaces[{k}]: {error}") from None
+    return tuple(found)
+
+
+def _place(value: Any) -> float | tuple[float, float]:
+    """x, the number of a node, or (x, y)."""
+    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
+        array_of("place", [float(value)], (1,))
+        return int(value) if isinstance(value, (int, np.integer)) else float(value)
+    x, y = array_of("place", value, (2,))
+    return float(x), float(y)

@@ -1,0 +1,105 @@
+"""The material of a mesh at its nodes and between them: how it is displaced and turned by nodal displacements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from lcpflex.bodies.body import MaterialPoint
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError, in_range
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.finite_elements import FiniteElements
+
+__all__ = ["Nodes", "displacement_rows", "material_at_nodes", "material_weights", "neighbours"]
+
+Nodes: TypeAlias = tuple[IntArray, FloatArray]  # nodes (k,) and weights (k,), of sum 1
+
+NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is estimated
+
+
+def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int], MaterialPoint]:
+    """Node -> material point of shapes (N, 2, n); the rotation of the material is estimated from its neighbours."""
+    places = mesh.places
+    near_to = neighbours(mesh)
+
+    def material(node: int) -> MaterialPoint:
+        near = near_to(node)
+        if not len(near):
+            return MaterialPoint(places[node], nodal[node].T.copy(), np.zeros(nodal.shape[2]))
+        moves = nodal[near] - nodal[node]
+        return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(places[near] - places[node], moves))
+
+    return material
+
+
+def neighbours(mesh: FiniteElements) -> Callable[[int], IntArray]:
+    """Node -> the linked nodes nearest to it; none on an axis of symmetry, which it cannot leave and does not turn."""
+    from scipy.sparse import csc_matrix
+
+    stiffness, places = mesh.stiffness, mesh.places
+    node = mesh.dofs // 2
+    count = len(places)
+    owner = csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
+    pattern = csc_matrix((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+    links = (owner.T @ pattern @ owner).tocsc()
+    links.sort_indices()
+    on_axis = np.ones(count, dtype=np.bool_)
+    on_axis[mesh.dofs[mesh.dofs % 2 == 1] // 2] = False
+
+    def near_to(node: int) -> IntArray:
+        linked = links.indices[links.indptr[node] : links.indptr[node + 1]]
+        linked = linked[linked != node]
+        arms = places[linked] - places[node]
+        near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
+        return np.asarray(linked[near][:0] if on_axis[node] else linked[near])
+
+    return near_to
+
+
+def displacement_rows(mesh: FiniteElements, at: Nodes, near_to: Callable[[int], IntArray]) -> FloatArray:
+    """(f, 3) displacement (x, y) and rotation of the material at weighted nodes, linear in all displacements.
+
+    They are the nodal loads of unit forces and a unit moment there, too. near_to: what :func:`neighbours` gives.
+    """
+    rows = np.zeros((len(mesh.places), 2, 3))
+    for node, weight in zip(*at, strict=True):
+        rows[node, 0, 0] += weight
+        rows[node, 1, 1] += weight
+        near = near_to(int(node))
+        if len(near):
+            units = np.eye(2 * len(near)).reshape(len(near), 2, 2 * len(near))
+            turning = weight * _rotation(mesh.places[near] - mesh.places[node], units).reshape(len(near), 2)
+            np.add.at(rows[:, :, 2], near, turning)
+            rows[node, :, 2] -= turning.sum(axis=0)
+    return np.asarray(rows.reshape(-1, 3)[mesh.dofs])
+
+
+def material_weights(mesh: FiniteElements, x: float, y: float) -> tuple[IntArray, FloatArray]:
+    """Nodes (k,) and weights (k,) of the material at (x, y): one at a node, or several where the elements are known."""
+    at = (in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf))
+    distance = np.hypot(mesh.places[:, 0] - at[0], mesh.places[:, 1] - at[1])
+    nearest = int(distance.argmin())
+    if distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
+        return np.array([nearest]), np.ones(1)
+    if mesh.locate is not None:
+        return mesh.locate(*at)
+    near = tuple(float(value) for value in mesh.places[nearest])
+    raise ModelError(f"x, y: {at} was given, expected the place of a node; node {nearest} at {near} is nearest")
+
+
+def _rotation(arms: FloatArray, moves: FloatArray) -> FloatArray:
+    """(n,) rotation of the linear field that fits the relative displacements (k, 2, n) at the arms (k, 2)."""
+    modes = moves.shape[2]
+    if not len(arms) or not modes:
+        return np.zeros(modes)
+    spread = np.linalg.svd(arms, compute_uv=False)
+    if len(spread) < 2 or spread[1] <= 1e-6 * spread[0]:  # all on one line: the rotation of that line
+        turning = arms[:, 0, None] * moves[:, 1] - arms[:, 1, None] * moves[:, 0]
+        return np.asarray(turning.sum(axis=0) / np.sum(arms**2))
+    gradient = np.linalg.lstsq(arms, moves.reshape(len(arms), 2 * modes), rcond=None)[0].reshape(2, 2, modes)
+    return np.asarray(0.5 * (gradient[0, 1] - gradient[1, 0]))

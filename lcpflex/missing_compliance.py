@@ -1,0 +1,138 @@
+"""Where the modes of a body give way less than its mesh does: at joints, loads and contacts, when a scene is compiled.
+
+With C the static compliance (3, 3) of the whole mesh at a place, in unit forces and a unit moment, and C_k = Phi^T
+Omega^-2 Phi that of the modes kept, the deficit in the rows D that act there is
+
+    the largest eigenvalue of D^T (C - C_k) D, by that of D^T C D
+
+one for a force whose direction is known, two for one in any direction, a third for the moment that it makes on the
+radius of a disc; and apart from these one for a moment of its own: a beam that is held by its angle converges like
+1/modes, in frequencies and deflections alike. Rigid bodies are rigid by
+intention. Nothing is known of bodies that tell no compliance of their mesh, such as those that a user wrote.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lcpflex.bodies.interface import Interface
+from lcpflex.errors import ModelError
+from lcpflex.surface_interfaces import Acting, acting_on
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.body import Body
+    from lcpflex.compiled import FloatArray
+    from lcpflex.placed import Placed
+    from lcpflex.scene import DeclaredContact, Parts
+
+__all__ = ["MISSING", "missing_compliance"]
+
+MISSING = 0.01  # of the compliance of the mesh
+NODES = 9  # of a contact surface that are looked at
+
+
+class Deficit(NamedTuple):
+    """What is missing of the compliance in some rows."""
+
+    share: float
+    acting: Acting
+    rows: FloatArray
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Where [m]."""
+        assert isinstance(self.acting.interface.place, tuple)
+        return self.acting.interface.place
+
+
+def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) -> tuple[str, ...]:
+    """A warning for each body that misses more than a hundredth of the compliance of its mesh somewhere."""
+    found = []
+    for one in parts.placed:
+        body = one.source
+        if body is None or body.statics is None or not body.modes:
+            continue
+        deficits = [deficit for acting in _acting(one, body, parts, contacts) for deficit in _deficits(body, acting)]
+        short = [deficit for deficit in deficits if deficit.share > MISSING]
+        if short:
+            found.append(_said(one.name, body, short))
+    return tuple(found)
+
+
+def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, DeclaredContact]) -> list[Acting]:
+    """What acts on a body, at places where it has material."""
+
+    def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
+        return (x, y), False
+
+    found, _ = acting_on(one.body, parts.joints, parts.loads, contacts, NODES, snap, False, parts.angle)
+    return [acting for acting in found if _has(body, acting.interface)]
+
+
+def _has(body: Body, interface: Interface) -> bool:
+    """Whether a place is on the body: a track beside it or a centre in a hole is carried by it, and not of it."""
+    assert isinstance(interface.place, tuple)
+    try:
+        body.locate(*interface.place)
+    except ModelError:
+        return False
+    return True
+
+
+def _deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
+    """Those of something that acts; kept with what the mesh is known by, as a scene is compiled for every run."""
+    assert body.statics is not None
+    modes, known = body.statics.known.get(acting, (None, ()))
+    if modes is not body.stiffness:
+        known = tuple(_compared(body, acting))
+        body.statics.known[acting] = (body.stiffness, known)
+    return tuple(known)
+
+
+def _compared(body: Body, acting: Acting) -> Iterator[Deficit]:
+    place = acting.interface.place
+    assert isinstance(place, tuple)
+    assert body.statics is not None
+    point = body.locate(*place)
+    whole = body.statics.compliance(*place)
+    shapes = np.column_stack([point.phi, point.psi])
+    missing = whole - shapes.T @ (shapes / body.stiffness[:, None])
+    for rows in _rows(acting):
+        largest = float(np.linalg.eigvalsh(rows.T @ whole @ rows)[-1])
+        if largest > 0.0:
+            yield Deficit(float(np.linalg.eigvalsh(rows.T @ missing @ rows)[-1]) / largest, acting, rows)
+
+
+def _rows(acting: Acting) -> Iterator[FloatArray]:
+    """(3, k) of the forces that act, with the moment that they make on their arm, and of a moment of its own."""
+    interface, own = acting.interface, math.isinf(acting.arm)
+    if interface.forces:
+        along = interface.along
+        forces = np.eye(3)[:, :2] if along is None else np.array([[along[0]], [along[1]], [0.0]])
+        arm = np.array([[0.0], [0.0], [acting.arm]])
+        yield np.hstack([forces, arm]) if interface.moment and not own else forces
+    if interface.moment and own:
+        yield np.eye(3)[:, 2:]
+
+
+def _said(name: str, body: Body, short: Sequence[Deficit]) -> str:
+    assert body.statics is not None
+    worst = max(short, key=lambda deficit: deficit.share)
+    free = body.modes - body.residual_modes
+    more = sum(deficit.rows.shape[1] for deficit in short)
+    enough = max(body.statics.enough(*deficit.place, deficit.rows, MISSING) for deficit in short)
+    x, y = worst.place
+    what = "moment" if worst.rows.shape[1] == 1 and worst.rows[2].any() else "force"
+    kept = f"{free} free and {body.residual_modes} residual modes" if body.residual_modes else f"{free} modes"
+    remedy = f"scene.add(unreduced, modes={free}), or interfaces= of its reduce(),"
+    if body.residual_modes and worst.acting.interface.contact:
+        remedy = "contact_nodes= of scene.add, or a smaller surface,"
+    return (
+        f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to the {what} of "
+        f"{worst.acting.name} at ({x:.4g}, {y:.4g}): {remedy} adds what is missing, at most {more} residual "
+        f"mode{'' if more == 1 else 's'}" + (f"; so would {enough} free modes" if enough else "")
+    )

@@ -1,0 +1,40 @@
+"""A scene with the bodies reduced that are reduced when it is compiled, each for what acts on it there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lcpflex.contact_rules import by_rules
+from lcpflex.exchange import remade
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.body import Body
+    from lcpflex.compiled import FloatArray
+    from lcpflex.reduction_order import ReductionOrder
+    from lcpflex.scene import Scene
+
+__all__ = ["reduced_scene"]
+
+
+def reduced_scene(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+    """The scene with reduced bodies in the place of unreduced ones, and which nodes of surfaces were taken, in words.
+
+    It is the scene itself where none is unreduced.
+    """
+    parts = scene.parts()
+    if not any(placed.order for placed in parts.placed):
+        return scene, ()
+    rules = by_rules(parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()))
+    contacts = {**parts.contacts, **rules}
+    bodies: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
+    said: list[str] = []
+    for placed in parts.placed:
+        assert placed.source is not None
+        if placed.order is None:
+            bodies.append((placed.source, *placed.start))
+            continue
+        interfaces, taken = placed.order.interfaces(placed.body, parts.joints, parts.loads, contacts, parts.angle)
+        body = placed.order.body(interfaces)
+        bodies.append((body, *placed.order.start(placed.start, body)))
+        said += taken
+    return remade(scene, bodies), tuple(said)

@@ -1,0 +1,134 @@
+"""A body that is reduced when its scene is compiled: what was asked for, and the reduction for what acts on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.bodies.beam import Bar, Beam
+from lcpflex.bodies.body import Body, array_of, whole_number
+from lcpflex.bodies.interface import Interface
+from lcpflex.bodies.reduction import Damping, check_damping
+from lcpflex.bodies.reductions import undeformed
+from lcpflex.bodies.stiffening import Stiffening, check_stiffening
+from lcpflex.errors import ModelError, in_range
+from lcpflex.surface_interfaces import acting_on
+
+if TYPE_CHECKING:
+    from lcpflex.compiled import FloatArray
+    from lcpflex.joints import Joint
+    from lcpflex.loads import Load
+    from lcpflex.scene import DeclaredContact
+
+__all__ = ["CONTACT_NODES", "ReductionOrder", "order_of"]
+
+CONTACT_NODES = 3  # of a surface that get residual modes: its ends and its middle
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReductionOrder:
+    """What ``scene.add(model, modes=...)`` asked for."""
+
+    model: Any  # Beam, Bar, or a mesh
+    modes: int
+    options: Mapping[str, Any]  # of ``model.reduce`` besides
+    contact_nodes: int
+    modal: FloatArray  # (modes,) initial coordinates of the free modes
+    modal_velocity: FloatArray
+    _made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)
+
+    @property
+    def is_line(self) -> bool:
+        """Whether it is a beam or bar, whose sections do not deform."""
+        return isinstance(self.model, Beam | Bar)
+
+    def body(self, interfaces: tuple[Interface, ...]) -> Body:
+        """The body with residual modes for the interfaces; made once."""
+        if interfaces not in self._made:
+            self._made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
+        return self._made[interfaces]
+
+    def interfaces(
+        self,
+        body: int,
+        joints: Mapping[str, Joint],
+        loads: tuple[Load, ...],
+        contacts: Mapping[str, DeclaredContact],
+        angle: Callable[[int], float],
+    ) -> tuple[tuple[Interface, ...], tuple[str, ...]]:
+        """The interfaces of the body, each once, and which nodes of surfaces were taken, in words.
+
+        ``angle`` of bodies at the start [rad].
+        """
+        acting, said = acting_on(body, joints, loads, contacts, self.contact_nodes, self._snap, self.is_line, angle)
+        return tuple(dict.fromkeys(one.interface for one in acting)), said
+
+    def start(self, placed: tuple[FloatArray, FloatArray], body: Body) -> tuple[FloatArray, FloatArray]:
+        """Initial configuration and velocity (3 + n,) of the reduced body: its residual modes begin at rest."""
+        still = np.zeros(body.modes - self.modes)
+        q, u = placed
+        return np.concatenate([q[:3], self.modal, still]), np.concatenate([u[:3], self.modal_velocity, still])
+
+    def _snap(self, x: float, y: float) -> tuple[tuple[float, float], bool]:
+        """The material nearest to a place, and whether the place is off it."""
+        if self.is_line:
+            model = self.model
+            high = model.thickness if isinstance(model, Beam) else model.height or math.sqrt(model.area)
+            near = (min(max(x, 0.0), model.length), min(max(y, -0.5 * high), 0.5 * high))
+            return near, math.dist(near, (x, y)) > 1e-9 * model.length
+        mesh = self.model.finite_elements()
+        distance = np.hypot(mesh.places[:, 0] - x, mesh.places[:, 1] - y)
+        nearest = int(distance.argmin())
+        at_node = distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max())
+        if not at_node and mesh.locate is not None:
+            try:
+                mesh.locate(x, y)
+            except ModelError:
+                pass
+            else:
+                return (x, y), False
+        found_x, found_y = mesh.places[nearest]
+        return (float(found_x), float(found_y)), not at_node
+
+
+def order_of(
+    model: Any,
+    modes: int | None,
+    damping: Damping | None,
+    stiffening: Stiffening | None,
+    residual_damping: float | None,
+    contact_nodes: int,
+    modal: npt.ArrayLike | None,
+    modal_velocity: npt.ArrayLike | None,
+) -> tuple[ReductionOrder, Body]:
+    """The order of a scene, and the body without deformation that answers for points and surfaces until then.
+
+    Raises
+    ------
+    ModelError
+        For a model that cannot be reduced, and numbers that cannot be.
+    """
+    if modes is None:
+        raise ModelError(f"modes: none were given for {type(model).__name__}, expected a number of free modes, modes=8")
+    n = whole_number("modes", modes, 0)
+    check_stiffening(stiffening)
+    if damping is not None:
+        check_damping(damping, n)
+    if residual_damping is not None:
+        in_range("residual_damping", residual_damping, 0.0, math.inf)
+    given = {"damping": damping, "stiffening": stiffening, "residual_damping": residual_damping}
+    zeros = np.zeros(n)
+    order = ReductionOrder(
+        model=model,
+        modes=n,
+        options={name: value for name, value in given.items() if value is not None},
+        contact_nodes=whole_number("contact_nodes", contact_nodes, 0),
+        modal=zeros if modal is None else array_of("modal", modal, (n,)),
+        modal_velocity=zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,)),
+    )
+    return order, model.reduce(0) if order.is_line else undeformed(model)

@@ -1,0 +1,179 @@
+"""What a scene asks of one of its bodies: the interfaces at which joints, loads and contacts act on it.
+
+A surface of many nodes contributes some of them, evenly spread: with all of them a body would have as many coordinates
+as its mesh has on its boundary. Between them, the free modes are what gives way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from numbers import Real
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lcpflex.bodies.interface import Interface
+from lcpflex.contact.shapes import Kind
+from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, Joint, PointOnLine, Prismatic, Revolute
+from lcpflex.loads import Force, Load, Torque, TorsionSpring
+
+if TYPE_CHECKING:
+    from lcpflex.bodies.body import MaterialPoint
+    from lcpflex.bodies.placed_point import PlacedPoint
+    from lcpflex.compiled import FloatArray
+    from lcpflex.contact.shapes import Surface
+    from lcpflex.scene import DeclaredContact
+
+__all__ = ["Acting", "acting_on", "chosen_nodes_of", "normals_of"]
+
+CORNER = 0.9  # cosine of the turn from where on a node of a chain is a corner, which is touched in any direction
+
+
+class Acting(NamedTuple):
+    """Something that acts on a body at an interface."""
+
+    interface: Interface
+    name: str  # of the joint, load or contact, for texts
+    arm: float = math.inf  # of the forces that make a moment there [m]; infinite: it is one of its own
+
+
+Snap = Callable[[float, float], tuple[tuple[float, float], bool]]  # nearest material, and whether the place is off it
+
+
+def acting_on(
+    body: int,
+    joints: Mapping[str, Joint],
+    loads: tuple[Load, ...],
+    contacts: Mapping[str, DeclaredContact],
+    contact_nodes: int,
+    snap: Snap,
+    on_axis: bool,
+    angle: Callable[[int], float],
+) -> tuple[tuple[Acting, ...], tuple[str, ...]]:
+    """What acts on a body, and what was taken of surfaces with more nodes, in words.
+
+    ``on_axis``: it is a line, whose sections do not deform; ``angle`` of each body at the start [rad].
+    """
+    found = [*_of_joints(body, joints, angle), *_of_loads(body, loads)]
+    said = []
+    for name, contact in contacts.items():
+        for surface in contact.pair:
+            if surface.body == body:
+                of_surface, chosen = _of_surface(surface.shape, contact.friction > 0.0, contact_nodes, snap, on_axis)
+                arm = math.inf if surface.shape.kind is Kind.HALF_PLANE else surface.shape.radius
+                found += [Acting(interface, f"contact {name!r}", arm) for interface in of_surface]
+                if 0 < chosen < len(surface.shape.points):
+                    said.append(
+                        f"{chosen} of {len(surface.shape.points)} nodes of {surface.label!r} (contact {name!r})"
+                    )
+    return tuple(found), tuple(dict.fromkeys(said))
+
+
+def _of_joints(body: int, joints: Mapping[str, Joint], angle: Callable[[int], float]) -> Iterator[Acting]:
+    for name, joint in joints.items():
+        for point in (joint.P, joint.Q):
+            if point.body == body:
+                along, turns = _of_joint(joint, point is joint.Q, angle)
+                yield Acting(_at(point, turns, not isinstance(joint, DrivenAngle), along), f"joint {name!r}")
+
+
+def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tuple[tuple[float, float] | None, bool]:
+    """Direction of the force of a joint on one of its bodies, None for any; and whether it has a moment there.
+
+    ``guides``: it is the body of Q, which carries the line that the joint keeps, and what is pushed on it has a lever.
+    """
+    if isinstance(joint, Revolute | Distance):
+        return None, False
+    slides = isinstance(joint, Prismatic | PointOnLine | DrivenDisplacement)
+    if not slides or not (guides or isinstance(joint, Prismatic)):
+        return None, not slides
+    x, y = joint.form().axis
+    if not isinstance(joint, DrivenDisplacement):
+        x, y = -y, x
+    turn = 0.0 if guides else angle(joint.Q.body) - angle(joint.P.body)  # which a prismatic joint keeps
+    cos, sin = math.cos(turn), math.sin(turn)
+    return (cos * x - sin * y, sin * x + cos * y), True
+
+
+def _of_loads(body: int, loads: tuple[Load, ...]) -> Iterator[Acting]:
+    for load in loads:
+        for point in (load.P, getattr(load, "Q", None)):
+            if point is not None and point.body == body:
+                turns = isinstance(load, TorsionSpring | Torque)
+                along = _direction(load) if isinstance(load, Force) else None
+                name = f"{type(load).__name__.lower()} at {point.label}"
+                yield Acting(_at(point, moment=turns, forces=not turns, along=along), name)
+
+
+def _at(point: PlacedPoint, moment: bool, forces: bool, along: tuple[float, float] | None = None) -> Interface:
+    x, y = (float(value) for value in point.material.place)
+    return Interface((x, y), along, moment, contact=False, forces=forces)
+
+
+def _direction(load: Force) -> tuple[float, float] | None:
+    """Of a force that always has the same one in the body."""
+    if not load.follower or callable(load.value):
+        return None
+    x, y = (isinstance(part, Real) and part == 0.0 for part in load.value)
+    return None if x == y else (0.0, 1.0) if x else (1.0, 0.0)
+
+
+def _of_surface(surface: Surface, rubs: bool, count: int, snap: Snap, on_axis: bool) -> tuple[list[Interface], int]:
+    """The interfaces of a contact surface, and how many of its nodes they are; ``rubs``: it has friction.
+
+    At a node, a disc or an arc forces have any direction. On a chain they are normal, which is where it gives way; the
+    nodes of it are few, and forces along them would ask for as many more modes of much higher frequency.
+    """
+    if surface.kind is not Kind.CHAIN:  # forces on a radius or a half-plane reach the material with a lever
+        lever = surface.kind is Kind.HALF_PLANE or (rubs and surface.kind is not Kind.NODE)
+        return [_on_material(surface.points[0], snap, None, lever)], 1
+    chosen = chosen_nodes_of(surface, count, on_axis)
+    normals = normals_of(surface)
+    if on_axis and np.ptp([point.place[0] for point in surface.points]) > 0.0:
+        normals[:] = (0.0, 1.0)  # ends of faces are no corners of a line: it is its axis that gives way
+    found = []
+    for k in chosen:
+        along = (float(normals[k][0]), float(normals[k][1])) if normals[k].any() else None
+        found.append(_on_material(surface.points[k], snap, along, False))
+    return found, len(chosen)
+
+
+def _on_material(point: MaterialPoint, snap: Snap, along: tuple[float, float] | None, lever: bool) -> Interface:
+    """The interface of a point, or of the material that carries one beside the body."""
+    place, off = snap(*(float(value) for value in point.place))
+    return Interface(place, None if off else along, moment=lever or off)
+
+
+def chosen_nodes_of(surface: Surface, count: int, on_axis: bool) -> list[int]:
+    """``count`` nodes of a chain at most, evenly spread along it: along the axis of a line, where faces share it."""
+    if count == 0:
+        return []
+    places = np.array([point.place for point in surface.points])
+    if on_axis and np.ptp(places[:, 0]) > 0.0:
+        along = places[:, 0]
+    else:
+        step = np.hypot(*np.diff(places, axis=0).T)
+        along = np.concatenate([[0.0], np.cumsum(step)])
+    end = float(along.max())
+    if surface.closed and not on_axis:
+        end += float(np.hypot(*(places[0] - places[-1])))
+        wanted = along.min() + (end - along.min()) * np.arange(count) / count
+    else:
+        wanted = np.linspace(along.min(), end, count) if count > 1 else np.array([0.5 * (along.min() + end)])
+    return sorted({int(np.abs(along - place).argmin()) for place in wanted})
+
+
+def normals_of(surface: Surface) -> FloatArray:
+    """(k, 2) outward unit normal at each node of a chain; 0 at corners, which are touched in any direction."""
+    places = np.array([point.place for point in surface.points])
+    after = np.roll(places, -1, axis=0) - places
+    before = np.roll(after, 1, axis=0)
+    if not surface.closed:
+        after[-1], before[0] = before[-1], after[0]
+    units = [step / np.hypot(*step.T)[:, None] for step in (before, after)]
+    turn = np.sum(units[0] * units[1], axis=1)
+    mean = units[0] + units[1]
+    normal = np.column_stack([mean[:, 1], -mean[:, 0]]) / np.maximum(np.hypot(*mean.T), 1e-12)[:, None]
+    normal[turn < CORNER] = 0.0
+    return np.asarray(normal)

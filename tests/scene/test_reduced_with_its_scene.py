@@ -1,0 +1,358 @@
+"""Bodies that are reduced when their scene is compiled: for what holds, loads and touches them there."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.interface import Interface
+from lcpflex.studies import small_vibrations
+
+E, RHO = 7e10, 2700.0
+BEAM = lf.Beam(1.0, 0.02, 0.005, RHO, E)
+SOFT = E * 0.02 * 0.005**3 / 12.0  # E I
+PLATE = lf.Continuum(
+    lf.meshes.quadratic(lf.meshes.bar(0.3, 0.02, 15)),
+    density=RHO,
+    youngs_modulus=E,
+    poissons_ratio=0.33,
+    thickness=0.02,
+)
+
+
+def matrices() -> lf.Matrices:
+    parts = PLATE.finite_elements()
+    ring = [int(node) for node in parts.chains["outline"][0]]
+    return lf.Matrices(parts.mass, parts.stiffness, parts.places, node_sets={"outline": [*ring, ring[0]]})
+
+
+MODELS: dict[str, tuple[Any, float, float]] = {  # what is reduced, its length, and the height of its middle
+    "beam": (BEAM, 1.0, 0.0),
+    "bar": (lf.Bar(1.0, 1e-4, RHO, E, elements=50), 1.0, 0.0),
+    "plate": (PLATE, 0.3, 0.01),
+    "matrices": (matrices(), 0.3, 0.01),
+}
+
+
+def welded(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.join(lf.Weld(body.at(0.0, y), scene.ground.at(0.0, y)))
+    scene.load(lf.Force(body.at(length, y), (0.0, -1.0)))
+
+
+def pinned(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.join(lf.Revolute(body.at(0.0, y), scene.ground.at(0.0, y)))
+    scene.load(lf.Force(body.at(length, y), (0.0, -1.0), follower=True))
+
+
+def held_by_springs(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.load(lf.Spring(body.at(length, y), scene.ground.at(length, 1.0), stiffness=100.0))
+    scene.load(lf.TorsionSpring(body.at(0.0, y), scene.ground.at(0.0, 0.0), stiffness=10.0))
+
+
+def driven(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.join(lf.Revolute(body.at(0.0, y), scene.ground.at(0.0, y)))
+    scene.join(lf.DrivenAngle(body.at(0.0, y), scene.ground.at(0.0, y), 0.0))
+
+
+def struck_at_the_tip(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.contact(body.node(length, y), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)), friction=0.3)
+
+
+def struck_in_the_middle(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    disc = scene.add(lf.Disc(radius=0.05, mass=1.0), position=(0.5 * length, 0.5))
+    scene.contact(body.node(0.5 * length, y), disc.surface())
+
+
+def struck_on_its_face(scene: lf.Scene, body: Any, length: float, y: float) -> None:
+    scene.contact(body.surface(), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)), friction=0.3)
+
+
+HELD = (welded, pinned, held_by_springs, driven, struck_at_the_tip, struck_in_the_middle, struck_on_its_face)
+
+
+def flexible(scene: lf.Scene) -> tuple[Body, tuple[Interface, ...]]:
+    """The first body as it was reduced, and its interfaces."""
+    parts = scene.parts()
+    order = parts.placed[0].order
+    assert order is not None
+    interfaces, _ = order.interfaces(0, parts.joints, parts.loads, parts.contacts, parts.angle)
+    body = scene.reduced().parts().placed[0].source
+    assert body is not None
+    return body, interfaces
+
+
+def compliance(body: Body, interface: Interface) -> np.ndarray:
+    """Of the forces and the moment that act at an interface, balanced by inertia."""
+    assert isinstance(interface.place, tuple)
+    point = body.locate(*interface.place)
+    rows = [point.phi] if interface.along is None else [point.phi @ np.array(interface.along)[:, None]]
+    rows = [*(rows if interface.forces else []), *([point.psi[:, None]] if interface.moment else [])]
+    loads = np.hstack(rows)
+    return np.asarray(loads.T @ (loads / body.stiffness[:, None]))
+
+
+@pytest.mark.parametrize("acts", HELD, ids=lambda acts: acts.__name__)
+@pytest.mark.parametrize("kind", MODELS)
+def test_compliance_at_every_interface_is_that_of_the_mesh(kind: str, acts: Callable[..., None]) -> None:
+    model, length, y = MODELS[kind]
+    scene = lf.Scene()
+    acts(scene, scene.add(model, name="b", modes=6), length, y)
+    body, interfaces = flexible(scene)
+    whole = model.reduce(None)
+    assert interfaces
+    assert body.modes - body.residual_modes == 6
+    for interface in interfaces:
+        exact = compliance(whole, interface)
+        assert np.abs(compliance(body, interface) - exact).max() <= 1e-9 * np.abs(exact).max()
+    assert 0 <= body.contact_modes <= body.residual_modes <= 9
+    if "struck" not in acts.__name__:
+        assert body.contact_modes == 0
+        assert not scene.compiled().warnings
+
+
+def test_a_welded_beam_has_its_frequency_and_its_deflection() -> None:
+    """Eight free modes: 9.8 % and 17 % off without residual ones."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    beam = scene.add(BEAM, modes=8)
+    scene.join(lf.Weld(beam.point("left"), scene.ground.at(0.0, 0.0)))
+    scene.load(lf.Force(beam.point("right"), (0.0, -0.01)))
+    found = small_vibrations(scene)
+    exact = 3.5160153 * math.sqrt(SOFT / (RHO * 1e-4))
+    assert found.frequencies[0] == pytest.approx(exact, rel=0.01)
+    compiled = scene.compile()
+    tip = compiled.layout.points["body1", "right"]
+    points = compiled.model.points
+    shapes = points.phi[points.start[tip] : points.start[tip + 1]]
+    x, y = points.place[tip] + found.q[3:] @ shapes
+    sag = found.q[1] + math.sin(found.q[2]) * x + math.cos(found.q[2]) * y
+    assert sag == pytest.approx(-0.01 / (3.0 * SOFT), rel=1e-3)
+
+
+def test_a_beam_that_is_welded_by_hand_warns_with_the_count_that_would_do() -> None:
+    def scene(body: Body) -> lf.Scene:
+        made = lf.Scene()
+        placed = made.add(body, name="arm")
+        made.join(lf.Weld(placed.point("left"), made.ground.at(0.0, 0.0), name="root"))
+        return made
+
+    with pytest.warns(lf.ModelWarning, match=r"'arm': its 8 modes .* moment of joint 'root' at \(0, 0\)") as caught:
+        scene(BEAM.reduce(8)).compile()
+    (text,) = {str(one.message) for one in caught}
+    enough = int(text.split("so would ")[1].split()[0])
+    assert not scene(BEAM.reduce(enough)).compiled().warnings
+    assert scene(BEAM.reduce(enough - 3)).compiled().warnings
+    assert not scene(BEAM.reduce(8, interfaces=["left"])).compiled().warnings
+    assert not scene(BEAM.reduce(0)).compiled().warnings  # rigid by intention
+    result = lf.simulate(scene(BEAM.reduce(8)), 1e-3, lf.MoreauJean(1e-4), progress=False)
+    assert text in result.warnings
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+def test_the_warning_knows_no_units(size: float) -> None:
+    beam = lf.Beam(size, 0.02 * size, 0.005 * size, RHO, E)
+    scene = lf.Scene()
+    scene.join(lf.Weld(scene.add(beam.reduce(8)).point("left"), scene.ground.at(0.0, 0.0)))
+    (said,) = scene.compiled().warnings
+    assert "12.1 % less" in said
+
+
+def test_nodes_of_large_surfaces_are_few_and_said() -> None:
+    scene = lf.Scene()
+    beam = scene.add(BEAM, name="strip", modes=4, contact_nodes=5)
+    scene.contact(beam.surface("bottom"), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)), name="floor")
+    compiled = scene.compiled()
+    assert compiled.notes == ("residual modes for 5 of 41 nodes of 'strip.bottom' (contact 'floor')",)
+    body, interfaces = flexible(scene)
+    assert [interface.place[0] for interface in interfaces] == [0.0, 0.25, 0.5, 0.75, 1.0]  # type: ignore[index]
+    assert body.contact_modes == body.residual_modes
+    none = lf.Scene()
+    bare = none.add(BEAM, modes=4, contact_nodes=0)
+    none.contact(bare.surface("bottom"), none.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
+    assert flexible(none)[0].residual_modes == 0
+
+
+def test_the_handle_answers_until_then_and_the_result_afterwards() -> None:
+    scene = lf.Scene()
+    beam = scene.add(BEAM, name="arm", modes=4, position=(1.0, 2.0))
+    assert beam.point("right").label == "arm.right"
+    assert beam.surface("top").label == "arm.top"
+    np.testing.assert_allclose(beam.at(0.3, 0.001).material.place, [0.3, 0.001])
+    scene.join(lf.Weld(beam.point("left"), scene.ground.at(1.0, 2.0)))
+    result = lf.simulate(scene, 0.01, lf.GeneralizedAlpha(1e-4), progress=False)
+    coordinates = result.modes_of("arm")
+    assert coordinates.residual.tolist() == [False] * 4 + [True] * 3
+    assert coordinates.columns.tolist() == list(range(3, 10))
+    omega = np.sqrt(scene.compiled().model.bodies.stiffness) / (2.0 * math.pi)
+    assert coordinates.rise == pytest.approx(omega.max() / omega[:4].max())
+    assert str(coordinates) in result.summary()
+    assert "4 free and 3 residual modes" in str(coordinates)
+    assert result.point("arm", "right")[-1, 1] < 2.0
+
+
+def test_python_forces_see_the_reduced_body() -> None:
+    """A point of the scene as it was declared means the material of the body that came of it."""
+
+    def scene(new: bool) -> tuple[lf.Scene, list[float]]:
+        made = lf.Scene()
+        interfaces = [Interface((0.0, 0.0), contact=False), Interface((1.0, 0.0), moment=False, contact=False)]
+        beam = made.add(BEAM, modes=4) if new else made.add(BEAM.reduce(4, interfaces=interfaces))
+        made.join(lf.Weld(beam.point("left"), made.ground.at(0.0, 0.0)))
+        tip, seen = beam.point("right"), []
+
+        def spring(t: float, state: Any) -> tuple[float, float]:
+            seen.append(float(state.position(tip)[1]))
+            return 0.0, -100.0 * state.position(tip)[1] - state.velocity(tip)[1] - 0.1 * state.angle(tip)
+
+        made.load(lf.Force(tip, spring))
+        return made, seen
+
+    runs = []
+    for new in (True, False):
+        made, seen = scene(new)
+        runs.append((lf.simulate(made, 0.02, lf.MoreauJean(1e-4), progress=False), seen))
+    np.testing.assert_array_equal(runs[0][0].q, runs[1][0].q)
+    assert runs[0][1] == runs[1][1]
+    assert min(runs[0][1]) < -1e-4
+
+
+def test_other_bodies_in_its_place_and_ladders() -> None:
+    """Exchanged bodies, and a study of fidelities, whose rungs have the residual modes of the scene."""
+    scene = lf.Scene()
+    beam = scene.add(BEAM, name="arm", modes=4, damping=0.01)
+    scene.join(lf.Weld(beam.point("left"), scene.ground.at(0.0, 0.0)))
+    other = scene.with_bodies({"arm": BEAM.reduce(0)})
+    assert other.compiled().q.size == 3
+    again = scene.with_bodies({})
+    np.testing.assert_array_equal(again.compiled().model.bodies.stiffness, scene.compiled().model.bodies.stiffness)
+    body, _ = flexible(scene)
+    assert body.ladder is not None
+    rungs = {rung.name: rung for rung in body.ladder()}
+    assert list(rungs)[:3] == ["rigid", "1 free and 3 residual modes", "2 free and 3 residual modes"]
+    for rung in rungs.values():
+        assert rung.make().modes == rung.modes
+    assert rungs["full mesh"].make().residual_modes == 0
+
+
+def test_ladders_of_meshes_with_interfaces() -> None:
+    body = PLATE.reduce(3, interfaces=[(0.0, 0.01)])
+    assert body.residual_modes == 3
+    assert body.ladder is not None
+    for rung in body.ladder()[:4]:
+        made = rung.make()
+        assert made.modes == rung.modes
+        assert made.residual_modes == (3 if rung.modes else 0)
+
+
+def test_initial_deformation_is_that_of_the_free_modes() -> None:
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    beam = scene.add(BEAM, modes=2, modal=[1e-3, 0.0], modal_velocity=[0.0, 0.1], position=(1.0, 0.0))
+    scene.contact(beam.node(1.0, 0.0), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
+    compiled = scene.compiled()
+    np.testing.assert_allclose(compiled.q[[0, 3, 4]], [1.0, 1e-3, 0.0])
+    np.testing.assert_allclose(compiled.u[[3, 4]], [0.0, 0.1])
+    assert not compiled.q[5:].any()
+
+
+def test_damping_of_residual_modes_may_be_their_own() -> None:
+    for model, options in ((BEAM, {}), (PLATE, {}), (lf.Bar(1.0, 1e-4, RHO, E), {})):
+        scene = lf.Scene()
+        body = scene.add(model, modes=3, damping=0.05, residual_damping=0.5, **options)
+        scene.contact(body.node(0.3, 0.0), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
+        bodies = scene.compiled().model.bodies
+        ratio = bodies.damping / (2.0 * np.sqrt(bodies.stiffness))
+        np.testing.assert_allclose(ratio[:3], 0.05)
+        np.testing.assert_allclose(ratio[3:], 0.5)
+    with pytest.raises(lf.ModelError, match="residual_damping: -1"):
+        lf.Scene().add(BEAM, modes=3, residual_damping=-1.0)
+
+
+def test_rayleigh_damping_and_a_ratio_of_the_residual_modes() -> None:
+    body = BEAM.reduce(2, lf.Rayleigh(1.0, 1e-5), interfaces=["left"], residual_damping=0.1)
+    np.testing.assert_allclose(body.damping[:2], 1.0 + 1e-5 * body.stiffness[:2])
+    np.testing.assert_allclose(body.damping[2:], 0.2 * np.sqrt(body.stiffness[2:]))
+
+
+def test_spun_up_with_eight_modes_as_with_all() -> None:
+    """Held at its end and turned up to 6 rad/s in 2 s: the tip lags alike within 1 %."""
+
+    def lag(modes: int | None) -> np.ndarray:
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        stiffening = lf.Stiffening(held="left")
+        beam = lf.Beam(4.0, 0.05, 0.02, RHO, E, elements=20, axial=False)
+        arm = (
+            scene.add(beam.reduce(None, stiffening=stiffening), "arm")
+            if modes is None
+            else scene.add(beam, "arm", modes=modes, stiffening=stiffening)
+        )
+        times = np.linspace(0.0, 2.0, 201)
+        turned = 3.0 * (0.5 * times**2 + (np.cos(math.pi * times) - 1.0) / math.pi**2)
+        hub = scene.add(lf.Box(0.1, 0.1, mass=1.0), "hub")
+        scene.join(lf.Revolute(hub.point("center"), scene.ground.at(0.0, 0.0)))
+        scene.join(lf.DrivenAngle(hub.point("center"), scene.ground.at(0.0, 0.0), lf.Table(times, turned)))
+        scene.join(lf.Weld(arm.point("left"), hub.point("center")))
+        result = lf.simulate(scene, 2.0, lf.GeneralizedAlpha(2e-3), progress=False)
+        angle = result.q[:, 3 + (len(result.q[0]) - 6) + 2]
+        x, y = result.point("arm", "right").T
+        return np.asarray(y * np.cos(angle) - x * np.sin(angle))
+
+    few, all_of_them = lag(8), lag(None)
+    assert np.abs(all_of_them).max() > 0.02
+    assert np.abs(few - all_of_them).max() < 0.01 * np.abs(all_of_them).max()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({}, "modes: none were given for Beam"),
+        ({"modes": -1}, "modes: -1 was given"),
+        ({"modes": 2.5}, "modes: 2.5 was given"),
+        ({"modes": 3, "damping": [0.1, 0.1]}, "damping: an array of shape"),
+        ({"modes": 3, "contact_nodes": -1}, "contact_nodes: -1 was given"),
+        ({"modes": 3, "modal": [1.0]}, "modal: an array of shape"),
+        ({"modes": 3, "stiffening": 1.0}, "stiffening: 1.0 was given"),
+    ],
+)
+def test_orders_that_cannot_be(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(lf.ModelError, match=said):
+        lf.Scene().add(BEAM, **options)
+
+
+def test_bodies_that_have_their_modes_take_no_order() -> None:
+    for name, value in (("modes", 3), ("damping", 0.1), ("contact_nodes", 2), ("residual_damping", 0.1)):
+        with pytest.raises(lf.ModelError, match=f"{name}: it was given for a Body"):
+            lf.Scene().add(BEAM.reduce(2), **{name: value})
+    with pytest.raises(lf.ModelError, match="expected a Body, or a flexible body"):
+        lf.Scene().add(lf.Beam, modes=3)  # type: ignore[arg-type]
+    scene = lf.Scene()
+    scene.add(BEAM, modes=500)
+    with pytest.raises(lf.ModelError, match="modes: 500 was given"):
+        scene.compile()
+
+
+def test_tracks_beside_a_beam_act_on_the_material_that_carries_them() -> None:
+    """A slot whose tracks lie off the axis, and a hole larger than the beam is thick."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    beam = scene.add(BEAM, modes=4)
+    slot = beam.straight_slot((0.2, 0.0), (0.8, 0.0), 0.02)
+    pin = scene.add(lf.Disc(radius=0.009, mass=0.1), position=(0.5, 0.0))
+    scene.contact_slot(pin.surface(), slot)
+    body, interfaces = flexible(scene)
+    assert all(abs(interface.place[1]) <= 0.0025 for interface in interfaces)  # type: ignore[index]
+    assert body.residual_modes > 0
+
+
+def test_a_stepper_without_joints_or_contacts_sees_a_free_body() -> None:
+    scene = lf.Scene()
+    scene.add(BEAM, modes=3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        compiled = scene.compile()
+    assert compiled.layout.residual == ((0, 0),)
+    assert compiled.materials is not None
