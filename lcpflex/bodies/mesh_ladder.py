@@ -15,6 +15,7 @@ from lcpflex.bodies.finite_elements import FiniteElements, body_of
 from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
 from lcpflex.bodies.stiffening import Stiffening, prestressed
+from lcpflex.bodies.stiffness_error import warn_if_too_stiff
 from lcpflex.compiled import IntArray
 from lcpflex.errors import ModelError
 
@@ -46,7 +47,9 @@ def reduced(
     if damping is not None and columns is not None:
         check_damping(damping, columns)
     stiffened = prestressed(mesh, stiffening)
-    body = body_of(stiffened, *basis(stiffened), damping, stiffening)
+    omega2, shapes = basis(stiffened)
+    warn_if_too_stiff(mesh, shapes)
+    body = body_of(stiffened, omega2, shapes, damping, stiffening)
     return replace(body, ladder=lambda: _ladder(stiffened, damping, stiffening, nodes))
 
 
