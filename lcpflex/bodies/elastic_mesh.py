@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ import numpy as np
 from lcpflex.bodies.body import Resolution
 from lcpflex.bodies.element_integrals import Solid, geometric_stiffness, mass_matrix, stiffness_matrix
 from lcpflex.bodies.element_search import locator
+from lcpflex.bodies.excess_stiffness import excess_stiffness
+from lcpflex.bodies.finer_mesh import finer
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.mesh_surfaces import boundary_of, names_of
 from lcpflex.compiled import FloatArray, IntArray
@@ -25,7 +28,8 @@ def finite_elements_of(solid: Solid, sets: Mapping[str, Any], wave_speed: float)
     """The free-free mesh with its names, and what lies between its nodes."""
     mesh = solid.mesh
     L, G = solid.lame
-    if L > LOCKED * G and not mesh.kind.quadratic:
+    locked = L > LOCKED * G and not mesh.kind.quadratic
+    if locked:
         warnings.warn(
             f"poissons_ratio: {0.5 * L / (L + G):.6g} without change of thickness makes linear elements far too stiff "
             f"(they lock), expected less than 0.48, or quadratic elements: lcpflex.meshes.quadratic(mesh)",
@@ -35,24 +39,31 @@ def finite_elements_of(solid: Solid, sets: Mapping[str, Any], wave_speed: float)
     axisymmetric = solid.thickness is None
     boundary = boundary_of(mesh)
     names = names_of(mesh, boundary, sets, axisymmetric)
-    dofs = _dofs(mesh.places, axisymmetric)
-    mass, stiffness = mass_matrix(solid), stiffness_matrix(solid)
-    if len(dofs) < mesh.places.size:
-        mass, stiffness = mass[dofs][:, dofs].tocsc(), stiffness[dofs][:, dofs].tocsc()
-    return FiniteElements(
-        mass=mass,
-        stiffness=stiffness,
-        damping=None,
-        places=mesh.places,
-        dofs=dofs,
-        axisymmetric=axisymmetric,
+    bare = _without_names(solid)
+    dofs = bare.dofs
+    return replace(
+        bare,
         points=names.points,
         sets=names.sets,
         chains=names.chains,
         locate=locator(mesh, boundary),
         geometric=lambda displacements: _geometric(solid, dofs, displacements),
         resolution=Resolution(wave_speed, mesh.longest_edge()),
+        excess=None  # known to be large where elements lock, and said above
+        if locked
+        else lambda omega2, shapes: excess_stiffness(solid, omega2, bare.nodal(shapes)),
+        finer=lambda: _without_names(replace(solid, mesh=finer(mesh))),
     )
+
+
+def _without_names(solid: Solid) -> FiniteElements:
+    """The matrices of the mesh."""
+    places, axisymmetric = solid.mesh.places, solid.thickness is None
+    dofs = _dofs(places, axisymmetric)
+    mass, stiffness = mass_matrix(solid), stiffness_matrix(solid)
+    if len(dofs) < places.size:
+        mass, stiffness = mass[dofs][:, dofs].tocsc(), stiffness[dofs][:, dofs].tocsc()
+    return FiniteElements(mass, stiffness, None, places, dofs, axisymmetric)
 
 
 def _dofs(places: FloatArray, axisymmetric: bool) -> IntArray:

@@ -49,6 +49,9 @@ class FiniteElements:
     resolution : what the elements can resolve; None where they are not known
     geometric : displacements (f,) of a static state -> its geometric stiffness as an (f, f) sparse matrix, a linear
         function of that state; None where the elements are not known
+    excess : omega2 (k,), modes (f, k) of it -> (k,) by how much they are stiffer than with better elements,
+        omega^2 / omega_2^2 - 1 [-]; None where the elements are not known, or known to lock
+    finer : the next finer mesh of the same body, without names; None where the elements are not known
     """
 
     mass: csc_matrix[Any]
@@ -63,6 +66,8 @@ class FiniteElements:
     locate: Callable[[float, float], tuple[IntArray, FloatArray]] | None = None
     geometric: Callable[[FloatArray], csc_matrix[Any]] | None = None
     resolution: Resolution | None = None
+    excess: Callable[[FloatArray, FloatArray], FloatArray] | None = None
+    finer: Callable[[], FiniteElements] | None = None
 
     @property
     def rigid(self) -> FloatArray:

@@ -18,6 +18,7 @@ from lcpflex.bodies.mesh_interfaces import MeshStatics
 from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
 from lcpflex.bodies.stiffening import Stiffening, prestressed
+from lcpflex.bodies.stiffness_error import warn_if_too_stiff
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 
@@ -54,6 +55,7 @@ def reduced(
         check_damping(damping, columns)
     stiffened = prestressed(mesh, stiffening)
     omega2, shapes = basis(stiffened)
+    warn_if_too_stiff(mesh, shapes)
     behind = 0 if residual_from is None else len(omega2) - residual_from
     residual = Residual(behind, behind) if held is None else held.residual(len(omega2) - (columns or 0))
     body = body_of(stiffened, omega2, shapes, damping, stiffening, residual)

@@ -1,5 +1,10 @@
 """Meshes of simple shapes, as scikit-fem meshes with named boundaries.
 
+Elements are quadratic, which bend as the body does: one layer of them is enough. ``order=1`` makes linear ones, which
+are much too stiff in bending unless there are many layers (a bar of square elements: one layer of quadrilaterals by
+50 %, eight by 0.8 %; of two triangles each by 340 % and 5 %). They are for contact regions that are finely meshed
+anyway: on linear elements alone, forces of contact are smooth from node to node.
+
 Places are in metres. Besides these, everything of scikit-fem works: ``mesh.translated((dx, dy))``, ``mesh.refined()``,
 ``mesh.scaled(0.001)``, ``mesh.save(path)``. Local refinement towards a contact is :func:`graded`.
 """
@@ -21,8 +26,10 @@ from lcpflex.errors import ModelError, in_range
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
 __all__ += ["rectangle", "ring"]
 
+RAISED = {"MeshTri1": "MeshTri2", "MeshQuad1": "MeshQuad2"}  # classes of scikit-fem: linear to quadratic
 
-def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool = False) -> Any:
+
+def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool = False, order: int = 2) -> Any:
     """Equal elements on 0 <= x <= length, 0 <= y <= height; boundaries "left", "right", "bottom", "top".
 
     Parameters
@@ -30,39 +37,42 @@ def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool
     length, height : [m]
     nx, ny : numbers of elements along x and y
     triangles : two triangles in the place of each quadrilateral
+    order : 2 for quadratic elements, 1 for linear ones
 
     Raises
     ------
     ModelError
-        For sizes that are not positive or numbers below 1.
+        For sizes that are not positive, numbers below 1, or another order.
     """
     across, up = _positive("length", length), _positive("height", height)
     n = whole_number("nx", nx, 1), whole_number("ny", ny, 1)
-    return grid(np.linspace(0.0, across, n[0] + 1), np.linspace(0.0, up, n[1] + 1), triangles=triangles)
+    return grid(np.linspace(0.0, across, n[0] + 1), np.linspace(0.0, up, n[1] + 1), triangles=triangles, order=order)
 
 
-def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False) -> Any:
+def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False, order: int = 2) -> Any:
     """Elements between grid lines; boundaries "left", "right", "bottom", "top".
 
     Parameters
     ----------
     x, y : (nx + 1,), (ny + 1,) ascending coordinates of the lines [m]
     triangles : two triangles in the place of each quadrilateral
+    order : 2 for quadratic elements, 1 for linear ones
 
     Raises
     ------
     ModelError
-        For fewer than two lines, or lines that do not ascend.
+        For fewer than two lines, lines that do not ascend, or another order.
     """
     import skfem
 
+    raised = _is_quadratic(order)
     lines = [array_of(name, value, (-1,)) for name, value in (("x", x), ("y", y))]
     for name, line in zip(("x", "y"), lines, strict=True):
         if len(line) < 2 or not np.diff(line).min() > 0.0:
             raise ModelError(f"{name}: {line!r} was given, expected two ascending coordinates or more")
     mesh = (skfem.MeshTri1 if triangles else skfem.MeshQuad1).init_tensor(*lines)
     (x0, x1), (y0, y1) = (line[[0, -1]] for line in lines)
-    return mesh.with_boundaries(
+    mesh = mesh.with_boundaries(
         {
             "left": lambda at: at[0] == x0,
             "right": lambda at: at[0] == x1,
@@ -70,32 +80,37 @@ def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False) -> Any:
             "top": lambda at: at[1] == y1,
         }
     )
+    return _raised(mesh, None) if raised else mesh
 
 
-def bar(length: float, height: float, elements: int, *, across: int = 1, triangles: bool = False) -> Any:
+def bar(
+    length: float, height: float, elements: int, *, across: int = 1, triangles: bool = False, order: int = 2
+) -> Any:
     """A slender rectangle 0 <= x <= length about the x axis, |y| <= height / 2: ``elements`` by ``across`` elements.
 
-    Boundaries "left", "right", "bottom", "top". Raises :class:`ModelError` as :func:`rectangle` does.
+    Boundaries "left", "right", "bottom", "top". The other parameters and errors are those of :func:`rectangle`.
     """
-    return rectangle(length, height, elements, across, triangles=triangles).translated((0.0, -0.5 * height))
+    mesh = rectangle(length, height, elements, across, triangles=triangles, order=order)
+    return mesh.translated((0.0, -0.5 * height))
 
 
-def ring(inner: float, outer: float, around: int, through: int, *, quadratic: bool = False) -> Any:
+def ring(inner: float, outer: float, around: int, through: int, *, order: int = 2) -> Any:
     """A circular ring about the origin, of quadrilaterals; boundaries "inner" and "outer".
 
     Parameters
     ----------
     inner, outer : radii [m]
     around, through : numbers of elements
-    quadratic : quadratic elements, curved along the circles
+    order : 2 for quadratic elements, curved along the circles, 1 for linear ones
 
     Raises
     ------
     ModelError
-        For radii that are not 0 < inner < outer, fewer than 3 elements around or 1 through.
+        For radii that are not 0 < inner < outer, fewer than 3 elements around or 1 through, or another order.
     """
     import skfem
 
+    raised = _is_quadratic(order)
     inside = _positive("inner", inner)
     outside = in_range("outer", outer, inside, math.inf, open_ends=True)
     n, layers = whole_number("around", around, 3), whole_number("through", through, 1)
@@ -113,12 +128,10 @@ def ring(inner: float, outer: float, around: int, through: int, *, quadratic: bo
             "outer": lambda at: np.hypot(*at) > middle,
         }
     )
-    return _raised(mesh, _bent_around) if quadratic else mesh
+    return _raised(mesh, _bent_around) if raised else mesh
 
 
-def half_disc(
-    radius: float, size: float, *, finest: float | None = None, within: float = 0.0, quadratic: bool = False
-) -> Any:
+def half_disc(radius: float, size: float, *, finest: float | None = None, within: float = 0.0, order: int = 2) -> Any:
     """Triangles on the half disc x^2 + y^2 <= radius^2, y <= 0, refined towards its pole (0, -radius).
 
     Boundaries "round" and "flat" (y = 0).
@@ -129,33 +142,33 @@ def half_disc(
     size : longest edge anywhere [m]
     finest : longest edge at the pole [m]; None for no refinement
     within : distance from the pole up to which edges are as short as that [m]; beyond, they grow by a fifth of theirs
-    quadratic : quadratic elements, curved along the circle
+    order : 2 for quadratic elements, curved along the circle, 1 for linear ones
 
     Raises
     ------
     ModelError
-        For sizes that are not positive, finest > size, or a mesh of more than a million elements.
+        For sizes that are not positive, finest > size, another order, or a mesh of more than a million elements.
     """
-    R = _positive("radius", radius)
+    R, raised = _positive("radius", radius), _is_quadratic(order)
     mesh = _half_round(R, size, finest, within, np.array([0.0, -R]), -1.0)
-    return _raised(mesh, _onto_circle(R)) if quadratic else mesh
+    return _raised(mesh, _onto_circle(R)) if raised else mesh
 
 
 def half_section_of_sphere(
-    radius: float, size: float, *, finest: float | None = None, within: float = 0.0, quadratic: bool = False
+    radius: float, size: float, *, finest: float | None = None, within: float = 0.0, order: int = 2
 ) -> Any:
     """Triangles on the half section x^2 + y^2 <= radius^2, y >= 0 of a sphere, refined towards its pole (radius, 0).
 
     For :class:`SolidOfRevolution`. Boundaries "round" and "axis" (y = 0). Parameters and errors are those of
     :func:`half_disc`.
     """
-    R = _positive("radius", radius)
+    R, raised = _positive("radius", radius), _is_quadratic(order)
     mesh = _half_round(R, size, finest, within, np.array([R, 0.0]), 1.0)
-    return _raised(mesh, _onto_circle(R)) if quadratic else mesh
+    return _raised(mesh, _onto_circle(R)) if raised else mesh
 
 
 def half_section_of_rod(
-    length: float, radius: float, size: float, *, finest: float | None = None, within: float = 0.0
+    length: float, radius: float, size: float, *, finest: float | None = None, within: float = 0.0, order: int = 2
 ) -> Any:
     """Triangles on the half section 0 <= x <= length, 0 <= y <= radius of a rod, refined towards (0, 0).
 
@@ -165,7 +178,7 @@ def half_section_of_rod(
     whole, up, largest = _positive("length", length), _positive("radius", radius), _positive("size", size)
     leg = largest / math.sqrt(2.0)
     counts = math.ceil(whole / leg * (1.0 - 1e-12)), math.ceil(up / leg * (1.0 - 1e-12))
-    mesh = rectangle(whole, up, *counts, triangles=True)
+    mesh = rectangle(whole, up, *counts, triangles=True, order=order)
     return mesh if finest is None else graded(mesh, (0.0, 0.0), finest, within=within)
 
 
@@ -174,7 +187,7 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
 
     Parameters
     ----------
-    mesh : MeshTri1 of scikit-fem; its boundaries keep their names, subdomains do not
+    mesh : MeshTri1 or MeshTri2 of scikit-fem; its boundaries keep their names, subdomains do not
     towards : (2,) a place, or (2, 2) both ends of a straight line, where contact is expected [m]
     finest : longest edge there [m]
     within : distance up to which edges are as short as that [m]
@@ -183,29 +196,37 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
     Raises
     ------
     ModelError
-        For another kind of mesh, numbers out of range, or more than a million elements.
+        For another kind of mesh, curved edges, numbers out of range, or more than a million elements.
     """
-    if type(mesh).__name__ != "MeshTri1":
-        raise ModelError(f"mesh: {type(mesh).__name__} was given, expected a MeshTri1 of scikit-fem")
+    name = type(mesh).__name__
+    if name not in ("MeshTri1", "MeshTri2"):
+        raise ModelError(f"mesh: {name} was given, expected a MeshTri1 or MeshTri2 of scikit-fem")
+    coarse = mesh if name == "MeshTri1" else _lowered(mesh)
     ends = np.asarray(towards, dtype=np.float64) if np.ndim(towards) == 1 else array_of("towards", towards, (2, 2))
     line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
     if len(line) not in (1, 2):
         raise ModelError(f"towards: {towards!r} was given, expected a place or the two ends of a line")
     slope = in_range("growth", growth, 1e-3, 1.0)
     zone = Zone(line, _positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
-    return named_again(refined_to(mesh, zone, None), mesh)
+    fine = named_again(refined_to(coarse, zone, None), coarse)
+    return fine if coarse is mesh else _raised(fine, None)
 
 
 def quadratic(mesh: Any) -> Any:
     """The mesh with quadratic elements: nodes amid straight edges, and amid quadrilaterals; names are kept.
 
-    Raises :class:`ModelError` for anything but a MeshTri1 or MeshQuad1 of scikit-fem.
+    One that has them comes back as it is. Raises :class:`ModelError` for anything but triangles and quadrilaterals of
+    scikit-fem.
     """
-    return _raised(mesh, None)
+    return mesh if type(mesh).__name__ in RAISED.values() else _raised(mesh, None)
 
 
 def _positive(name: str, value: Any) -> float:
     return in_range(name, value, 0.0, math.inf, open_ends=True)
+
+
+def _is_quadratic(order: Any) -> bool:
+    return whole_number("order", order, 1, 2, " (linear or quadratic elements)") == 2
 
 
 def _half_round(R: float, size: float, finest: float | None, within: float, pole: FloatArray, up: float) -> Any:
@@ -266,14 +287,27 @@ def _raised(mesh: Any, bend: Bend | None) -> Any:
     """The mesh with quadratic elements, its new nodes moved by ``bend``."""
     import skfem
 
-    kinds = {"MeshTri1": "MeshTri2", "MeshQuad1": "MeshQuad2"}
     name = type(mesh).__name__
-    if name not in kinds:
-        raise ModelError(f"mesh: {name} was given, expected a MeshTri1 or MeshQuad1 of scikit-fem")
-    kind = getattr(skfem, kinds[name])
+    if name not in RAISED:
+        raise ModelError(f"mesh: {name} was given, expected triangles or quadrilaterals of scikit-fem")
+    kind = getattr(skfem, RAISED[name])
     raised = kind.from_mesh(mesh)
     if bend is not None:
         raised = kind(bend(np.asarray(raised.doflocs), mesh.facets, mesh), raised.t)
     if mesh.boundaries:
         raised = raised.with_boundaries({key: np.asarray(facets) for key, facets in mesh.boundaries.items()})
     return raised.with_subdomains(dict(mesh.subdomains)) if mesh.subdomains else raised
+
+
+def _lowered(mesh: Any) -> Any:
+    """The linear triangles on the corners of straight-sided quadratic ones, with the names of their boundaries."""
+    import skfem
+
+    places = np.asarray(mesh.doflocs)
+    aside = places[:, mesh.dofs.facet_dofs[0]] - places[:, mesh.facets].mean(axis=1)
+    if np.abs(aside).max() > 1e-9 * np.ptp(places, axis=1).max():
+        worst = int(np.abs(aside).max(axis=0).argmax())
+        x, y = places[:, mesh.dofs.facet_dofs[0, worst]]
+        raise ModelError(f"mesh: an edge is curved at ({x:.6g}, {y:.6g}), expected straight ones, as of order=1")
+    flat = skfem.MeshTri1(places[:, : mesh.nvertices], mesh.t)
+    return flat.with_boundaries({key: np.asarray(facets) for key, facets in (mesh.boundaries or {}).items()})

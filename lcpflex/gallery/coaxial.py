@@ -17,11 +17,12 @@ __all__ = ["meshed_ball", "meshed_rod", "meshed_sphere_on_rod"]
 RADIUS = 0.015  # of the ball [m]
 LENGTH = 1.0  # of the rod [m]
 REACH = 7.5e-4  # distance from the axis up to which nodes may touch: the contact patch has a radius of 0.45 mm
+ORDER = 1  # linear elements: forces of contact are smooth from node to node, and nothing bends or is incompressible
 
 
 def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Body:
     """An aluminium rod of 1 m, 20 mm thick, along x; "tip": nodes around the middle of its left end, (0, 0)."""
-    mesh = meshes.half_section_of_rod(LENGTH, 0.01, size, finest=finest, within=REACH)
+    mesh = meshes.half_section_of_rod(LENGTH, 0.01, size, finest=finest, within=REACH, order=ORDER)
     solid = SolidOfRevolution(
         mesh,
         density=2700.0,
@@ -34,7 +35,7 @@ def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Bod
 
 def meshed_ball(finest: float = 5e-5, size: float = 2e-3, modes: int = 20) -> Body:
     """A steel ball of radius 15 mm about the origin; "tip": nodes around its pole (0.015, 0)."""
-    mesh = meshes.half_section_of_sphere(RADIUS, size, finest=finest, within=REACH)
+    mesh = meshes.half_section_of_sphere(RADIUS, size, finest=finest, within=REACH, order=ORDER)
     solid = SolidOfRevolution(
         mesh,
         density=7780.0,

@@ -22,7 +22,7 @@ E, RHO, NU = 2e11, 7800.0, 0.3
 
 def skewed(triangles: bool, quadratic: bool):
     """Elements of unequal, not rectangular shape on a rectangle 2 x 1."""
-    mesh = meshes.rectangle(2.0, 1.0, 4, 3, triangles=triangles)
+    mesh = meshes.rectangle(2.0, 1.0, 4, 3, triangles=triangles, order=1)
     x, y = mesh.p
     inside = (x > 0.0) & (x < 2.0) & (y > 0.0) & (y < 1.0)
     shift = 0.06 * np.stack([np.sin(7 * x + 3 * y), np.cos(5 * x - 4 * y)]) * inside
@@ -133,7 +133,7 @@ def test_a_beam_of_quadratic_elements_bends_as_timoshenko_says():
     The rest is the approximation of the section's shear by one coefficient (Cowper's).
     """
     length, height = 1.0, 0.05
-    body = Continuum(meshes.quadratic(meshes.bar(length, height, 60, across=2)), RHO, E, NU).reduce(4)
+    body = Continuum(meshes.bar(length, height, 60, across=2), RHO, E, NU).reduce(4)
     euler = Beam(length, 1.0, height, RHO, E, axial=False).reduce(4).frequencies()
     ratios = body.frequencies() / euler
     assert (np.diff(ratios) < 0.0).all()
@@ -147,7 +147,7 @@ def test_a_beam_of_quadratic_elements_bends_as_timoshenko_says():
 def test_a_bar_stretches_at_its_wave_speed(plane_strain):
     """Free-free axial modes k pi c / L; contraction across slows them by (k pi nu h / L)^2 / 24."""
     length, height = 1.0, 0.02
-    model = Continuum(meshes.quadratic(meshes.bar(length, height, 50)), RHO, E, NU, plane_strain=plane_strain)
+    model = Continuum(meshes.bar(length, height, 50), RHO, E, NU, plane_strain=plane_strain)
     speed = model.finite_elements().resolution.wave_speed
     assert speed == pytest.approx(math.sqrt(E / RHO / (1.0 - NU**2 if plane_strain else 1.0)))
     body = model.reduce(25)
@@ -178,9 +178,7 @@ def test_a_disc_breathes_at_the_closed_form(plane_strain):
 def test_a_thin_ring_bends_in_its_plane():
     """omega_n^2 = E I n^2 (n^2 - 1)^2 / (rho A R^4 (n^2 + 1)), each twice; shear and rotary inertia of (h n / R)^2."""
     radius, height = 1.0, 0.02
-    body = Continuum(meshes.ring(radius - height / 2, radius + height / 2, 160, 1, quadratic=True), RHO, E, NU).reduce(
-        6
-    )
+    body = Continuum(meshes.ring(radius - height / 2, radius + height / 2, 160, 1), RHO, E, NU).reduce(6)
     for k, n in enumerate((2, 3, 4)):
         omega = math.sqrt(E * height**2 / 12 / RHO * n**2 * (n**2 - 1) ** 2 / (n**2 + 1)) / radius**2
         assert body.frequencies()[2 * k : 2 * k + 2] == pytest.approx(omega, rel=2.0 * (height * n / radius) ** 2)
@@ -189,8 +187,8 @@ def test_a_thin_ring_bends_in_its_plane():
 @lru_cache
 def first_of_plate(n: int, triangles: bool, quadratic: bool) -> float:
     """First frequency of a free square plate of n x n elements [rad/s]."""
-    mesh = meshes.rectangle(1.0, 1.0, n, n, triangles=triangles)
-    return float(Continuum(meshes.quadratic(mesh) if quadratic else mesh, RHO, E, NU).reduce(1).frequencies()[0])
+    mesh = meshes.rectangle(1.0, 1.0, n, n, triangles=triangles, order=2 if quadratic else 1)
+    return float(Continuum(mesh, RHO, E, NU).reduce(1).frequencies()[0])
 
 
 @pytest.mark.parametrize(("triangles", "quadratic"), KINDS)
@@ -219,7 +217,7 @@ def test_places_between_nodes_have_the_shape_functions_of_their_element(triangle
 def test_the_stress_of_a_tensioned_strip_stiffens_its_bending():
     """K_g of a uniform tension N: a sideways field w(x) gets the energy N/2 integral w'^2; linear in the state."""
     length, height, strain = 2.0, 0.1, 1e-3
-    mesh = Continuum(meshes.quadratic(meshes.bar(length, height, 8)), RHO, E, 0.0).finite_elements()
+    mesh = Continuum(meshes.bar(length, height, 8), RHO, E, 0.0).finite_elements()
     stretched = np.zeros(mesh.places.size)
     stretched[0::2] = strain * mesh.places[:, 0]
     field = np.zeros_like(stretched)

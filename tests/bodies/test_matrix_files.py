@@ -12,7 +12,7 @@ from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.matrix_files import matrices_from_files
 from lcpflex.errors import ModelError
 
-MESH = Continuum(meshes.rectangle(2.0, 1.0, 4, 2), 7800.0, 2e11, 0.3).finite_elements()
+MESH = Continuum(meshes.rectangle(2.0, 1.0, 4, 2, order=1), 7800.0, 2e11, 0.3).finite_elements()
 COUNT = len(MESH.places)
 KNOWN = Matrices(MESH.mass, MESH.stiffness, MESH.places).reduce(6).frequencies()
 LABELS = 10 * np.random.default_rng(1).permutation(COUNT) + 3  # of the nodes in the other program

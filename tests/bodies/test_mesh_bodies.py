@@ -234,7 +234,7 @@ def test_large_indefinite_or_loose_matrices_are_refused(monkeypatch):
 
 def test_matrices_whose_units_do_not_fit_are_told() -> None:
     """In N, mm and t, or with the modulus in GPa: gravity and lengths of the scene would be wrong without a word."""
-    mesh = Continuum(meshes.rectangle(0.2, 0.05, 8, 2), 7800.0, 2.1e11, 0.3).finite_elements()
+    mesh = Continuum(meshes.rectangle(0.2, 0.05, 8, 2, order=1), 7800.0, 2.1e11, 0.3).finite_elements()
     Matrices(mesh.mass, mesh.stiffness, mesh.places)
     for mass, stiffness, length in ((1e-3, 1e-3, 1e3), (1.0, 1e-9, 1.0)):
         with pytest.warns(ModelWarning, match="which no material has: expected N/m, kg and m"):

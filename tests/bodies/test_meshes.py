@@ -27,6 +27,8 @@ def edges_of(mesh):
 @pytest.mark.parametrize("triangles", [True, False])
 def test_rectangles_and_bars(triangles):
     mesh = meshes.bar(2.0, 0.1, 20, across=3, triangles=triangles)
+    assert type(mesh).__name__ == ("MeshTri2" if triangles else "MeshQuad2")
+    assert type(meshes.bar(2.0, 0.1, 20, triangles=triangles, order=1)).__name__[:-1] == type(mesh).__name__[:-1]
     assert mesh.p.min(axis=1) == pytest.approx([0.0, -0.05])
     assert mesh.p.max(axis=1) == pytest.approx([2.0, 0.05])
     assert mesh.nelements == 20 * 3 * (1 + triangles)
@@ -34,12 +36,12 @@ def test_rectangles_and_bars(triangles):
         "left": 3, "right": 3, "bottom": 20, "top": 20,
     }  # fmt: skip
     lines = np.array([0.0, 0.1, 0.3, 0.9])
-    assert np.unique(meshes.grid(lines, lines, triangles=triangles).p[0]) == pytest.approx(lines)
+    assert np.unique(meshes.grid(lines, lines, triangles=triangles, order=1).p[0]) == pytest.approx(lines)
 
 
 @pytest.mark.parametrize("quadratic", [False, True])
 def test_a_ring_is_round(quadratic):
-    body = Continuum(meshes.ring(0.8, 1.0, 24, 2, quadratic=quadratic), *STEEL).reduce(0)
+    body = Continuum(meshes.ring(0.8, 1.0, 24, 2, order=1 + quadratic), *STEEL).reduce(0)
     places = np.array([point.place for point in body.surfaces["outer"].points])
     assert np.hypot(*places.T) == pytest.approx(1.0)
     assert len(places) == 24 * (1 + quadratic)
@@ -52,7 +54,7 @@ def test_a_ring_is_round(quadratic):
 @pytest.mark.parametrize("quadratic", [False, True])
 def test_half_rounds_are_fine_at_their_pole_only(make, quadratic):
     R, finest, within = 0.015, 1e-4, 4e-4
-    mesh = make(R, 0.003, finest=finest, within=within)
+    mesh = make(R, 0.003, finest=finest, within=within, order=1)
     pole = np.array([0.0, -R]) if make is meshes.half_disc else np.array([R, 0.0])
     lengths, area = edges_of(mesh)
     distance = np.hypot(*(mesh.p[:, mesh.t] - pole[:, None, None])).min(axis=0)
@@ -64,7 +66,7 @@ def test_half_rounds_are_fine_at_their_pole_only(make, quadratic):
     assert mesh.nvertices < 1500
     boundary = mesh.p[:, mesh.facets[:, mesh.boundaries["round"]]]
     assert np.hypot(*boundary).ravel() == pytest.approx(R, rel=1e-12)
-    curved = make(R, 0.003, finest=finest, within=within, quadratic=quadratic)
+    curved = make(R, 0.003, finest=finest, within=within, order=1 + quadratic)
     body = Continuum(curved, *STEEL).reduce(0)
     assert body.mass == pytest.approx(7800.0 * 0.5 * math.pi * R**2, rel=1e-6 if quadratic else 5e-3)
 
@@ -116,11 +118,15 @@ def test_grading_towards_a_line_keeps_names_and_shape():
         (lambda: meshes.half_disc(1.0, 0.1, finest=0.0), "finest: 0.0"),
         (lambda: meshes.half_disc(1.0, 0.1, finest=0.01, within=-1.0), "within: -1.0"),
         (lambda: meshes.half_section_of_rod(1.0, 0.1, 0.0), "size: 0.0"),
-        (lambda: meshes.graded(meshes.rectangle(1.0, 1.0, 2, 2), (0.0, 0.0), 0.1), "MeshQuad1 was given"),
+        (lambda: meshes.graded(meshes.rectangle(1.0, 1.0, 2, 2), (0.0, 0.0), 0.1), "MeshQuad2 was given"),
         (lambda: meshes.graded(skfem.MeshTri(), (0.0, 0.0), 0.1, growth=2.0), "growth: 2.0"),
         (lambda: meshes.graded(skfem.MeshTri(), (0.0, 0.0, 0.0), 0.1), "towards"),
         (lambda: meshes.graded(skfem.MeshTri(), "corner", 0.1), "towards"),
-        (lambda: meshes.quadratic(skfem.MeshTri2()), "MeshTri2 was given"),
+        (lambda: meshes.bar(1.0, 0.1, 3, order=3), "order: 3 was given"),
+        (lambda: meshes.ring(0.5, 1.0, 8, 1, order=0), "order: 0 was given"),
+        (lambda: meshes.half_disc(1.0, 0.1, order="linear"), "order: 'linear' was given"),
+        (lambda: meshes.graded(meshes.half_disc(1.0, 0.3), (0.0, -1.0), 0.1), "an edge is curved at"),
+        (lambda: meshes.quadratic(skfem.MeshTet()), "MeshTet1 was given"),
         (lambda: meshes.quadratic(None), "NoneType was given"),
     ],
 )
@@ -139,7 +145,7 @@ def test_two_meshes_that_collide_keep_their_momentum():
     """Nodes of each against edges of the other, both flexible, one of triangles and one of quadratic quadrilaterals."""
     scene = lf.Scene(gravity=(0.0, 0.0))
     grid = meshes.rectangle(0.1, 0.06, 3, 2).translated((-0.05, -0.03))  # about the mass centre: momentum is m v
-    block = Continuum(meshes.quadratic(grid), *STEEL, thickness=0.01).reduce(6)
+    block = Continuum(grid, *STEEL, thickness=0.01).reduce(6)
     grid = meshes.rectangle(0.05, 0.04, 3, 3, triangles=True).translated((-0.025, -0.02))
     striker = Continuum(grid, *STEEL, thickness=0.01).reduce(6)
     still = scene.add(block, "block")

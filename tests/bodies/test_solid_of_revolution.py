@@ -18,7 +18,7 @@ KINDS = [(triangles, quadratic) for triangles in (True, False) for quadratic in 
 
 def section(triangles: bool, quadratic: bool, through: float = 0.5):
     """Skewed elements on 0 <= x <= 2, 0 <= y <= through."""
-    mesh = meshes.rectangle(2.0, through, 4, 3, triangles=triangles)
+    mesh = meshes.rectangle(2.0, through, 4, 3, triangles=triangles, order=1)
     x, y = mesh.p
     inside = (x > 0.0) & (x < 2.0) & (y > 0.0) & (y < through)
     shift = 0.03 * np.stack([np.sin(7 * x + 3 * y), np.cos(5 * x - 4 * y)]) * inside
@@ -65,7 +65,7 @@ def test_mass_and_inertia_of_a_cone_are_exact():
 
 def test_mass_and_inertia_of_a_sphere_with_curved_elements():
     """A curved quadratic edge of length h misses the circle by a share (h / R)^4 / 300 or so."""
-    mesh = meshes.half_section_of_sphere(0.015, 0.002, quadratic=True)
+    mesh = meshes.half_section_of_sphere(0.015, 0.002)
     body = SolidOfRevolution(mesh, RHO, E, NU).reduce(0)
     mass = RHO * 4.0 / 3.0 * math.pi * 0.015**3
     assert body.mass == pytest.approx(mass, rel=1e-5)
@@ -79,7 +79,7 @@ def test_a_free_sphere_breathes_at_the_closed_form(quadratic):
     xi = brentq(lambda z: math.sin(z) * (1.0 - 0.25 * ratio * z * z) - z * math.cos(z), 1.8, 3.1)
     pressure_wave = math.sqrt(E * (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU)) / RHO)
     size = 0.004 if quadratic else 0.0016
-    body = SolidOfRevolution(meshes.half_section_of_sphere(R, size, quadratic=quadratic), RHO, E, NU).reduce(8)
+    body = SolidOfRevolution(meshes.half_section_of_sphere(R, size, order=1 + quadratic), RHO, E, NU).reduce(8)
     breathing = int(np.abs(body.a).argmax())
     outward = [point.phi[breathing] @ point.place / R for point in body.surfaces["surface"].points]
     assert np.ptp(outward) < 0.1 * abs(np.mean(outward))  # that of any other mode changes its sign
@@ -90,7 +90,7 @@ def test_a_free_sphere_breathes_at_the_closed_form(quadratic):
 def test_a_rod_rings_at_the_wave_speed_of_bars_less_the_inertia_across():
     """omega_k = k pi c / L (1 - (k pi nu R / L)^2 / 4), Rayleigh's correction; the next term is of its square."""
     length, radius = 1.0, 0.02
-    model = SolidOfRevolution(meshes.quadratic(meshes.rectangle(length, radius, 60, 2)), RHO, E, NU)
+    model = SolidOfRevolution(meshes.rectangle(length, radius, 60, 2), RHO, E, NU)
     assert model.finite_elements().resolution.wave_speed == pytest.approx(math.sqrt(E / RHO))
     for k, omega in enumerate(model.reduce(4).frequencies(), start=1):
         correction = (k * math.pi * NU * radius / length) ** 2 / 4.0
@@ -130,7 +130,7 @@ def test_a_hollow_sphere_has_a_surface_and_a_cavity():
     angles, radii = np.linspace(0.0, math.pi, 13), np.linspace(0.5, 1.0, 4)
     mesh = skfem.MeshQuad1.init_tensor(angles, radii)
     mesh = skfem.MeshQuad1(np.stack([mesh.p[1] * np.cos(mesh.p[0]), mesh.p[1] * np.sin(mesh.p[0])]), mesh.t)
-    body = SolidOfRevolution(mesh, RHO, E, NU).reduce(2)
+    body = SolidOfRevolution(mesh, RHO, E, NU).reduce(0)
     assert sorted(body.surfaces) == ["hole1", "outline", "surface"]
     radius = {name: np.array([np.hypot(*p.place) for p in chain.points]) for name, chain in body.surfaces.items()}
     assert radius["surface"] == pytest.approx(1.0)

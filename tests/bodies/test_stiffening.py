@@ -97,7 +97,7 @@ COLUMN = EULER * MODULUS * WIDTH * HEIGHT**3 / 12.0 / LENGTH**2
 
 
 def meshed() -> Continuum:
-    mesh = meshes.quadratic(meshes.bar(LENGTH, HEIGHT, 40, across=2))
+    mesh = meshes.bar(LENGTH, HEIGHT, 40, across=2)
     return Continuum(mesh, DENSITY, MODULUS, 0.0, thickness=WIDTH)
 
 

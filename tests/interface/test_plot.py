@@ -107,7 +107,7 @@ def test_holes_are_left_open_and_their_edges_are_known() -> None:
     scene = lf.Scene(gravity=(0, 0))
     scene.add(ring, name="ring", velocity=(1.0, 0.0))
     result = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-4))
-    (body,) = [patch.get_path() for patch in result.draw(0.0).axes[0].patches if len(patch.get_path()) == 2 * 17]
+    (body,) = [patch.get_path() for patch in result.draw(0.0).axes[0].patches if len(patch.get_path()) == 2 * 33]
     areas = [0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) for x, y in (loop.T for loop in body.to_polygons())]
     assert areas[0] > 0.0 > areas[1]  # around the other way: not filled
     assert result.velocity("ring", (0.05, 0.0))[-1] == pytest.approx([1.0, 0.0])

@@ -1,0 +1,83 @@
+"""Says when a body is made of a mesh that is too stiff, and how much: by its lowest modes.
+
+The error of stiffness is that of omega^2, the largest of the three lowest elastic modes; those of a slender body are
+bending. Elements that lock in bending (a linear field cannot bend without shear) or in change of volume show there.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+
+import numpy as np
+
+from lcpflex.bodies.elastic_modes import FreeMesh, ritz
+from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError, ModelWarning
+
+__all__ = ["TOLERATED", "stiffness_error", "warn_if_too_stiff"]
+
+MODES = 3  # lowest ones, that are judged
+TOLERATED = 0.1  # of stiffness, 0.05 of a frequency
+PURE = 1e-3  # of its stiffness, the residual of what is taken for a mode: 1e-4 with 20 fixed modes, .1 of static shapes
+
+
+def warn_if_too_stiff(mesh: FiniteElements, shapes: FloatArray) -> None:
+    """Warn of a mesh whose lowest modes are too stiff by more than ``TOLERATED``, as far as its elements are known.
+
+    Parameters
+    ----------
+    mesh : the mesh, not prestressed
+    shapes : (f, n) the basis of the body, in ascending order of its frequencies
+    """
+    count = min(MODES, shapes.shape[1])
+    if mesh.excess is None or not count:
+        return
+    values, vectors = ritz(mesh.stiffness, mesh.mass, shapes[:, :count])  # of a prestressed basis without the stress
+    if not _are_modes(mesh, vectors):  # but static shapes
+        values, vectors = FreeMesh.of(mesh).modes(count)
+    excess = mesh.excess(values, vectors)
+    worst = int(excess.argmax())
+    if excess[worst] <= TOLERATED:
+        return
+    times = int(np.ceil(np.sqrt(excess[worst] / TOLERATED)))  # of linear elements; it falls with their size squared
+    warnings.warn(
+        f"mesh: its stiffness in bending or change of volume is about {100.0 * excess[worst]:.0f} % too high (elastic "
+        f"mode {worst + 1}, {np.sqrt(values[worst]) / (2.0 * np.pi):.4g} Hz), because its elements are too large or "
+        f"lock, expected at most {100.0 * TOLERATED:.0f} %: quadratic elements, lcpflex.meshes.quadratic(mesh), or "
+        f"such ones {times} times smaller",
+        ModelWarning,
+        stacklevel=_outside(),
+    )
+
+
+def stiffness_error(mesh: FiniteElements) -> float:
+    """Largest omega^2 / omega_f^2 - 1 [-] of the three lowest elastic modes, omega_f: those of the next finer mesh.
+
+    Raises
+    ------
+    ModelError
+        For a mesh whose elements are not known, or too large a finer one.
+    """
+    if mesh.finer is None:
+        raise ModelError("model: a mesh without elements was given, expected a Continuum or SolidOfRevolution")
+    count = min(MODES, len(mesh.dofs) - mesh.rigid.shape[1])
+    own, reference = (FreeMesh.of(one).modes(count)[0] for one in (mesh, mesh.finer()))
+    return float((own / reference).max() - 1.0)
+
+
+def _are_modes(mesh: FiniteElements, vectors: FloatArray) -> bool:
+    """Whether K v - omega^2 M v is small, in the norm of the diagonal of K."""
+    stiff, heavy = mesh.stiffness @ vectors, mesh.mass @ vectors
+    energy = (vectors * stiff).sum(axis=0)
+    left = stiff - energy / (vectors * heavy).sum(axis=0) * heavy
+    return bool(((left**2 / mesh.stiffness.diagonal()[:, None]).sum(axis=0) <= PURE * energy).all())
+
+
+def _outside() -> int:
+    """The stack level of the caller's caller that is none of lcpflex, for :func:`warnings.warn`."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("lcpflex."):
+        level, frame = level + 1, frame.f_back
+    return level
