@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Chain, MaterialPoint
+from lcpflex.bodies.body import Body, Chain, MaterialPoint, Shortening
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
@@ -168,9 +168,16 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
         flat = [np.zeros(0) if pick(body) is None else np.ravel(np.asarray(pick(body))) for body in sources]
         return frozen(np.cumsum([0, *(part.size for part in flat)]), np.int64), frozen(np.concatenate(flat))
 
+    def listed(pick: Callable[[Shortening], IntArray]) -> tuple[IntArray, IntArray]:
+        parts = [np.zeros(0) if body.shortening is None else pick(body.shortening) for body in sources]
+        return frozen(np.cumsum([0, *map(len, parts)]), np.int64), frozen(np.concatenate(parts), np.int64)
+
     coupling_start, coupling = square(lambda body: body.coupling)
     cross_start, cross = square(lambda body: body.cross_damping)
     geometric_start, geometric = square(lambda body: body.geometric)
+    shortening_start, shortening = square(lambda body: body.shortening.matrices if body.shortening else None)
+    axial_start, axial = listed(lambda of: of.axial)
+    bending_start, bending = listed(lambda of: of.bending)
     return Bodies(
         dof=frozen(np.cumsum([0, *(3 + body.modes for body in sources)]), np.int64),
         mass=joined(lambda body: body.mass),
@@ -187,6 +194,12 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
         cross_damping=cross,
         geometric_start=geometric_start,
         geometric=geometric,
+        axial_start=axial_start,
+        axial_mode=axial,
+        bending_start=bending_start,
+        bending_mode=bending,
+        shortening_start=shortening_start,
+        shortening=shortening,
     )
 
 

@@ -60,6 +60,13 @@ class Bodies(NamedTuple):
     cross_damping: FloatArray  # flat n x n off-diagonal part of the modal damping, row-major
     geometric_start: IntArray  # (nb + 1,) offsets into geometric; equal where G = 0
     geometric: FloatArray  # flat n x n matrices G of stiffening by rotation, symmetric, row-major
+    # of bodies that get shorter as they bend (see dynamics.shortening), which of their own modes are which; else none
+    axial_start: IntArray  # (nb + 1,) offsets into axial_mode
+    axial_mode: IntArray
+    bending_start: IntArray  # (nb + 1,) offsets into bending_mode
+    bending_mode: IntArray
+    shortening_start: IntArray  # (nb + 1,) offsets into shortening
+    shortening: FloatArray  # flat k x k matrices G_a, one for each axial mode, symmetric, row-major
 
 
 class Points(NamedTuple):
@@ -243,6 +250,12 @@ def bodiless_model(
         cross_damping=numbers,
         geometric_start=nowhere,
         geometric=numbers,
+        axial_start=nowhere,
+        axial_mode=indices,
+        bending_start=nowhere,
+        bending_mode=indices,
+        shortening_start=nowhere,
+        shortening=numbers,
     )
     joints = Joints(
         kind=indices,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.beam_shortening import axial_loads, shortening_of
 from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.ladder import mode_ladder
@@ -98,7 +99,10 @@ class Beam:
         ----------
         modes : at most 3 elements (2 elements without ``axial``); None for all, 0 for no free modes
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
-        stiffening : by spin and by an axial force; None for the linear beam, which feels neither
+        stiffening : by spin and by an axial force; None for the linear beam, which feels neither. With the actual
+            axial force (:class:`Stiffening`), residual axial modes make it exact for what changes slowly: up to three,
+            for forces at the ends and spin, and one for each place along the beam where it is held or in
+            ``interfaces``
         interfaces : places where joints hold the beam, springs or loads act on it, or something strikes it: "left",
             "center", "right", x, or (x, y). Each adds up to three residual modes behind the free ones, the static
             response to a force along x, one along y, and a moment, so that the compliance there is that of the mesh;
@@ -112,6 +116,9 @@ class Beam:
             or a stiffening that cannot be: compression beyond the buckling load.
         """
         check_stiffening(stiffening)
+        actual = stiffening is not None and stiffening.actual
+        if actual and not self.axial:
+            raise ModelError("axial_force: 'actual' was given for a beam with axial=False, expected one that stretches")
         available = (3 if self.axial else 2) * self.elements
         n = count_of_modes(modes, available)
         check_damping(damping, n)
@@ -148,7 +155,10 @@ class Beam:
             points=_end_points(locate, self.length),
             surfaces=_strip(found, h, nodes, 0.5 * self.thickness),
             locate=locate,
-            geometric=spinning(line, found, stiffening),
+            geometric=None if actual else spinning(line, found, stiffening),  # spin is in the actual force
+            shortening=shortening_of(line, found, is_axial, self.youngs_modulus * self.width * self.thickness)
+            if actual
+            else None,
             ladder=lambda: mode_ladder(available, lambda k, z: self.reduce(k, z, stiffening=stiffening), damping),
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )
@@ -159,10 +169,12 @@ class Beam:
         """The n lowest modes and the residual ones of the stations, and which of them are stretching modes."""
         area = self.width * self.thickness
         size = (self.elements, self.length, line.mass)
+        along = axial_loads(line, stiffening, stations) if n and stiffening is not None and stiffening.actual else None
         bends = 2 * self.elements if len(stations) else min(n, 2 * self.elements)
-        stretches = (self.elements if len(stations) else min(n, self.elements)) if self.axial else 0
+        every_stretch = len(stations) > 0 or along is not None
+        stretches = (self.elements if every_stretch else min(n, self.elements)) if self.axial else 0
         rigidity = self.youngs_modulus * area * self.thickness**2 / 12.0
-        if stiffening is None or stiffening.axial_force == 0.0:
+        if stiffening is None or stiffening.constant == 0.0:
             bend2, w, slope = bending_modes(*size, rigidity, bends)
         else:
             unloaded = bending_modes(*size, rigidity, 2 * self.elements)
@@ -179,9 +191,10 @@ class Beam:
         order = np.argsort(every.omega2, kind="stable")
         kept, left = order[:n], order[n:]
         found, axial = taken(every, kept), is_axial[kept]
-        if not len(stations):
+        if not every_stretch:
             return found, axial
-        rest, of_rest = residual_line(taken(every, left), is_axial[left], line.length / line.elements, stations)
+        h = line.length / line.elements
+        rest, of_rest = residual_line(taken(every, left), is_axial[left], h, stations, along)
         return LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(found, rest, strict=True))), np.concatenate(
             [axial, of_rest]
         )

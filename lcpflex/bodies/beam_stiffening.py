@@ -21,7 +21,7 @@ from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
-__all__ = ["Line", "bent_under_tension", "spinning"]
+__all__ = ["Line", "bent_under_tension", "gauss", "spinning", "station_on"]
 
 
 class Line(NamedTuple):
@@ -38,8 +38,8 @@ def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> Flo
     if stiffening is None or not len(modes.omega2):
         return None
     length = line.length
-    p = 0.5 * length if stiffening.held is None else _station(line, "held", stiffening.held)
-    x, weight = _gauss(line, 0.0, p, length)
+    p = 0.5 * length if stiffening.held is None else station_on(line, "held", stiffening.held)
+    x, weight = gauss(line, 0.0, p, length)
     reach = np.where(x < p, p, length - p)
     tension = 0.5 * line.mass / length * (reach**2 - (x - p) ** 2)
     slope = interpolate(modes, length / line.elements, x)[2]
@@ -59,15 +59,15 @@ def bent_under_tension(
     ModelError
         For compression beyond the buckling load, or places that the beam does not have.
     """
-    a, b = sorted(_station(line, "between", end) for end in stiffening.between)
+    a, b = sorted(station_on(line, "between", end) for end in stiffening.between)
     h = line.length / line.elements
     modes = LineModes(omega2, np.zeros_like(deflection), deflection, rotation)
     ends = interpolate(modes, h, np.array([a, b]))[1]
-    x, weight = _gauss(line, a, b)
+    x, weight = gauss(line, a, b)
     slope = interpolate(modes, h, x)[2] - (ends[1] - ends[0]) / (b - a)
     # scaled by the frequencies, K is I and what is added is small for all but the lowest modes: few digits are lost
     scaled = slope / np.sqrt(omega2)
-    relative = np.eye(len(omega2)) + stiffening.axial_force * (scaled.T @ (weight[:, None] * scaled))
+    relative = np.eye(len(omega2)) + stiffening.constant * (scaled.T @ (weight[:, None] * scaled))
     try:
         lower = np.linalg.cholesky(0.5 * (relative + relative.T))
     except np.linalg.LinAlgError:
@@ -82,12 +82,12 @@ def bent_under_tension(
     return periods[:count] ** -2, shapes[:nodes], shapes[nodes:]
 
 
-def _station(line: Line, name: str, held: object) -> float:
+def station_on(line: Line, name: str, held: object) -> float:
     """Where along the beam a place lies."""
     return station(name, held, line.length, line.thickness)  # type: ignore[arg-type]  # as Stiffening has checked
 
 
-def _gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
+def gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
     """Stations and weights of four Gauss points between nodes and the given places: exact to degree 7 in each piece."""
     places = np.unique([first, *later])
     nodes = np.linspace(0.0, line.length, line.elements + 1)

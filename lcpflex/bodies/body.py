@@ -21,7 +21,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 from lcpflex.model import frozen
 
@@ -35,6 +35,7 @@ __all__ = [
     "Resolution",
     "Round",
     "Rung",
+    "Shortening",
     "array_of",
     "named",
     "whole_number",
@@ -96,6 +97,25 @@ class Resolution:
 
     wave_speed: float
     element_size: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shortening:
+    """How much shorter a body gets as it bends, by q_b^T G_a q_b / 2 in the coordinate of each axial mode a.
+
+    The potential that follows is that of :mod:`lcpflex.dynamics.shortening`.
+
+    Attributes
+    ----------
+    axial : (m,) which modes stretch the body
+    bending : (k,) which modes bend it
+    matrices : (m, k, k) G_a, each symmetric [kg^-1/2 / m]; of a beam
+        1/omega_a^2 integral of E A u_a' w_k' w_l' dx
+    """
+
+    axial: IntArray
+    bending: IntArray
+    matrices: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,6 +209,7 @@ class Body:
     coupling : (n, n) D = <Phi^T J^T Phi>, skew [-]; None where it is zero
     cross_damping : (n, n) off-diagonal part of the modal damping matrix [1/s]; None where it is zero
     geometric : (n, n) G, symmetric: spinning at omega adds the stiffness omega^2 G [-]; None without stiffening
+    shortening : of a body whose axial force acts on its bending; None where it does not
     points : named material points
     surfaces : named outlines, each a :class:`Chain` or a :class:`Round`; "outline" is the whole of it
     locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
@@ -218,6 +239,7 @@ class Body:
     surfaces: Mapping[str, Outline]
     locate: Callable[[float, float], MaterialPoint]
     geometric: FloatArray | None = field(default=None, repr=False)
+    shortening: Shortening | None = field(default=None, repr=False)
     axisymmetric: bool = False
     resolution: Resolution | None = field(default=None, repr=False)
     ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)

@@ -10,7 +10,7 @@ mode: what adds less than DEPENDENT^2 to the compliance is dropped. Source: MacN
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -83,17 +83,27 @@ def taken(modes: LineModes, which: IntArray) -> LineModes:
     return LineModes(*(np.asarray(part[..., which]) for part in modes))
 
 
-def residual_line(left: LineModes, is_axial: BoolArray, h: float, stations: FloatArray) -> tuple[LineModes, BoolArray]:
+def residual_line(
+    left: LineModes,
+    is_axial: BoolArray,
+    h: float,
+    stations: FloatArray,
+    along: Callable[[LineModes], FloatArray] | None = None,
+) -> tuple[LineModes, BoolArray]:
     """Residual modes of forces and moments at the stations, of modes ``left`` out; and which of them stretch.
 
-    h: length of an element [m]. Bending and stretching stay apart: a force beside the axis is one on it and a moment.
+    h: length of an element [m]; along: what other loads along the line do on modes, instead of those at the stations:
+    (modes, loads). Bending and stretching stay apart: a force beside the axis is one on it and a moment.
     """
     parts, axial = [], []
     for stretching in (False, True):
         own = taken(left, np.flatnonzero(is_axial == stretching))
         stretch, deflection, slope = interpolate(own, h, stations)
-        loads = stretch if stretching else np.concatenate([deflection, slope])
-        omega2, turn = residual_modes(own.omega2, loads.T)
+        if stretching:
+            loads = along(own) if along else stretch.T
+        else:
+            loads = np.concatenate([deflection, slope]).T
+        omega2, turn = residual_modes(own.omega2, loads)
         parts.append(LineModes(omega2, *(shape @ turn for shape in own[1:])))
         axial.append(np.full(len(omega2), stretching))
     both = LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(*parts, strict=True)))
