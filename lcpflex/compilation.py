@@ -114,7 +114,8 @@ def compiled_parts(
     meshes = [p.source.resolution if p.source else None for p in placed]
     resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
     names = tuple(p.name for p in placed)
-    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions)
+    axes = tuple(p.source.axis if p.source else None for p in placed)
+    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions, axes)
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)

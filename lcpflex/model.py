@@ -19,6 +19,7 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 
 __all__ = [
+    "Axis",
     "Bodies",
     "Contacts",
     "Joints",
@@ -67,6 +68,18 @@ class Bodies(NamedTuple):
     bending_mode: IntArray
     shortening_start: IntArray  # (nb + 1,) offsets into shortening
     shortening: FloatArray  # flat k x k matrices G_a, one for each axial mode, symmetric, row-major
+
+
+class Axis(NamedTuple):
+    """The axis of a beam: what its axial force is compared with, at stations along it. No kernel takes it."""
+
+    length: float  # [m]
+    euler: float  # pi^2 E I / L^2, the buckling load of the beam with pinned ends [N]
+    station: FloatArray  # (k,) [m], ascending from 0 to the length
+    slope: FloatArray  # (k, n) w' of each mode [kg^-1/2]
+    spin: FloatArray  # (k,) tension that its stiffness counts with at 1 rad/s [N s^2]
+    given: FloatArray  # (k,) constant tension that its stiffness counts with [N]
+    actual: bool  # whether its stiffness counts with the axial force of the simulation
 
 
 class Points(NamedTuple):

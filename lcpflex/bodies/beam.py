@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.beam_shortening import axial_loads, shortening_of
-from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
+from lcpflex.bodies.beam_stiffening import Line, axis_of, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.ladder import mode_ladder
 from lcpflex.bodies.line_interfaces import Interfaces, residual_line, stations_of, taken
@@ -159,6 +159,7 @@ class Beam:
             shortening=shortening_of(line, found, is_axial, self.youngs_modulus * self.width * self.thickness)
             if actual
             else None,
+            axis=axis_of(line, found, nodes, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
             ladder=lambda: mode_ladder(available, lambda k, z: self.reduce(k, z, stiffening=stiffening), damping),
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )

@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
-from lcpflex.model import frozen
+from lcpflex.model import Axis, frozen
 
 __all__ = [
     "Body",
@@ -216,6 +216,7 @@ class Body:
     axisymmetric : whether it stands for a solid of revolution about x, which moves along its axis only
     resolution : what the mesh can resolve; None where it has none
     ladder : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is known
+    axis : of a beam: what its axial force is compared with; None for other bodies
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
 
@@ -244,6 +245,7 @@ class Body:
     resolution: Resolution | None = field(default=None, repr=False)
     ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
+    axis: Axis | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.stiffness)

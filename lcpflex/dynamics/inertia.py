@@ -197,12 +197,14 @@ def with_tangent(
     d = bodies.dof[b]
     first = d - 3 * b
     n = bodies.dof[b + 1] - d - 3
+    work.full[b] = 0
+    if alpha_k == 0.0:
+        return rigid
     start = work.dense_start[b]
     matrix = work.dense[start : start + n * n].reshape((n, n))
     diagonal = work.diagonal[first : first + n]
     turn = work.turn[first : first + n]
-    work.full[b] = 0
-    if alpha_k != 0.0 and factorise_tangent(bodies, b, q[d + 3 : d + 3 + n], alpha_k, diagonal, matrix):
+    if factorise_tangent(bodies, b, q[d + 3 : d + 3 + n], alpha_k, diagonal, matrix):
         work.full[b] = 1
         for i in range(3):
             for k in range(n):
