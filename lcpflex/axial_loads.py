@@ -1,12 +1,12 @@
 """Axial forces of beams in a run, against what their stiffness counts with and against small slopes.
 
-The bending of a linear beam does not feel its axial force N, which changes the squares of its lowest frequencies by about
+The bending of a linear beam does not feel its axial force N, which changes the square of its lowest frequency by about
 N / N_Euler, N_Euler = pi^2 E I / L^2. At stored instants N(x) follows from the equilibrium of the part behind x,
 
     N(x) = sum of F_i over x_i > x + integral from x to L of rho A (g - a) dx',   a = Rddot - omega^2 x'
 
 along the axis of the frame, deflections left out. F_i are loads, springs, contacts, and reactions of joints, from
-M udot = h + W p + J^T lambda, J udot + b = 0. Instants at which something strikes are left out: an impulse takes no time.
+M udot = h + W p + J^T lambda, J udot + b = 0. Instants at which something strikes are left out: an impulse is no load.
 Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted.
 """
 
@@ -17,10 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.floating_frame import point_position, point_velocity
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.kinematics import contact_point, contact_rows
 from lcpflex.contact.near import near
-from lcpflex.dynamics.applied_forces import applied_forces
+from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.time_functions import State
@@ -170,12 +171,31 @@ class _Forces:
             applied_forces(alone, t, q, u, span, external, force, force, force)
             d = int(self._compiled.model.bodies.dof[b])
             pulls[b].append((x, force[d : d + 2].copy()))
+        self._draw(q, u, pulls)
         force[:] = 0.0
         inertial_forces(model.bodies, model.loads, q, u, force)
         elastic_forces(model.bodies, q, u, force, force)
         applied_forces(model, t, q, u, span, external, force, force, force)
         self._press(result, k, q, force, pulls)
         return self._accelerated(t, q, u, external, force, pulls), pulls
+
+    def _draw(self, q: FloatArray, u: FloatArray, pulls: dict[int, Pulls]) -> None:
+        """Add the forces of springs and dampers, which may be between two points of one beam."""
+        bodies, points, loads = self._model.bodies, self._model.points, self._compiled.model.loads
+        for k in np.flatnonzero(loads.spring_kind == 0).tolist():
+            ends = [int(p) for p in loads.spring_point[k]]
+            if not any(int(points.body[p]) in pulls for p in ends):
+                continue
+            places = np.array([point_position(bodies, points, q, p) for p in ends])
+            rates = np.array([point_velocity(bodies, points, q, u, p) for p in ends])
+            apart, rate = places[0] - places[1], rates[0] - rates[1]
+            stiffness, damping, free = loads.spring_value[k]
+            length = max(float(np.hypot(*apart)), SMALLEST_LENGTH)
+            way = apart / length
+            pull = -(stiffness * (length - free) + damping * (way @ rate)) * way
+            for p, force in zip(ends, (pull, -pull), strict=True):
+                if int(points.body[p]) in pulls:
+                    pulls[int(points.body[p])].append((float(points.place[p, 0]), force))
 
     def _press(self, result: Result, k: int, q: FloatArray, force: FloatArray, pulls: dict[int, Pulls]) -> None:
         """Add the contact forces that were stored, on the pairs that touch there."""
@@ -238,21 +258,16 @@ class _Forces:
 
 
 def _single(compiled: Compiled, beams: list[int]) -> list[tuple[int, float, Loads]]:
-    """Each load on a beam by itself: the beam, the station [m], and loads that are this one only."""
+    """Each force on a beam by itself: the beam, the station [m], and loads that are this one only."""
     loads, points = compiled.model.loads, compiled.model.points
-    none = slice(0, 0)
     found = []
-    springs = [(k, int(p)) for k in np.flatnonzero(loads.spring_kind == 0).tolist() for p in loads.spring_point[k]]
-    forces = [(k, int(loads.force_point[k])) for k in np.flatnonzero(loads.force_kind != 2).tolist()]
-    for spring, which in ((True, springs), (False, forces)):
-        for k, p in which:
-            if points.body[p] not in beams:
-                continue
-            one = slice(k, k + 1)
-            a, b = (one, none) if spring else (none, one)
+    for k in np.flatnonzero(loads.force_kind != 2).tolist():
+        p, one, none = int(loads.force_point[k]), slice(k, k + 1), slice(0, 0)
+        if points.body[p] in beams:
             alone = loads._replace(
-                spring_kind=loads.spring_kind[a], spring_point=loads.spring_point[a], spring_value=loads.spring_value[a],
-                force_kind=loads.force_kind[b], force_point=loads.force_point[b], force_signal=loads.force_signal[b],
+                spring_kind=loads.spring_kind[none], spring_point=loads.spring_point[none],
+                spring_value=loads.spring_value[none], force_kind=loads.force_kind[one],
+                force_point=loads.force_point[one], force_signal=loads.force_signal[one],
             )  # fmt: skip
             found.append((int(points.body[p]), float(points.place[p, 0]), alone))
     return found

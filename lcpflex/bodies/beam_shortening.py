@@ -2,8 +2,8 @@
 
     1/omega_a^2 integral of E A u_a' w_k' w_l' dx = G_a[k, l],    N = E A sum_a (q_a + q_b^T G_a q_b / 2) u_a'
 
-With the static response to the forces that press a beam among its axial modes, N is exact for forces that change slowly,
-however few modes there are: forces along x at both ends, where it is held and at its interfaces, and the centrifugal
+With the static response to what presses a beam among its axial modes, N is exact for forces that change slowly, however
+few modes there are: forces along x at both ends, where it is held and at its interfaces, and the centrifugal
 load rho A (x - L/2) at 1 rad/s, of which a reaction takes what does not balance itself.
 """
 
@@ -41,9 +41,7 @@ def axial_loads(line: Line, stiffening: Stiffening, stations: FloatArray) -> Cal
     return loads
 
 
-def shortening_of(
-    line: Line, modes: LineModes, is_axial: npt.NDArray[np.bool_], rigidity: float
-) -> Shortening | None:
+def shortening_of(line: Line, modes: LineModes, is_axial: npt.NDArray[np.bool_], rigidity: float) -> Shortening | None:
     """How the modes shorten the beam; None where none of them bend it. rigidity: E A [N]."""
     axial, bending = np.flatnonzero(is_axial), np.flatnonzero(~is_axial)
     if not (len(axial) and len(bending)):

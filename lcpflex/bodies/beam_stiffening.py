@@ -46,9 +46,7 @@ def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> Flo
     return np.asarray(0.5 * (G + G.T))
 
 
-def axis_of(
-    line: Line, modes: LineModes, nodes: FloatArray, stiffening: Stiffening | None, rigidity: float
-) -> Axis:
+def axis_of(line: Line, modes: LineModes, nodes: FloatArray, stiffening: Stiffening | None, rigidity: float) -> Axis:
     """What the axial force of the beam is compared with, at its nodes. rigidity: E I [N m^2]."""
     spin, given = np.zeros_like(nodes), np.zeros_like(nodes)
     if stiffening is not None and not stiffening.actual:

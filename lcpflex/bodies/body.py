@@ -117,6 +117,13 @@ class Shortening:
     bending: IntArray
     matrices: FloatArray
 
+    def __post_init__(self) -> None:
+        shape = (len(self.axial), len(self.bending), len(self.bending))
+        matrices = array_of("shortening: matrices", self.matrices, shape)
+        if not np.array_equal(matrices, matrices.transpose(0, 2, 1)):
+            raise ModelError("shortening: a matrix that was given is not symmetric, expected G_a = G_a^T")
+        object.__setattr__(self, "matrices", matrices)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rung:

@@ -21,10 +21,10 @@ The last term is what a rigid rotation takes away: it costs no energy. The modes
 the body, as a cable in it or the walls that it is strung between: the scene has no load for it. A load of the scene
 along the same line already sees, in the floating frame, how that line leans, and must not be given besides.
 
-**The actual axial force.** ``Stiffening(axial_force="actual")`` of a beam: N follows from loads, joints and inertia as the
-simulation goes, and does work on bending, as :mod:`lcpflex.dynamics.shortening` has it. A load along the line adds
-that the line leans, so that a column feels the integral of N (w' - s)^2, once. Spin is in this force, too, and G is left
-out. It is a theory of small slopes: beyond the buckling load the straight state grows as it should, and nothing ends it.
+**The actual axial force.** ``Stiffening(axial_force="actual")`` of a beam: N follows from loads, joints and inertia as
+the simulation goes, and does work on bending, as :mod:`lcpflex.dynamics.shortening` has it. A load along the line adds
+how that leans, so that a column feels the integral of N (w' - s)^2, once. Spin is in this force, too: G is left out. It
+is a theory of small slopes: beyond the buckling load the straight state grows as it should, and nothing ends it.
 
 Source of foreshortening as a geometric stiffness linear in omega^2: Kane, Ryan & Banerjee 1987.
 """

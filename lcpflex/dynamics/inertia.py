@@ -5,9 +5,9 @@ In its own orthonormal basis the matrix of a body, M + alpha_c C + alpha_k K, re
     [ R (3 x 3)   B^T (3 x n) ]      R = [[m I, A J (s0 + S q)], [., I0 + 2 a.q + q.q - q^T G q]]
     [ B (n x 3)   diag(d)     ]      B_k = [A S_k, c_k + (q^T D)_k],   d_k = 1 + alpha_c c_k + alpha_k omega_k^2
 
-so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. Of a body whose axial force acts on its bending
-(:mod:`lcpflex.dynamics.shortening`), diag(d) gets alpha_k times the second derivatives of that potential at q, and a
-dense factor. alpha_c = alpha_k = 0 gives the mass
+so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. Where the axial force of a body acts on its
+bending (:mod:`lcpflex.dynamics.shortening`), diag(d) gets alpha_k times the second derivatives of that potential at q,
+and a dense factor. alpha_c = alpha_k = 0 gives the mass
 matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step of length h.
 G, for bodies that have it, is their stiffening by rotation (:mod:`lcpflex.bodies.stiffening`): deflections that draw
 the body together make it easier to spin, so that its stiffness omega^2 G and its torque come from one kinetic energy.

@@ -2,8 +2,8 @@
 
     V = 1/2 sum_a omega_a^2 z_a^2 + 1/2 sum_b omega_b^2 q_b^2,    z_a = q_a + 1/2 q_b^T G_a q_b
 
-so that N = E A sum_a z_a u_a' is the axial force and V holds 1/2 N w'^2: von Karman's strain u' + w'^2 / 2, taken in the
-space of the axial modes (an assumed strain: what they cannot follow neither locks nor softens). With p_a = G_a q_b,
+so that N = E A sum_a z_a u_a' is the axial force and V holds 1/2 N w'^2: von Karman's strain u' + w'^2 / 2, taken in
+the space of the axial modes (an assumed strain: what they cannot follow neither locks nor softens). With p_a = G_a q_b,
 
     dV/dq_a = omega_a^2 z_a,    dV/dq_b = omega_b^2 q_b + sum_a omega_a^2 z_a p_a
     d2V/dq_a dq_b = omega_a^2 p_a,    d2V/dq_b dq_b = diag(omega_b^2) + sum_a omega_a^2 (p_a p_a^T + z_a G_a)
@@ -82,9 +82,7 @@ def shortening_energy(bodies: Bodies, b: int, modal: FloatArray) -> float:
 
 
 @kernel
-def add_tangent(
-    bodies: Bodies, b: int, modal: FloatArray, scale: float, with_force: bool, matrix: FloatArray
-) -> None:
+def add_tangent(bodies: Bodies, b: int, modal: FloatArray, scale: float, with_force: bool, matrix: FloatArray) -> None:
     """matrix (n, n) += scale times the second derivatives of V without its linear springs.
 
     ``with_force`` False leaves out z_a G_a, with which compression may make them negative. Entries of axial with
@@ -117,8 +115,8 @@ def factorise_tangent(
 ) -> bool:
     """matrix (n, n) <- lower Cholesky factor of diag(1 / inverse) + scale d2V/dq2; False where it has none.
 
-    V without its linear springs, which are in the diagonal. Where compression leaves it indefinite, z_a G_a is left out:
-    an iteration takes longer then, and a step treats the axial force as it does any other.
+    V without its linear springs, which are in the diagonal. Where compression leaves it indefinite, z_a G_a is left
+    out: an iteration takes longer then, and a step treats the axial force as it does any other.
     """
     n = len(modal)
     for trial in range(2):

@@ -44,7 +44,9 @@ def column(share: float, modes: int | None = 8, bow: float = 0.0, damping: float
     return scene
 
 
-def middle(scene: lf.Scene, periods: float, stepper: object, record: float | None = None) -> tuple[lf.Result, np.ndarray]:
+def middle(
+    scene: lf.Scene, periods: float, stepper: object, record: float | None = None
+) -> tuple[lf.Result, np.ndarray]:
     result = lf.simulate(scene, periods * PERIOD, stepper, record=record, project=True)  # type: ignore[arg-type]
     return result, result.point("beam", "center")[:, 1]
 
@@ -156,7 +158,9 @@ def slider_crank(push: float, pieces: int, stiffening: Stiffening | None) -> lf.
 
 def turned(push: float, pieces: int, stiffening: Stiffening | None = None) -> tuple[lf.Result, np.ndarray]:
     """One turn, and the deflection of the middle of the rod from the line of its ends [m]."""
-    result = lf.simulate(slider_crank(push, pieces, stiffening), TURN, lf.GeneralizedAlpha(TURN / 2000), record=TURN / 200)
+    result = lf.simulate(
+        slider_crank(push, pieces, stiffening), TURN, lf.GeneralizedAlpha(TURN / 2000), record=TURN / 200
+    )
     left, right = result.point("rod 0", "left"), result.point(f"rod {pieces - 1}", "right")
     place = result.point("rod 0", "center") if pieces == 1 else result.point(f"rod {pieces // 2}", "left")
     along, off = right - left, place - left

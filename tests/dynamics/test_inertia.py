@@ -21,9 +21,7 @@ from lcpflex.model import Bodies, Loads, frozen
 RNG = np.random.default_rng(7)
 
 
-def random_bodies(
-    modes: tuple[int, ...], stiffened: tuple[int, ...] = (), shortened: tuple[int, ...] = ()
-) -> Bodies:
+def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = (), shortened: tuple[int, ...] = ()) -> Bodies:
     """Bodies whose integrals come from point masses, so that every matrix is a possible one.
 
     Some are stiffened by spin; some shorten as they bend: their first and last mode is axial, the others bend.
