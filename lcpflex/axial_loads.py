@@ -6,7 +6,8 @@ N / N_Euler, N_Euler = pi^2 E I / L^2. At stored instants N(x) follows from the 
     N(x) = sum of F_i over x_i > x + integral from x to L of rho A (g - a) dx',   a = Rddot - omega^2 x'
 
 along the axis of the frame, deflections left out. F_i are loads, springs, contacts, and reactions of joints, from
-M udot = h + W p + J^T lambda, J udot + b = 0. Instants at which something strikes are left out: an impulse is no load.
+M udot = h + W p + J^T lambda, J udot + b = 0. Collisions are left out until the beam has vibrated once: they
+take no time to bend it. Where something always strikes, so much N must be reached half of the time.
 Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted.
 """
 
@@ -24,6 +25,7 @@ from lcpflex.contact.near import near
 from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
+from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.dynamics.time_functions import State
 from lcpflex.model import Axis, Loads, Model
 from lcpflex.packed import pack
@@ -35,7 +37,8 @@ __all__ = ["with_axial_loads"]
 SHARE = 0.03  # of Euler's load, from where on a linear beam warns
 SLOPE = 0.1  # beyond which the strain u' + w'^2 / 2 is none
 INSTANTS = 200  # looked at, at most
-STRIKES = 0.5  # of a contact force that neighbouring instants do not share: it is an impulse
+STRIKES = 0.5  # of the impulse between two instants that forces do not explain, from where on it is that of an impact
+ENOUGH = 0.2  # of the instants, to look at those without collisions only
 NEAR = 1e-3  # of the size of the scene: pairs among which those that press are looked for
 REDUNDANT = 1e-12
 
@@ -94,32 +97,55 @@ def _too_steep(result: Result, compiled: Compiled, b: int, axis: Axis) -> str:
 
 
 def _worst(result: Result, compiled: Compiled, beams: list[tuple[int, Axis]]) -> list[Worst]:
-    """Of each beam, over the instants looked at."""
-    worst = [Worst(0.0, 0.0, 0.0) for _ in beams]
+    """Of each beam, over the instants looked at: the largest, or the middle one in a run that strikes all the time."""
+    looked: list[list[Worst]] = [[] for _ in beams]
     if not beams:
-        return worst
+        return []
     forces = _Forces(compiled, [b for b, _ in beams])
-    for k in _instants(result):
-        found = forces.at(result, int(k))
+    instants, calm = _instants(result, compiled, [b for b, _ in beams])
+    for k in instants.tolist():
+        found = forces.at(result, k)
         if found is None:
             break
         acceleration, pulls = found
         for i, (b, axis) in enumerate(beams):
             N = _uncounted(compiled.model, b, axis, result.q[k], result.u[k], acceleration, pulls[b])
             side, x = np.unravel_index(int(np.abs(N).argmax()), N.shape)
-            if abs(N[side, x]) > abs(worst[i].force):
-                worst[i] = Worst(float(N[side, x]), float(result.times[k]), float(axis.station[x]))
-    return worst
+            looked[i].append(Worst(float(N[side, x]), float(result.times[k]), float(axis.station[x])))
+    chosen = [sorted(found, key=lambda one: abs(one.force)) or [Worst(0.0, 0.0, 0.0)] for found in looked]
+    return [found[-1 if calm else len(found) // 2] for found in chosen]
 
 
-def _instants(result: Result) -> IntArray:
-    """Indices of the stored instants to look at: evenly spread, without those at which something strikes."""
-    force = np.where(np.isin(result.contact_names, result.by_law), 0.0, result.force[:, :, 0])
-    shared = force.copy()  # by the instants before and after
-    shared[1:] = np.minimum(shared[1:], force[:-1])
-    shared[:-1] = np.minimum(shared[:-1], force[1:])
-    calm = np.flatnonzero((shared >= STRIKES * force).all(axis=1))
-    return calm[np.unique(np.linspace(0, max(len(calm) - 1, 0), INSTANTS).astype(np.int64))] if len(calm) else calm
+def _instants(result: Result, compiled: Compiled, beams: list[int]) -> tuple[IntArray, bool]:
+    """Indices of the stored instants to look at, evenly spread; whether they are those without collisions.
+
+    A collision lasts until the slowest vibration of a beam is over. Where hardly an instant is left, all are taken.
+    """
+    times, lasts = result.times, float(slowest_vibrations(compiled.model.bodies)[beams].max())
+    calm = np.ones(len(times), dtype=bool)
+    for law, name in enumerate(result.contact_names):
+        pushes = _short(result, law, lasts) if name in result.by_law else _strikes(result, law)
+        for first, last in pushes:
+            calm[(times >= times[first]) & (times <= times[last] + lasts)] = False
+    lasting = bool(calm.mean() >= ENOUGH)
+    left = np.flatnonzero(calm if lasting else np.ones_like(calm))
+    return left[np.unique(np.linspace(0, len(left) - 1, INSTANTS).astype(np.int64))], lasting
+
+
+def _strikes(result: Result, law: int) -> list[tuple[int, int]]:
+    """First and last instant of the impacts of a contact: it takes more impulse than its force at both explains."""
+    force = result.force[:, law, 0]
+    taken = np.diff(result.impulse[:, law, 0])
+    steady = np.minimum(force[1:], force[:-1]) * np.diff(result.times)
+    return [(k, k + 1) for k in np.flatnonzero((taken > 0.0) & (taken - steady > STRIKES * taken)).tolist()]
+
+
+def _short(result: Result, law: int, lasts: float) -> list[tuple[int, int]]:
+    """First and last instant of the pushes of a contact by law that are over within ``lasts`` [s]."""
+    pressed = np.concatenate([[False], result.force[:, law, 0] > 0.0, [False]])
+    edges = np.flatnonzero(np.diff(pressed.astype(np.int8))).reshape(-1, 2)
+    pushes = [(int(first), int(last) - 1) for first, last in edges]
+    return [(first, last) for first, last in pushes if result.times[last] - result.times[first] <= lasts]
 
 
 def _uncounted(
