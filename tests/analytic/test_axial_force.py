@@ -23,10 +23,10 @@ ACTUAL = Stiffening(axial_force="actual")
 COLUMN = lf.Beam(LENGTH, WIDTH, THICKNESS, DENSITY, MODULUS, elements=20)
 
 
-def column(share: float, modes: int | None = 8, bow: float = 0.0, damping: float = 0.0) -> lf.Scene:
+def column(share: float, modes: int | None = 8, bow: float = 0.0, weight: float = 0.0) -> lf.Scene:
     """A pinned column under ``share`` of Euler's load; at the start it is as long as it is under that load.
 
-    ``bow``: deflection of its middle at the start [m], a half sine.
+    ``bow``: deflection of its middle at the start [m], a half sine; ``weight`` [N/m].
     """
     k = math.pi / LENGTH
 
@@ -34,9 +34,9 @@ def column(share: float, modes: int | None = 8, bow: float = 0.0, damping: float
         shortened = 0.25 * (bow * k) ** 2 * (x + math.sin(2.0 * k * x) / (2.0 * k))
         return -shortened - share * EULER * x / (MODULUS * AREA), bow * math.sin(k * x)
 
-    body = COLUMN.reduce(modes, damping, stiffening=ACTUAL, interfaces=("left", "right"))
+    body = COLUMN.reduce(modes, stiffening=ACTUAL, interfaces=("left", "right"))
     dx, dy, angle, modal = body.project(start)
-    scene = lf.Scene(gravity=(0, 0))
+    scene = lf.Scene(gravity=(0, -weight / (DENSITY * AREA)))
     beam = scene.add(body, "beam", position=(dx, dy), angle=angle, modal=modal)
     scene.join(lf.Revolute(beam.point("left"), scene.ground.at(0, 0)))
     scene.join(lf.PointOnLine(beam.point("right"), scene.ground.at(LENGTH, 0), (1, 0)))
@@ -58,6 +58,22 @@ def test_frequency_of_a_loaded_column(share, tolerance, modes):
     found = small_vibrations(column(share, modes))
     assert found.frequencies[0] == pytest.approx(FIRST * math.sqrt(1.0 - share), rel=tolerance)
     assert found.growth < 1e-6 * FIRST
+
+
+@pytest.mark.parametrize("share", [-0.5, 0.5, 0.9])
+def test_sag_of_a_loaded_column(share):
+    """Under its weight: 5 q L^4 / (384 E I) times 12 (2 sec u - 2 - u^2) / (5 u^4), u^2 = pi^2 P / (4 P_E)."""
+    weight = 0.1
+    scene = column(share, weight=weight)
+    q, body = small_vibrations(scene).q, scene.parts().placed[0].source
+    assert body is not None
+    center = body.points["center"]
+    local = center.place + q[3:] @ center.phi
+    sag = -(q[1] + math.sin(q[2]) * local[0] + math.cos(q[2]) * local[1])
+    u2 = math.pi**2 * share / 4.0
+    secant = 1.0 / math.cos(math.sqrt(u2)) if u2 > 0.0 else 1.0 / math.cosh(math.sqrt(-u2))
+    grown = 12.0 * (2.0 * secant - 2.0 - u2) / (5.0 * u2**2)
+    assert sag == pytest.approx(5.0 * weight * LENGTH**4 / (384.0 * RIGIDITY) * grown, rel=1e-4)
 
 
 @pytest.mark.parametrize("share", [1.2, 2.0])
