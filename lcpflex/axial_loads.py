@@ -7,7 +7,7 @@ N / N_Euler, N_Euler = pi^2 E I / L^2. At stored instants N(x) follows from the 
 
 along the axis of the frame, deflections left out. F_i are loads, springs, contacts, and reactions of joints, from
 M udot = h + W p + J^T lambda, J udot + b = 0. Collisions are left out until the beam has vibrated once: they
-take no time to bend it. Where something always strikes, so much N must be reached half of the time.
+take no time to bend it. Where something always strikes, the median over time is taken.
 Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted.
 """
 
@@ -31,6 +31,7 @@ from lcpflex.model import Axis, Loads, Model
 from lcpflex.packed import pack
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
+from lcpflex.stated_error import CLAMPED
 
 __all__ = ["with_axial_loads"]
 
@@ -97,31 +98,38 @@ def _too_steep(result: Result, compiled: Compiled, b: int, axis: Axis) -> str:
 
 
 def _worst(result: Result, compiled: Compiled, beams: list[tuple[int, Axis]]) -> list[Worst]:
-    """Of each beam, over the instants looked at: the largest, or the middle one in a run that strikes all the time."""
-    looked: list[list[Worst]] = [[] for _ in beams]
+    """Of each beam, over the instants looked at: the largest, or the median in a run that strikes all the time."""
     if not beams:
         return []
     forces = _Forces(compiled, [b for b, _ in beams])
     instants, calm = _instants(result, compiled, [b for b, _ in beams])
+    looked: list[list[FloatArray]] = [[] for _ in beams]
     for k in instants.tolist():
         found = forces.at(result, k)
         if found is None:
-            break
+            return [Worst(0.0, 0.0, 0.0) for _ in beams]
         acceleration, pulls = found
         for i, (b, axis) in enumerate(beams):
-            N = _uncounted(compiled.model, b, axis, result.q[k], result.u[k], acceleration, pulls[b])
-            side, x = np.unravel_index(int(np.abs(N).argmax()), N.shape)
-            looked[i].append(Worst(float(N[side, x]), float(result.times[k]), float(axis.station[x])))
-    chosen = [sorted(found, key=lambda one: abs(one.force)) or [Worst(0.0, 0.0, 0.0)] for found in looked]
-    return [found[-1 if calm else len(found) // 2] for found in chosen]
+            looked[i].append(_uncounted(compiled.model, b, axis, result.q[k], result.u[k], acceleration, pulls[b]))
+    worst = []
+    for (_, axis), histories in zip(beams, looked, strict=True):
+        N = np.array(histories)  # (instants, 2, stations)
+        if not calm:  # a beam that rings is pulled as often as pressed
+            N = np.where(np.sort(N, axis=0)[len(N) // 2] == N, N, 0.0)
+        when, side, x = np.unravel_index(int(np.abs(N).argmax()), N.shape)
+        worst.append(Worst(float(N[when, side, x]), float(result.times[instants[when]]), float(axis.station[x])))
+    return worst
 
 
 def _instants(result: Result, compiled: Compiled, beams: list[int]) -> tuple[IntArray, bool]:
     """Indices of the stored instants to look at, evenly spread; whether they are those without collisions.
 
-    A collision lasts until the slowest vibration of a beam is over. Where hardly an instant is left, all are taken.
+    A collision lasts until the slowest vibration of a beam is over. Where hardly an instant is left, all are.
     """
-    times, lasts = result.times, float(slowest_vibrations(compiled.model.bodies)[beams].max())
+    times, slowest = result.times, slowest_vibrations(compiled.model.bodies)
+    held = np.unique(compiled.model.points.body[compiled.model.joints.point])
+    slowest[held[held >= 0]] *= CLAMPED
+    lasts = float(slowest[beams].max())
     calm = np.ones(len(times), dtype=bool)
     for law, name in enumerate(result.contact_names):
         pushes = _short(result, law, lasts) if name in result.by_law else _strikes(result, law)

@@ -21,6 +21,7 @@ _HOME = {
     "RigidBody": "rigid",
     "Round": "body",
     "Rung": "body",
+    "Shortening": "body",
     "SolidOfRevolution": "solid_of_revolution",
     "Stiffening": "stiffening",
     "craig_bampton": "reductions",
@@ -46,6 +47,7 @@ __all__ = [
     "RigidBody",
     "Round",
     "Rung",
+    "Shortening",
     "SolidOfRevolution",
     "Stiffening",
     "craig_bampton",
@@ -67,7 +69,7 @@ def __getattr__(name: str) -> Any:
 
 if TYPE_CHECKING:
     from lcpflex.bodies.beam import Bar, Beam
-    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung
+    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction import Rayleigh
