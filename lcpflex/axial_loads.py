@@ -105,7 +105,10 @@ def _worst(result: Result, compiled: Compiled, beams: list[tuple[int, Axis]]) ->
     instants, calm = _instants(result, compiled, [b for b, _ in beams])
     looked: list[list[FloatArray]] = [[] for _ in beams]
     for k in instants.tolist():
-        found = forces.at(result, k)
+        try:
+            found = forces.at(result, k)
+        except np.linalg.LinAlgError:  # a state that went astray, which is judged elsewhere
+            found = None
         if found is None:
             return [Worst(0.0, 0.0, 0.0) for _ in beams]
         acceleration, pulls = found
