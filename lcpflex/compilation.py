@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Chain, MaterialPoint
+from lcpflex.bodies.body import Body, Chain, MaterialPoint, Shortening
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.shapes import compile_contacts
@@ -112,7 +112,8 @@ def compiled_parts(
     resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
     names = tuple(p.name for p in placed)
     residual = tuple((p.source.residual_modes, p.source.contact_modes) if p.source else (0, 0) for p in placed)
-    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions, residual)
+    axes = tuple(p.source.axis if p.source else None for p in placed)
+    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions, residual, axes)
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)
@@ -178,9 +179,16 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
         flat = [np.zeros(0) if pick(body) is None else np.ravel(np.asarray(pick(body))) for body in sources]
         return frozen(np.cumsum([0, *(part.size for part in flat)]), np.int64), frozen(np.concatenate(flat))
 
+    def listed(pick: Callable[[Shortening], IntArray]) -> tuple[IntArray, IntArray]:
+        parts = [np.zeros(0) if body.shortening is None else pick(body.shortening) for body in sources]
+        return frozen(np.cumsum([0, *map(len, parts)]), np.int64), frozen(np.concatenate(parts), np.int64)
+
     coupling_start, coupling = square(lambda body: body.coupling)
     cross_start, cross = square(lambda body: body.cross_damping)
     geometric_start, geometric = square(lambda body: body.geometric)
+    shortening_start, shortening = square(lambda body: body.shortening.matrices if body.shortening else None)
+    axial_start, axial = listed(lambda of: of.axial)
+    bending_start, bending = listed(lambda of: of.bending)
     return Bodies(
         dof=frozen(np.cumsum([0, *(3 + body.modes for body in sources)]), np.int64),
         mass=joined(lambda body: body.mass),
@@ -197,6 +205,12 @@ def _bodies(sources: Sequence[Body]) -> Bodies:
         cross_damping=cross,
         geometric_start=geometric_start,
         geometric=geometric,
+        axial_start=axial_start,
+        axial_mode=axial,
+        bending_start=bending_start,
+        bending_mode=bending,
+        shortening_start=shortening_start,
+        shortening=shortening,
     )
 
 

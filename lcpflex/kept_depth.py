@@ -18,6 +18,7 @@ from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
+from lcpflex.dynamics.shortening import add_tangent
 from lcpflex.dynamics.start import violation
 from lcpflex.model import Model
 from lcpflex.packed import pack
@@ -89,7 +90,7 @@ def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, 
 
 
 def _stiffness(model: Model, q: FloatArray) -> FloatArray:
-    """Of springs, by differences, and of elastic modes (ndof, ndof)."""
+    """Of springs, by differences, and of elastic modes (ndof, ndof); the model is a packed one."""
     n, dof = len(q), model.bodies.dof
     K, still, away = np.zeros((n, n)), np.zeros(n), np.zeros(n)
     if len(model.loads.spring_kind):
@@ -102,4 +103,9 @@ def _stiffness(model: Model, q: FloatArray) -> FloatArray:
                 K[:, j] -= side * force / (2.0 * step)
     elastic = np.concatenate([np.arange(a + 3, b) for a, b in pairwise(dof)])
     K[elastic, elastic] += model.bodies.stiffness
+    for b in np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
+        own = slice(dof[b] + 3, dof[b + 1])
+        axial = np.zeros((dof[b + 1] - dof[b] - 3,) * 2)
+        add_tangent(model.bodies, b, q[own], 1.0, True, axial)
+        K[own, own] += axial
     return K

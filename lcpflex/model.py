@@ -19,6 +19,7 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 
 __all__ = [
+    "Axis",
     "Bodies",
     "Contacts",
     "Joints",
@@ -60,6 +61,25 @@ class Bodies(NamedTuple):
     cross_damping: FloatArray  # flat n x n off-diagonal part of the modal damping, row-major
     geometric_start: IntArray  # (nb + 1,) offsets into geometric; equal where G = 0
     geometric: FloatArray  # flat n x n matrices G of stiffening by rotation, symmetric, row-major
+    # of bodies that get shorter as they bend (see dynamics.shortening), which of their own modes are which; else none
+    axial_start: IntArray  # (nb + 1,) offsets into axial_mode
+    axial_mode: IntArray
+    bending_start: IntArray  # (nb + 1,) offsets into bending_mode
+    bending_mode: IntArray
+    shortening_start: IntArray  # (nb + 1,) offsets into shortening
+    shortening: FloatArray  # flat k x k matrices G_a, one for each axial mode, symmetric, row-major
+
+
+class Axis(NamedTuple):
+    """The axis of a beam: what its axial force is compared with, at stations along it. No kernel takes it."""
+
+    length: float  # [m]
+    euler: float  # pi^2 E I / L^2, the buckling load of the beam with pinned ends [N]
+    station: FloatArray  # (k,) [m], ascending from 0 to the length
+    slope: FloatArray  # (k, n) w' of each mode [kg^-1/2]
+    spin: FloatArray  # (k,) tension that its stiffness counts with at 1 rad/s [N s^2]
+    given: FloatArray  # (k,) constant tension that its stiffness counts with [N]
+    actual: bool  # whether its stiffness counts with the axial force of the simulation
 
 
 class Points(NamedTuple):
@@ -243,6 +263,12 @@ def bodiless_model(
         cross_damping=numbers,
         geometric_start=nowhere,
         geometric=numbers,
+        axial_start=nowhere,
+        axial_mode=indices,
+        bending_start=nowhere,
+        bending_mode=indices,
+        shortening_start=nowhere,
+        shortening=numbers,
     )
     joints = Joints(
         kind=indices,

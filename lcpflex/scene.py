@@ -18,7 +18,7 @@ from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
-from lcpflex.model import Model
+from lcpflex.model import Axis, Model
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ class Layout:
     points: dict[tuple[str, str], int]  # (body, point) -> material point
     resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
     residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
+    axes: tuple[Axis | None, ...] = ()  # of beams
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,6 +22,7 @@ _HOME = {
     "RigidBody": "rigid",
     "Round": "body",
     "Rung": "body",
+    "Shortening": "body",
     "SolidOfRevolution": "solid_of_revolution",
     "Stiffening": "stiffening",
     "craig_bampton": "reductions",
@@ -48,6 +49,7 @@ __all__ = [
     "RigidBody",
     "Round",
     "Rung",
+    "Shortening",
     "SolidOfRevolution",
     "Stiffening",
     "craig_bampton",
@@ -69,7 +71,7 @@ def __getattr__(name: str) -> Any:
 
 if TYPE_CHECKING:
     from lcpflex.bodies.beam import Bar, Beam
-    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung
+    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.interface import Interface
     from lcpflex.bodies.matrices import Matrices

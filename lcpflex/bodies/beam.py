@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from lcpflex.bodies.beam_stiffening import Line, bent_under_tension, spinning
+from lcpflex.bodies.beam_shortening import shortening_of, with_axial_loads
+from lcpflex.bodies.beam_stiffening import Line, axis_of, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
 from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.ladder import mode_ladder
@@ -103,7 +104,10 @@ class Beam:
         ----------
         modes : at most 3 elements (2 elements without ``axial``); None for all, 0 for no free modes
         damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
-        stiffening : by spin and by an axial force; None for the linear beam, which feels neither
+        stiffening : by spin and by an axial force; None for the linear beam, which feels neither. With the actual
+            axial force (:class:`Stiffening`), residual axial modes make it exact for what changes slowly: up to three,
+            for forces at the ends and spin, and one for each place along the beam where it is held or in
+            ``interfaces``
         interfaces : places where joints hold the beam, springs or loads act on it, or something strikes it: "left",
             "center", "right", x, (x, y), or an :class:`Interface`. Each adds up to three residual modes behind the free
             ones, the static response to a force along x, one along y, and a moment, so that the compliance there is
@@ -118,13 +122,16 @@ class Beam:
             or a stiffening that cannot be: compression beyond the buckling load.
         """
         check_stiffening(stiffening)
+        actual = stiffening is not None and stiffening.actual
+        if actual and not self.axial:
+            raise ModelError("axial_force: 'actual' was given for a beam with axial=False, expected one that stretches")
         available = (3 if self.axial else 2) * self.elements
         n = count_of_modes(modes, available)
         check_damping(damping, n)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
         places = interfaces_of(interfaces)
-        found, is_axial = self._modes(n, line, stiffening, self._loads(places))
+        found, is_axial = self._modes(n, line, stiffening, self._loads(line, places, stiffening if n else None))
         free, n = n, len(found.omega2)
         h = self.length / self.elements
         nodes = np.linspace(0.0, self.length, self.elements + 1)
@@ -155,7 +162,11 @@ class Beam:
             points=_end_points(locate, self.length),
             surfaces=_strip(found, h, nodes, 0.5 * self.thickness),
             locate=locate,
-            geometric=spinning(line, found, stiffening),
+            geometric=None if actual else spinning(line, found, stiffening),  # spin is in the actual force
+            shortening=shortening_of(line, found, is_axial, self.youngs_modulus * self.width * self.thickness)
+            if actual
+            else None,
+            axis=axis_of(line, found, nodes, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
             residual_modes=n - free,
             contact_modes=n - free - self._held_modes(free, line, stiffening, places),
             statics=LineStatics(lambda: self._whole(line, stiffening), self.length),
@@ -170,19 +181,21 @@ class Beam:
             products=lambda displacement: _beam_products(displacement, found, nodes, mass),
         )
 
-    def _loads(self, places: tuple[Interface, ...]) -> LineLoads:
-        return line_loads(self.length, self.thickness, places)
+    def _loads(self, line: Line, places: tuple[Interface, ...], stiffening: Stiffening | None) -> LineLoads:
+        """Of interfaces, and those that an actual axial force asks for."""
+        loads = line_loads(self.length, self.thickness, places)
+        return with_axial_loads(line, stiffening, loads) if stiffening is not None and stiffening.actual else loads
 
     def _held_modes(self, free: int, line: Line, stiffening: Stiffening | None, places: tuple[Interface, ...]) -> int:
         """How many residual modes there are for interfaces that nothing touches."""
-        held = tuple(place for place in places if not place.contact)
-        return len(self._modes(free, line, stiffening, self._loads(held))[0].omega2) - free if held else 0
+        held = self._loads(line, tuple(place for place in places if not place.contact), stiffening if free else None)
+        return len(self._modes(free, line, stiffening, held)[0].omega2) - free if held.any() else 0
 
     def _whole(self, line: Line, stiffening: Stiffening | None) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
         coarse = _coarser(self, FINE_ENOUGH)
         every = (3 if self.axial else 2) * coarse.elements
-        return coarse._modes(every, line._replace(elements=coarse.elements), stiffening, self._loads(()))[0]
+        return coarse._modes(every, line._replace(elements=coarse.elements), stiffening, self._loads(line, (), None))[0]
 
     def _modes(
         self, n: int, line: Line, stiffening: Stiffening | None, loads: LineLoads
@@ -190,11 +203,11 @@ class Beam:
         """The n lowest modes and the residual ones of the loads, and which of them are stretching modes."""
         area = self.width * self.thickness
         size = (self.elements, self.length, line.mass)
-        more = bool(len(loads.stretch) or len(loads.bend))
-        bends = 2 * self.elements if more else min(n, 2 * self.elements)
+        more = loads.any()
+        bends = 2 * self.elements if len(loads.bend) else min(n, 2 * self.elements)
         stretches = (self.elements if more else min(n, self.elements)) if self.axial else 0
         rigidity = self.youngs_modulus * area * self.thickness**2 / 12.0
-        if stiffening is None or stiffening.axial_force == 0.0:
+        if stiffening is None or stiffening.constant == 0.0:
             bend2, w, slope = bending_modes(*size, rigidity, bends)
         else:
             unloaded = bending_modes(*size, rigidity, 2 * self.elements)

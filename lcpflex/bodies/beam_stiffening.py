@@ -10,6 +10,7 @@ which for p = L/2 has no jump: the tension of free flight. The axial force N0 be
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +21,9 @@ from lcpflex.bodies.reduction import signed
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.model import Axis
 
-__all__ = ["Line", "bent_under_tension", "spinning"]
+__all__ = ["Line", "axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
 
 
 class Line(NamedTuple):
@@ -37,14 +39,41 @@ def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> Flo
     """G (n, n) of the modes; None without stiffening or modes. Raises ModelError for a place off the beam."""
     if stiffening is None or not len(modes.omega2):
         return None
-    length = line.length
-    p = 0.5 * length if stiffening.held is None else _station(line, "held", stiffening.held)
-    x, weight = _gauss(line, 0.0, p, length)
-    reach = np.where(x < p, p, length - p)
-    tension = 0.5 * line.mass / length * (reach**2 - (x - p) ** 2)
-    slope = interpolate(modes, length / line.elements, x)[2]
+    x, weight = gauss(line, 0.0, _pivot(line, stiffening), line.length)
+    tension = _spun(line, stiffening, x)
+    slope = interpolate(modes, line.length / line.elements, x)[2]
     G = slope.T @ ((weight * tension)[:, None] * slope)
     return np.asarray(0.5 * (G + G.T))
+
+
+def axis_of(line: Line, modes: LineModes, nodes: FloatArray, stiffening: Stiffening | None, rigidity: float) -> Axis:
+    """What the axial force of the beam is compared with, at its nodes. rigidity: E I [N m^2]."""
+    spin, given = np.zeros_like(nodes), np.zeros_like(nodes)
+    if stiffening is not None and not stiffening.actual:
+        spin = _spun(line, stiffening, nodes)
+    if stiffening is not None and stiffening.constant:
+        a, b = sorted(station_on(line, "between", end) for end in stiffening.between)
+        given[(nodes >= a) & (nodes <= b)] = stiffening.constant
+    return Axis(
+        length=line.length,
+        euler=math.pi**2 * rigidity / line.length**2,
+        station=nodes,
+        slope=modes.rotation,
+        spin=spin,
+        given=given,
+        actual=stiffening is not None and stiffening.actual,
+    )
+
+
+def _pivot(line: Line, stiffening: Stiffening) -> float:
+    return 0.5 * line.length if stiffening.held is None else station_on(line, "held", stiffening.held)
+
+
+def _spun(line: Line, stiffening: Stiffening, x: FloatArray) -> FloatArray:
+    """N(x) at 1 rad/s [N s^2], as the module has it."""
+    p = _pivot(line, stiffening)
+    reach = np.where(x < p, p, line.length - p)
+    return np.asarray(0.5 * line.mass / line.length * (reach**2 - (x - p) ** 2))
 
 
 def bent_under_tension(
@@ -59,15 +88,15 @@ def bent_under_tension(
     ModelError
         For compression beyond the buckling load, or places that the beam does not have.
     """
-    a, b = sorted(_station(line, "between", end) for end in stiffening.between)
+    a, b = sorted(station_on(line, "between", end) for end in stiffening.between)
     h = line.length / line.elements
     modes = LineModes(omega2, np.zeros_like(deflection), deflection, rotation)
     ends = interpolate(modes, h, np.array([a, b]))[1]
-    x, weight = _gauss(line, a, b)
+    x, weight = gauss(line, a, b)
     slope = interpolate(modes, h, x)[2] - (ends[1] - ends[0]) / (b - a)
     # scaled by the frequencies, K is I and what is added is small for all but the lowest modes: few digits are lost
     scaled = slope / np.sqrt(omega2)
-    relative = np.eye(len(omega2)) + stiffening.axial_force * (scaled.T @ (weight[:, None] * scaled))
+    relative = np.eye(len(omega2)) + stiffening.constant * (scaled.T @ (weight[:, None] * scaled))
     try:
         lower = np.linalg.cholesky(0.5 * (relative + relative.T))
     except np.linalg.LinAlgError:
@@ -82,12 +111,12 @@ def bent_under_tension(
     return periods[:count] ** -2, shapes[:nodes], shapes[nodes:]
 
 
-def _station(line: Line, name: str, held: object) -> float:
+def station_on(line: Line, name: str, held: object) -> float:
     """Where along the beam a place lies."""
     return station(name, held, line.length, line.thickness)  # type: ignore[arg-type]  # as Stiffening has checked
 
 
-def _gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
+def gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
     """Stations and weights of four Gauss points between nodes and the given places: exact to degree 7 in each piece."""
     places = np.unique([first, *later])
     nodes = np.linspace(0.0, line.length, line.elements + 1)

@@ -21,9 +21,9 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
-from lcpflex.model import frozen
+from lcpflex.model import Axis, frozen
 
 __all__ = [
     "Body",
@@ -36,6 +36,7 @@ __all__ = [
     "Resolution",
     "Round",
     "Rung",
+    "Shortening",
     "Statics",
     "array_of",
     "named",
@@ -121,6 +122,32 @@ class Statics(Protocol):
     def enough(self, x: float, y: float, rows: FloatArray, share: float) -> int:
         """How many free modes miss at most ``share`` of the compliance in the rows (3, k); 0 where it is not known."""
         ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shortening:
+    """How much shorter a body gets as it bends, by q_b^T G_a q_b / 2 in the coordinate of each axial mode a.
+
+    The potential that follows is that of :mod:`lcpflex.dynamics.shortening`.
+
+    Attributes
+    ----------
+    axial : (m,) which modes stretch the body
+    bending : (k,) which modes bend it
+    matrices : (m, k, k) G_a, each symmetric [kg^-1/2 / m]; of a beam
+        1/omega_a^2 integral of E A u_a' w_k' w_l' dx
+    """
+
+    axial: IntArray
+    bending: IntArray
+    matrices: FloatArray
+
+    def __post_init__(self) -> None:
+        shape = (len(self.axial), len(self.bending), len(self.bending))
+        matrices = array_of("shortening: matrices", self.matrices, shape)
+        if not np.array_equal(matrices, matrices.transpose(0, 2, 1)):
+            raise ModelError("shortening: a matrix that was given is not symmetric, expected G_a = G_a^T")
+        object.__setattr__(self, "matrices", matrices)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,6 +241,7 @@ class Body:
     coupling : (n, n) D = <Phi^T J^T Phi>, skew [-]; None where it is zero
     cross_damping : (n, n) off-diagonal part of the modal damping matrix [1/s]; None where it is zero
     geometric : (n, n) G, symmetric: spinning at omega adds the stiffness omega^2 G [-]; None without stiffening
+    shortening : of a body whose axial force acts on its bending; None where it does not
     points : named material points
     surfaces : named outlines, each a :class:`Chain` or a :class:`Round`; "outline" is the whole of it
     locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
@@ -223,6 +251,7 @@ class Body:
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
     contact_modes : how many of these interfaces of contacts have added: what ``MasslessBoundary`` makes static
     statics : static compliance of the whole mesh, to compare with; None where it is not known
+    axis : of a beam: what its axial force is compared with; None for other bodies
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
 
@@ -246,6 +275,7 @@ class Body:
     surfaces: Mapping[str, Outline]
     locate: Callable[[float, float], MaterialPoint]
     geometric: FloatArray | None = field(default=None, repr=False)
+    shortening: Shortening | None = field(default=None, repr=False)
     axisymmetric: bool = False
     resolution: Resolution | None = field(default=None, repr=False)
     ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
@@ -253,6 +283,7 @@ class Body:
     contact_modes: int = 0
     statics: Statics | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
+    axis: Axis | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         n = len(self.stiffness)

@@ -37,6 +37,11 @@ class LineLoads(NamedTuple):
 
     stretch: FloatArray  # (k,) places of forces along it [m]
     bend: FloatArray  # (m, 3) places [m] of forces across it, with their force and moment
+    spread: Callable[[LineModes], FloatArray] | None = None  # what a load spread along it does on its modes (k,)
+
+    def any(self) -> bool:
+        """Whether there is one."""
+        return bool(len(self.stretch) or len(self.bend) or self.spread)
 
 
 def line_loads(length: float, thickness: float, interfaces: Sequence[Interface]) -> LineLoads:
@@ -137,7 +142,8 @@ def residual_line(left: LineModes, is_axial: BoolArray, h: float, loads: LineLoa
 def _on_modes(modes: LineModes, h: float, loads: LineLoads, stretching: bool) -> FloatArray:
     """(loads, n) what each load does on each mode."""
     if stretching:
-        return interpolate(modes, h, loads.stretch)[0]
+        pulled = interpolate(modes, h, loads.stretch)[0]
+        return np.vstack([pulled, loads.spread(modes)]) if loads.spread else pulled
     place, force, moment = loads.bend.T[:, :, None]
     _, deflection, slope = interpolate(modes, h, place[:, 0])
     return np.asarray(force * deflection + moment * slope)

@@ -21,6 +21,11 @@ The last term is what a rigid rotation takes away: it costs no energy. The modes
 the body, as a cable in it or the walls that it is strung between: the scene has no load for it. A load of the scene
 along the same line already sees, in the floating frame, how that line leans, and must not be given besides.
 
+**The actual axial force.** ``Stiffening(axial_force="actual")`` of a beam: N follows from loads, joints and inertia as
+the simulation goes, and does work on bending, as :mod:`lcpflex.dynamics.shortening` has it. A load along the line adds
+how that leans, so that a column feels the integral of N (w' - s)^2, once. Spin is in this force, too: G is left out. It
+is a theory of small slopes: beyond the buckling load the straight state grows as it should, and nothing ends it.
+
 Source of foreshortening as a geometric stiffness linear in omega^2: Kane, Ryan & Banerjee 1987.
 """
 
@@ -28,7 +33,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -57,8 +62,10 @@ class Stiffening:
     ----------
     held : where the body is held while it spins: the name of a point or set of nodes, or a place (x, y) of the body
         frame [m]; None for a body that flies free and spins about its mass centre
-    axial_force : constant tension between two places, negative for compression [N]. The modes take place about
-        the state it makes, and the coordinates count from there
+    axial_force : constant tension between two places, negative for compression [N]: the modes take place about the
+        state it makes, and the coordinates count from there. Or "actual", for beams: what presses the beam in the
+        simulation, loads, joints, contacts and inertia; up to three residual axial modes are added for it, with which
+        explicit steps get shorter
     between : names of those two places, points or sets of nodes
 
     Raises
@@ -68,18 +75,32 @@ class Stiffening:
     """
 
     held: str | npt.ArrayLike | None = None
-    axial_force: float = 0.0
+    axial_force: float | Literal["actual"] = 0.0
     between: tuple[str, str] = ("left", "right")
 
     def __post_init__(self) -> None:
         if not (self.held is None or isinstance(self.held, str)):
             place = array_of("held", self.held, (2,))
             object.__setattr__(self, "held", (float(place[0]), float(place[1])))
-        object.__setattr__(self, "axial_force", in_range("axial_force", self.axial_force, -math.inf, math.inf))
+        if isinstance(self.axial_force, str):
+            if self.axial_force != "actual":
+                raise ModelError(f"axial_force: {self.axial_force!r} was given, expected a force [N] or 'actual'")
+        else:
+            object.__setattr__(self, "axial_force", in_range("axial_force", self.axial_force, -math.inf, math.inf))
         ends = self.between if isinstance(self.between, (tuple, list)) else ()
         if len(ends) != 2 or not all(isinstance(end, str) for end in ends) or ends[0] == ends[1]:
             raise ModelError(f"between: {self.between!r} was given, expected the names of two places")
         object.__setattr__(self, "between", tuple(ends))
+
+    @property
+    def actual(self) -> bool:
+        """Whether the axial force is that of the simulation."""
+        return self.axial_force == "actual"
+
+    @property
+    def constant(self) -> float:
+        """The axial force that is given [N]; 0 where it is that of the simulation."""
+        return 0.0 if isinstance(self.axial_force, str) else self.axial_force
 
 
 def check_stiffening(value: object) -> None:
@@ -100,13 +121,15 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     check_stiffening(stiffening)
     if stiffening is None or stiffening.axial_force == 0.0:
         return mesh
+    if stiffening.actual:
+        raise ModelError("axial_force: 'actual' was given for a mesh, expected it for a Beam, or a force in N")
     from scipy.sparse import csc_matrix
 
     from lcpflex.bodies.elastic_modes import held_up, mesh_rank
     from lcpflex.bodies.sparse_factor import NotPositive
 
     _refuse_unknown_stress(mesh)
-    force = stiffening.axial_force
+    force = stiffening.constant
     a, b = (_place(mesh, "between", end) for end in stiffening.between)
     if np.intersect1d(a[0], b[0]).size:
         raise ModelError(f"between: {stiffening.between!r} share nodes, expected places apart from each other")

@@ -5,7 +5,9 @@ In its own orthonormal basis the matrix of a body, M + alpha_c C + alpha_k K, re
     [ R (3 x 3)   B^T (3 x n) ]      R = [[m I, A J (s0 + S q)], [., I0 + 2 a.q + q.q - q^T G q]]
     [ B (n x 3)   diag(d)     ]      B_k = [A S_k, c_k + (q^T D)_k],   d_k = 1 + alpha_c c_k + alpha_k omega_k^2
 
-so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. alpha_c = alpha_k = 0 gives the mass
+so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. Where the axial force of a body acts on its
+bending (:mod:`lcpflex.dynamics.shortening`), diag(d) gets alpha_k times the second derivatives of that potential at q,
+and a dense factor. alpha_c = alpha_k = 0 gives the mass
 matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step of length h.
 G, for bodies that have it, is their stiffening by rotation (:mod:`lcpflex.bodies.stiffening`): deflections that draw
 the body together make it easier to spin, so that its stiffness omega^2 G and its torque come from one kinetic energy.
@@ -19,7 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.dynamics.delassus import cholesky_solve
+from lcpflex.dynamics.shortening import factorise_tangent, shortening_energy, shortening_forces, shortens
 from lcpflex.model import Bodies, Loads
 from lcpflex.packed import pack
 
@@ -42,11 +46,30 @@ class Arrow(NamedTuple):
     couple: FloatArray  # (modes, 3) B
     diagonal: FloatArray  # (modes,) 1 / d
     turn: FloatArray  # (modes,) q^T D
+    full: IntArray  # (nb,) whether 1 / d is that of a dense matrix
+    dense_start: IntArray  # (nb + 1,) offsets into dense; equal where no such matrix can be
+    dense: FloatArray  # flat n x n lower Cholesky factors of these matrices
+    eased: FloatArray  # (modes, 3) their inverse times B
 
 
-def arrow(n_bodies: int, n_modes: int) -> Arrow:
-    """Memory for the factors of all bodies."""
-    return pack(Arrow(np.zeros((n_bodies, 3, 3)), np.zeros((n_modes, 3)), np.ones(n_modes), np.zeros(n_modes)))
+def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
+    """Memory for the factors of all bodies; ``dense`` (nb,): modes of each that gets shorter as it bends, 0 of others.
+
+    None: there is no such body.
+    """
+    sizes = np.zeros(n_bodies, dtype=np.int64) if dense is None else np.asarray(dense, dtype=np.int64) ** 2
+    return pack(
+        Arrow(
+            rigid=np.zeros((n_bodies, 3, 3)),
+            couple=np.zeros((n_modes, 3)),
+            diagonal=np.ones(n_modes),
+            turn=np.zeros(n_modes),
+            full=np.zeros(n_bodies, dtype=np.int64),
+            dense_start=np.concatenate([[0], np.cumsum(sizes)]),
+            dense=np.zeros(int(sizes.sum())),
+            eased=np.zeros((n_modes if sizes.any() else 0, 3)),
+        )
+    )
 
 
 @kernel
@@ -154,6 +177,8 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
             xt -= bx * bt * scale
             yt -= by * bt * scale
             tt -= bt * bt * scale
+        if shortens(bodies, b):
+            xx, xy, yy, xt, yt, tt = with_tangent(bodies, q, b, alpha_k, work, (xx, xy, yy, xt, yt, tt))
         lower = work.rigid[b]
         lower[0, 0] = math.sqrt(xx)
         lower[1, 0] = xy / lower[0, 0]
@@ -161,6 +186,57 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
         lower[1, 1] = math.sqrt(yy - lower[1, 0] * lower[1, 0])
         lower[2, 1] = (yt - lower[2, 0] * lower[1, 0]) / lower[1, 1]
         lower[2, 2] = math.sqrt(tt - lower[2, 0] * lower[2, 0] - lower[2, 1] * lower[2, 1])
+
+
+@kernel
+def with_tangent(
+    bodies: Bodies, q: FloatArray, b: int, alpha_k: float, work: Arrow, rigid: tuple[float, ...]
+) -> tuple[float, ...]:
+    """The Schur complement (xx, xy, yy, xt, yt, tt) of body b with its dense matrix, from that with the diagonal."""
+    xx, xy, yy, xt, yt, tt = rigid
+    d = bodies.dof[b]
+    first = d - 3 * b
+    n = bodies.dof[b + 1] - d - 3
+    work.full[b] = 0
+    if alpha_k == 0.0:
+        return rigid
+    start = work.dense_start[b]
+    matrix = work.dense[start : start + n * n].reshape((n, n))
+    diagonal = work.diagonal[first : first + n]
+    turn = work.turn[first : first + n]
+    if factorise_tangent(bodies, b, q[d + 3 : d + 3 + n], alpha_k, diagonal, matrix):
+        work.full[b] = 1
+        for i in range(3):
+            for k in range(n):
+                turn[k] = work.couple[first + k, i]
+            cholesky_solve(matrix, n, turn)
+            for k in range(n):
+                work.eased[first + k, i] = turn[k]
+        for k in range(n):
+            row = work.couple[first + k]
+            more_x = work.eased[first + k, 0] - diagonal[k] * row[0]
+            more_y = work.eased[first + k, 1] - diagonal[k] * row[1]
+            more_t = work.eased[first + k, 2] - diagonal[k] * row[2]
+            xx -= row[0] * more_x
+            xy -= row[0] * more_y
+            yy -= row[1] * more_y
+            xt -= row[0] * more_t
+            yt -= row[1] * more_t
+            tt -= row[2] * more_t
+    return xx, xy, yy, xt, yt, tt
+
+
+@kernel
+def solve_rigid(work: Arrow, b: int, x: float, y: float, t: float) -> tuple[float, float, float]:
+    """The Schur complement of body b solved for (x, y, t)."""
+    lower = work.rigid[b]
+    x /= lower[0, 0]
+    y = (y - lower[1, 0] * x) / lower[1, 1]
+    t = (t - lower[2, 0] * x - lower[2, 1] * y) / lower[2, 2]
+    t /= lower[2, 2]
+    y = (y - lower[2, 1] * t) / lower[1, 1]
+    x = (x - lower[1, 0] * y - lower[2, 0] * t) / lower[0, 0]
+    return x, y, t
 
 
 @kernel
@@ -172,18 +248,29 @@ def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: Flo
     x = right[0]
     y = right[1]
     t = right[2]
+    if work.full[b] != 0:
+        start = work.dense_start[b]
+        for k in range(n):
+            out[3 + k] = right[3 + k]
+        cholesky_solve(work.dense[start : start + n * n].reshape((n, n)), n, out[3 : 3 + n])
+        for k in range(n):
+            x -= work.couple[first + k, 0] * out[3 + k]
+            y -= work.couple[first + k, 1] * out[3 + k]
+            t -= work.couple[first + k, 2] * out[3 + k]
+        x, y, t = solve_rigid(work, b, x, y, t)
+        for k in range(n):
+            row = work.eased[first + k]
+            out[3 + k] -= row[0] * x + row[1] * y + row[2] * t
+        out[0] = x
+        out[1] = y
+        out[2] = t
+        return
     for k in range(n):
         scaled = work.diagonal[first + k] * right[3 + k]
         x -= work.couple[first + k, 0] * scaled
         y -= work.couple[first + k, 1] * scaled
         t -= work.couple[first + k, 2] * scaled
-    lower = work.rigid[b]
-    x /= lower[0, 0]
-    y = (y - lower[1, 0] * x) / lower[1, 1]
-    t = (t - lower[2, 0] * x - lower[2, 1] * y) / lower[2, 2]
-    t /= lower[2, 2]
-    y = (y - lower[2, 1] * t) / lower[1, 1]
-    x = (x - lower[1, 0] * y - lower[2, 0] * t) / lower[0, 0]
+    x, y, t = solve_rigid(work, b, x, y, t)
     out[0] = x
     out[1] = y
     out[2] = t
@@ -268,7 +355,10 @@ def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, 
 def elastic_forces(
     bodies: Bodies, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
 ) -> None:
-    """conservative -= K q and dissipative -= C u, modal, every body (C with its off-diagonal part)."""
+    """conservative -= dV/dq and dissipative -= C u, modal, every body (C with its off-diagonal part).
+
+    V = q^T K q / 2, with what axial forces do to bending where a body has that.
+    """
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
         first = d - 3 * b
@@ -276,6 +366,8 @@ def elastic_forces(
         for k in range(n):
             conservative[d + 3 + k] -= bodies.stiffness[first + k] * q[d + 3 + k]
             dissipative[d + 3 + k] -= bodies.damping[first + k] * u[d + 3 + k]
+        if shortens(bodies, b):
+            shortening_forces(bodies, b, q[d + 3 : d + 3 + n], conservative[d + 3 : d + 3 + n])
         start = bodies.cross_damping_start[b]
         if bodies.cross_damping_start[b + 1] > start:
             # C u = u^T C: C is symmetric
@@ -310,5 +402,7 @@ def stored_energies(
             row = work.couple[first + k]
             kinetic += rate * (row[0] * vx + row[1] * vy + row[2] * omega + 0.5 * rate)
             elastic += 0.5 * bodies.stiffness[first + k] * q[d + 3 + k] ** 2
+        if shortens(bodies, b):
+            elastic += shortening_energy(bodies, b, q[d + 3 : bodies.dof[b + 1]])
         weight -= loads.gravity[0] * (mass * q[d] + wx) + loads.gravity[1] * (mass * q[d + 1] + wy)
     return kinetic, elastic, weight

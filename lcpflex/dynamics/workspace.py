@@ -79,8 +79,12 @@ def workspace(
     table: ContactTable,
     laws: LawContacts,
     dense: bool = False,
+    shortening: IntArray | None = None,
 ) -> Workspace:
-    """Allocate for bodies with offsets ``dof`` and as many contacts as ``table``, beside those by law."""
+    """Allocate for bodies with offsets ``dof`` and as many contacts as ``table``, beside those by law.
+
+    ``shortening`` (nb,): modes of each body that gets shorter as it bends, 0 of others.
+    """
     capacity = len(table.key)
     ndof = int(dof[-1])
     width = int(np.max(np.diff(dof), initial=1))
@@ -92,7 +96,7 @@ def workspace(
         external=zeros((n_external, 3)),
         span=zeros(2),
         table=table,
-        arrow=arrow(len(dof) - 1, n_modes),
+        arrow=arrow(len(dof) - 1, n_modes, shortening),
         dense=zeros((ndof, ndof) if dense else (0, 0)),
         middle=zeros(ndof),
         ahead=zeros(ndof),

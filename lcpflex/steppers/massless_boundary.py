@@ -95,6 +95,7 @@ class MasslessBoundaryScheme:
         self._compliance = contact_compliance(compliance_rows(stepper.compliance, system.names, system.n_laws))
         soft = self._compliance.soft
         flexibility = flexibilities(system.model, stepper.dynamic_modes, soft, system.contact_modes)
+        _refuse_shortening(system.model, flexibility)
         model = with_static_modes(system.model, flexibility)
         check_compliance(model, flexibility, system.q, soft, system.contact_name)
         u = np.where(flexibility > 0.0, 0.0, system.u)
@@ -321,6 +322,16 @@ def _refuse(system: System) -> None:
                 f"{name}: contact {system.contact_name(int(values.argmax()))} has {values.max():g}, "
                 "expected 0: with a massless boundary nothing is reflected by a law, the rebound is a result; use "
                 "MoreauJean or EventDriven for a coefficient"
+            )
+
+
+def _refuse_shortening(model: Model, flexibility: FloatArray) -> None:
+    """Static modes follow from contact forces alone, which those of a beam that feels its axial force do not."""
+    for b in np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
+        if flexibility[model.bodies.dof[b] : model.bodies.dof[b + 1]].any():
+            raise ModelError(
+                'stepper: MasslessBoundary was given for a beam with contacts and Stiffening(axial_force="actual"), '
+                "whose modes are not to be static; expected GeneralizedAlpha, MoreauJean or EventDriven"
             )
 
 

@@ -97,6 +97,7 @@ class System:
             self.table(capacity),
             self.law_contacts() if laws is None else laws,
             self.dense,
+            np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - 3, 0),
         )
 
     def tape(self, table_capacity: int, spots: int) -> Tape:

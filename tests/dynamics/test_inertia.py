@@ -7,6 +7,7 @@ import pytest
 
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.inertia import (
+    Arrow,
     arrow,
     elastic_forces,
     factorise,
@@ -20,8 +21,11 @@ from lcpflex.model import Bodies, Loads, frozen
 RNG = np.random.default_rng(7)
 
 
-def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = ()) -> Bodies:
-    """Bodies whose integrals come from point masses, so that every matrix is a possible one; some of them stiffened."""
+def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = (), shortened: tuple[int, ...] = ()) -> Bodies:
+    """Bodies whose integrals come from point masses, so that every matrix is a possible one.
+
+    Some are stiffened by spin; some shorten as they bend: their first and last mode is axial, the others bend.
+    """
     geometric, geometric_start = [np.zeros(0)], [0]
     fields: dict[str, list[FloatArray]] = {name: [] for name in ("S", "a", "c", "coupling", "stiffness", "damping")}
     mass, inertia, moment, starts = [], [], [], [0]
@@ -49,6 +53,10 @@ def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = ()) -> Bo
         half = 0.2 * RNG.normal(size=(n, n)) if b in stiffened else np.zeros((0, 0))
         geometric.append((half + half.T).ravel())
         geometric_start.append(geometric_start[-1] + half.size)
+    ends = [[0, n - 1] if b in shortened else [] for b, n in enumerate(modes)]
+    middles = [range(1, n - 1) if b in shortened else [] for b, n in enumerate(modes)]
+    halves = [0.5 * RNG.normal(size=(len(a), len(c), len(c))) for a, c in zip(ends, middles, strict=True)]
+    matrices = [(half + half.transpose(0, 2, 1)).ravel() for half in halves]
     joined = {name: np.concatenate(parts) for name, parts in fields.items()}
     dof = np.concatenate([[0], np.cumsum([3 + n for n in modes])])
     return Bodies(
@@ -67,6 +75,12 @@ def random_bodies(modes: tuple[int, ...], stiffened: tuple[int, ...] = ()) -> Bo
         cross_damping=frozen([]),
         geometric_start=frozen(geometric_start, np.int64),
         geometric=frozen(np.concatenate(geometric)),
+        axial_start=frozen(np.cumsum([0, *map(len, ends)]), np.int64),
+        axial_mode=frozen(np.concatenate(ends), np.int64),
+        bending_start=frozen(np.cumsum([0, *map(len, middles)]), np.int64),
+        bending_mode=frozen(np.concatenate(middles), np.int64),
+        shortening_start=frozen(np.cumsum([0, *map(len, matrices)]), np.int64),
+        shortening=frozen(np.concatenate(matrices)),
     )
 
 
@@ -116,6 +130,60 @@ def test_arrow_solve_inverts_the_matrix(modes: tuple[int, ...], stiffened: tuple
     np.testing.assert_allclose(matrix @ x, right, rtol=0, atol=1e-11)
 
 
+def elastic_hessian(bodies: Bodies, q: FloatArray) -> FloatArray:
+    """Second derivatives of the elastic energy, by differences of the forces."""
+    n, still, e = len(q), np.zeros(len(q)), 1e-5
+    hessian = np.zeros((n, n))
+    for i in range(n):
+        for side in (1.0, -1.0):
+            moved, force = q.copy(), np.zeros(n)
+            moved[i] += side * e
+            elastic_forces(bodies, moved, still, force, np.zeros(n))
+            hessian[i] -= side * force / (2.0 * e)
+    return hessian
+
+
+def dense_work(bodies: Bodies) -> Arrow:
+    modes = np.diff(bodies.dof) - 3
+    return arrow(len(modes), len(bodies.stiffness), np.where(np.diff(bodies.shortening_start) > 0, modes, 0))
+
+
+@pytest.mark.parametrize(("modes", "shortened"), [((5,), (0,)), ((4, 0, 5, 3), (0, 2))])
+def test_solve_takes_the_whole_tangent_of_a_body_that_shortens(
+    modes: tuple[int, ...], shortened: tuple[int, ...]
+) -> None:
+    """In tension, M + alpha_c C + alpha_k d2V/dq2 is positive definite, and it is inverted to rounding."""
+    bodies = random_bodies(modes, (), shortened)
+    q = 0.2 * RNG.normal(size=bodies.dof[-1])
+    alpha_c, alpha_k = 0.4, 0.2
+    matrix = kinetic_hessian(bodies, q) + alpha_k * elastic_hessian(bodies, q)
+    for b in range(len(modes)):
+        modal = np.arange(bodies.dof[b] + 3, bodies.dof[b + 1])
+        matrix[modal, modal] += alpha_c * bodies.damping[modal - 3 * (b + 1)]
+    assert np.linalg.eigvalsh(matrix)[0] > 0.0
+    work = dense_work(bodies)
+    factorise(bodies, q, alpha_c, alpha_k, work)
+    assert work.full.tolist() == [int(b in shortened) for b in range(len(modes))]
+    right = RNG.normal(size=len(q))
+    x = right.copy()
+    for b in range(len(modes)):
+        block = x[bodies.dof[b] : bodies.dof[b + 1]]
+        solve_block(bodies, work, b, block, block)
+    np.testing.assert_allclose(matrix @ x, right, rtol=0, atol=1e-8)
+
+
+def test_compression_that_leaves_the_tangent_indefinite_is_left_out_of_the_factor() -> None:
+    bodies = random_bodies((5,), (), (0,))
+    q = 0.2 * RNG.normal(size=8)
+    q[[3, 7]] = -50.0, 50.0  # compression in some direction of the bending modes, whatever the G_a are
+    work = dense_work(bodies)
+    factorise(bodies, q, 0.0, 1.0, work)
+    assert np.linalg.eigvalsh(kinetic_hessian(bodies, q) + elastic_hessian(bodies, q))[0] < 0.0
+    assert work.full[0] == 1
+    assert np.isfinite(work.rigid).all()
+    assert np.isfinite(work.dense).all()
+
+
 @pytest.mark.parametrize(("modes", "stiffened"), [((0,), ()), ((5,), (0,)), ((3, 0, 4), (2,))])
 def test_product_with_the_mass_matrix(modes: tuple[int, ...], stiffened: tuple[int, ...]) -> None:
     bodies = random_bodies(modes, stiffened)
@@ -128,10 +196,23 @@ def test_product_with_the_mass_matrix(modes: tuple[int, ...], stiffened: tuple[i
     np.testing.assert_allclose(out, kinetic_hessian(bodies, q) @ x, rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize(("modes", "stiffened"), [((0,), ()), ((5,), ()), ((2, 3), ()), ((5,), (0,)), ((2, 3), (0, 1))])
-def test_forces_are_those_of_the_lagrangian(modes: tuple[int, ...], stiffened: tuple[int, ...]) -> None:
+@pytest.mark.parametrize(
+    ("modes", "stiffened", "shortened"),
+    [
+        ((0,), (), ()),
+        ((5,), (), ()),
+        ((2, 3), (), ()),
+        ((5,), (0,), ()),
+        ((2, 3), (0, 1), ()),
+        ((5,), (), (0,)),
+        ((4, 3, 5), (1,), (0, 2)),
+    ],
+)
+def test_forces_are_those_of_the_lagrangian(
+    modes: tuple[int, ...], stiffened: tuple[int, ...], shortened: tuple[int, ...]
+) -> None:
     """h = dT/dq - (dM/dt) u - dV/dq, by central differences of the energies."""
-    bodies = random_bodies(modes, stiffened)
+    bodies = random_bodies(modes, stiffened, shortened)
     loads = no_loads((0.3, -9.81))
     q = 0.3 * RNG.normal(size=bodies.dof[-1])
     u = RNG.normal(size=len(q))

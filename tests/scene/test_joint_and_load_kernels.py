@@ -44,7 +44,7 @@ def make_model(kind, signal, ground_side=None, springs=(), forces=()):
         frozen(dof, np.int64), frozen(np.ones(2)), frozen(np.ones(2)), frozen(zeros((2, 2))), frozen(zeros((total, 2))),
         frozen(zeros(total)), frozen(zeros(total)), frozen(zeros(total)), frozen(zeros(total)),
         frozen(zeros(3), np.int64), frozen(zeros(0)), frozen(zeros(3), np.int64), frozen(zeros(0)),
-        frozen(zeros(3), np.int64), frozen(zeros(0)),
+        frozen(zeros(3), np.int64), frozen(zeros(0)), *3 * (frozen(zeros(3), np.int64), frozen(zeros(0), np.int64)),
     )  # fmt: skip
     count = (2, 3, 2, 1, 1, 1, 1)[kind]
     angle = 0.6
