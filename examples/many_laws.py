@@ -34,8 +34,8 @@ STEPPERS = {
     "Moreau-Jean": lf.MoreauJean(step=STEP),
     "Moreau-Jean, adaptive": lf.MoreauJean(step=STEP, adaptive=FINE),
     "generalised-alpha": lf.GeneralizedAlpha(step=STEP),
-    "massless boundary, 10 of 12 modes": lf.MasslessBoundary(step=STEP, dynamic_modes=10),
-    "massless boundary, 6 of 12 modes": lf.MasslessBoundary(step=STEP, dynamic_modes=6),
+    "massless boundary": lf.MasslessBoundary(step=STEP),
+    "massless boundary, 8 of 15 modes": lf.MasslessBoundary(step=STEP, dynamic_modes=8),
     "springs of 1e8 N/m": lf.Smooth(lf.Penalty(1e8)),
     "springs of 1e6 N/m": lf.Smooth(lf.Penalty(1e6)),
     "springs of 1e6 N/m, stiff steps": lf.Smooth(lf.Penalty(1e6), integrator=lf.Stiff()),
@@ -44,13 +44,15 @@ STEPPERS = {
 
 def run(folder: Path = Path()) -> lf.Result:
     results = {
-        name: lf.simulate(gallery.hemisphere_pendulum(modes=12), 0.06, stepper, record=1e-5)
+        name: lf.simulate(gallery.hemisphere_pendulum(modes=15), 0.06, stepper, record=1e-5)
         for name, stepper in STEPPERS.items()
     }
     exact = results["event-driven"]
     for name in ("Moreau-Jean", "Moreau-Jean, adaptive", "generalised-alpha"):  # the same model, other schemes
         assert abs(impulse(results[name]) / impulse(exact) - 1.0) < 0.01
-    assert all(result.complete and not result.warnings for result in results.values())
+    assert all(result.complete for result in results.values())
+    warned = [name for name, result in results.items() if result.warnings]
+    assert warned == ["massless boundary, 8 of 15 modes"]  # which says that it keeps too few
     print(table(results), "\n")
 
     figure = Figure(figsize=(12, 5.5), layout="constrained")

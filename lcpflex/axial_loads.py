@@ -6,8 +6,9 @@ N / N_Euler, N_Euler = pi^2 E I / L^2. At stored instants N(x) follows from the 
     N(x) = sum of F_i over x_i > x + integral from x to L of rho A (g - a) dx',   a = Rddot - omega^2 x'
 
 along the axis of the frame, deflections left out. F_i are loads, springs, contacts, and reactions of joints, from
-M udot = h + W p + J^T lambda, J udot + b = 0. Collisions are left out until the beam has vibrated once: they
-take no time to bend it. Where something always strikes, the median over time is taken.
+M udot = h + W p + J^T lambda, J udot + b = 0. Beams do not vibrate along their axis there, which is over many times
+while they bend once, unless their stretching shares what joints hold more than once. Collisions are left out until the
+beam has vibrated once: they take no time to bend it. Where something always strikes, the median over time is taken.
 Beams that count with their actual axial force are of small slopes: beyond SLOPE the result is not to be trusted.
 """
 
@@ -26,7 +27,6 @@ from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
-from lcpflex.dynamics.time_functions import State
 from lcpflex.model import Axis, Loads, Model
 from lcpflex.packed import pack
 from lcpflex.result import Result
@@ -191,14 +191,16 @@ class _Forces:
         self._loads = [(b, x, pack(compiled.model._replace(loads=one))) for b, x, one in _single(compiled, beams)]
         count, width = int(compiled.model.joints.row[-1]), int(np.diff(bodies.dof).max())
         self._rows = np.zeros((count, 2, width)), np.zeros((count, 2), dtype=np.int64), np.zeros(count), np.zeros(count)
+        self._stretching = np.concatenate([_stretching(compiled, b) for b in beams])
 
     def at(self, result: Result, k: int) -> tuple[FloatArray, dict[int, Pulls]] | None:
         """udot (ndof,) and the pulls at each beam; None where a Python function of the scene cannot be asked again."""
         model, t, q, u = self._model, float(result.times[k]), result.q[k].copy(), result.u[k].copy()
+        u[self._stretching] = 0.0
         external = np.zeros((self._compiled.n_external, 3))
         try:
             for callback in self._compiled.callbacks:
-                callback.fill(t, State(t, q, u, self._compiled.model.bodies.dof), external)
+                callback.fill(t, self._compiled.state(t, q, u), external)
         except Exception:  # it was asked in the run: what is wrong with it now is no matter of the run
             return None
         pulls: dict[int, Pulls] = {b: [] for b in self._beams}
@@ -273,6 +275,8 @@ class _Forces:
         for r, side in np.argwhere(owner >= 0).tolist():
             b = int(owner[r, side])
             J[r, dof[b] : dof[b + 1]] += rows[r, side, : dof[b + 1] - dof[b]]
+        held = self._held(J)
+        J, bias = np.vstack([J, held]), np.concatenate([bias, np.zeros(len(held))])
         free = self._solved(force)
         spread = np.column_stack([self._solved(row) for row in J])
         reaction = -np.linalg.pinv(J @ spread, rcond=REDUNDANT, hermitian=True) @ (J @ free + bias)
@@ -281,9 +285,17 @@ class _Forces:
             for side in range(2):
                 p = int(joints.point[joint, side])
                 if int(points.body[p]) in pulls:
-                    held = reaction[own] @ rows[own, side, :2]
-                    pulls[int(points.body[p])].append((float(points.place[p, 0]), held))
+                    pulled = reaction[own] @ rows[own, side, :2]
+                    pulls[int(points.body[p])].append((float(points.place[p, 0]), pulled))
         return np.asarray(free + spread @ reaction)
+
+    def _held(self, J: FloatArray) -> FloatArray:
+        """(k, ndof) rows that keep beams from vibrating along their axis; none where joints hold them there twice."""
+        still = J.copy()
+        still[:, self._stretching] = 0.0
+        if np.linalg.matrix_rank(still) < np.linalg.matrix_rank(J):
+            return np.zeros((0, J.shape[1]))
+        return np.asarray(np.eye(J.shape[1])[self._stretching])
 
     def _solved(self, force: FloatArray) -> FloatArray:
         """M^-1 times a force (ndof,)."""
@@ -292,6 +304,13 @@ class _Forces:
             block = out[dof[b] : dof[b + 1]]
             solve_block(self._model.bodies, self._arrow, b, block, block)
         return out
+
+
+def _stretching(compiled: Compiled, b: int) -> IntArray:
+    """Coordinates of a beam that do not bend it."""
+    axis, first = compiled.layout.axes[b], int(compiled.model.bodies.dof[b]) + 3
+    assert axis is not None
+    return first + np.flatnonzero(~axis.slope.any(axis=0))
 
 
 def _single(compiled: Compiled, beams: list[int]) -> list[tuple[int, float, Loads]]:

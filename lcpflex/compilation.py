@@ -67,9 +67,9 @@ class Assembly:
         return math.hypot(*(self.state.position(P) - self.state.position(Q)))
 
 
-def compiled_scene(scene: Scene, project: bool, indents: Callable[[str], bool] | None) -> Compiled:
+def compiled_scene(scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool) -> Compiled:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
-    reduced, said = reduced_scene(scene)
+    reduced, said = reduced_scene(scene, gives_way)
     parts = reduced.parts()
     materials = None if reduced is scene else Materials({one.body: one for one in parts.placed})
     compiled = compiled_parts(reduced.gravity, parts, materials, project, indents)

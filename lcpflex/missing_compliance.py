@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from lcpflex.placed import Placed
     from lcpflex.scene import DeclaredContact, Parts
 
-__all__ = ["MISSING", "missing_compliance"]
+__all__ = ["MISSING", "deficits", "missing_compliance"]
 
 MISSING = 0.01  # of the compliance of the mesh
 NODES = 9  # of a contact surface that are looked at
@@ -56,8 +56,7 @@ def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) ->
         body = one.source
         if body is None or body.statics is None or not body.modes:
             continue
-        deficits = [deficit for acting in _acting(one, body, parts, contacts) for deficit in _deficits(body, acting)]
-        short = [deficit for deficit in deficits if deficit.share > MISSING]
+        short = [deficit for acting in _acting(one, body, parts, contacts) for deficit in deficits(body, acting)]
         if short:
             found.append(_said(one.name, body, short))
     return tuple(found)
@@ -69,7 +68,7 @@ def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, Declar
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
         return (x, y), False
 
-    found, _ = acting_on(one.body, parts.joints, parts.loads, contacts, NODES, snap, False, parts.angle)
+    found = acting_on(one.body, parts.joints, parts.loads, contacts, NODES, snap, False, parts.angle)
     return [acting for acting in found if _has(body, acting.interface)]
 
 
@@ -83,12 +82,12 @@ def _has(body: Body, interface: Interface) -> bool:
     return True
 
 
-def _deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
-    """Those of something that acts; kept with what the mesh is known by, as a scene is compiled for every run."""
+def deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
+    """Those above 1 % of something that acts; kept with the mesh, as a scene is compiled for every run."""
     assert body.statics is not None
     modes, known = body.statics.known.get(acting, (None, ()))
     if modes is not body.stiffness:
-        known = tuple(_compared(body, acting))
+        known = tuple(deficit for deficit in _compared(body, acting) if deficit.share > MISSING)
         body.statics.known[acting] = (body.stiffness, known)
     return tuple(known)
 

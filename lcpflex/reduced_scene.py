@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 __all__ = ["reduced_scene"]
 
 
-def reduced_scene(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
+def reduced_scene(scene: Scene, gives_way: bool = False) -> tuple[Scene, tuple[str, ...]]:
     """The scene with reduced bodies in the place of unreduced ones, and which nodes of surfaces were taken, in words.
 
-    It is the scene itself where none is unreduced.
+    It is the scene itself where none is unreduced. ``gives_way``: each contact needs compliance of its own.
     """
     parts = scene.parts()
     if not any(placed.order for placed in parts.placed):
@@ -33,8 +33,10 @@ def reduced_scene(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
         if placed.order is None:
             bodies.append((placed.source, *placed.start))
             continue
-        interfaces, taken = placed.order.interfaces(placed.body, parts.joints, parts.loads, contacts, parts.angle)
-        body = placed.order.body(interfaces)
+        interfaces, taken = placed.order.interfaces(
+            placed.body, parts.joints, parts.loads, contacts, parts.angle, gives_way
+        )
+        body = placed.order.body(interfaces) if placed.order.modes else placed.source
         bodies.append((body, *placed.order.start(placed.start, body)))
         said += taken
     return remade(scene, bodies), tuple(said)

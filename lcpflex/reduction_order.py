@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,8 @@ from lcpflex.bodies.reduction import Damping, check_damping
 from lcpflex.bodies.reductions import undeformed
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.errors import ModelError, in_range
-from lcpflex.surface_interfaces import acting_on
+from lcpflex.missing_compliance import deficits
+from lcpflex.surface_interfaces import Acting, acting_on
 
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
@@ -25,9 +27,9 @@ if TYPE_CHECKING:
     from lcpflex.loads import Load
     from lcpflex.scene import DeclaredContact
 
-__all__ = ["CONTACT_NODES", "ReductionOrder", "order_of"]
+__all__ = ["ReductionOrder", "order_of"]
 
-CONTACT_NODES = 3  # of a surface that get residual modes: its ends and its middle
+CONTACT_NODES = 3  # of a surface that get residual modes where free modes do not do: its ends and its middle
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +39,7 @@ class ReductionOrder:
     model: Any  # Beam, Bar, or a mesh
     modes: int
     options: Mapping[str, Any]  # of ``model.reduce`` besides
-    contact_nodes: int
+    contact_nodes: int | None  # None: CONTACT_NODES, but those alone at which the free modes give way too little
     modal: FloatArray  # (modes,) initial coordinates of the free modes
     modal_velocity: FloatArray
     _made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)
@@ -60,13 +62,30 @@ class ReductionOrder:
         loads: tuple[Load, ...],
         contacts: Mapping[str, DeclaredContact],
         angle: Callable[[int], float],
+        gives_way: bool = False,
     ) -> tuple[tuple[Interface, ...], tuple[str, ...]]:
-        """The interfaces of the body, each once, and which nodes of surfaces were taken, in words.
+        """The interfaces of the body, each once, and how many nodes of surfaces were taken, in words.
 
-        ``angle`` of bodies at the start [rad].
+        ``angle`` of bodies at the start [rad]; ``gives_way``: every contact needs modes of its own. A body without free
+        modes is rigid, whatever acts on it.
         """
-        acting, said = acting_on(body, joints, loads, contacts, self.contact_nodes, self._snap, self.is_line, angle)
+        if not self.modes:
+            return (), ()
+        count = CONTACT_NODES if self.contact_nodes is None else self.contact_nodes
+        acting = acting_on(body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way)
+        if self.contact_nodes is None and not gives_way:
+            acting = self._needed(acting)
+        taken = Counter(f"{one.surface!r} ({one.name})" for one in acting if one.surface)
+        said = tuple(f"{number} node{'' if number == 1 else 's'} of {name}" for name, number in taken.items())
         return tuple(dict.fromkeys(one.interface for one in acting)), said
+
+    def _needed(self, acting: list[Acting]) -> list[Acting]:
+        """Without the nodes of surfaces at which the body gives way as its mesh does, to a hundredth."""
+        always = [one for one in acting if not one.surface]
+        if len(always) == len(acting):
+            return acting
+        body = self.body(tuple(dict.fromkeys(one.interface for one in always)))
+        return [one for one in acting if not one.surface or deficits(body, one)]
 
     def start(self, placed: tuple[FloatArray, FloatArray], body: Body) -> tuple[FloatArray, FloatArray]:
         """Initial configuration and velocity (3 + n,) of the reduced body: its residual modes begin at rest."""
@@ -102,7 +121,7 @@ def order_of(
     damping: Damping | None,
     stiffening: Stiffening | None,
     residual_damping: float | None,
-    contact_nodes: int,
+    contact_nodes: int | None,
     modal: npt.ArrayLike | None,
     modal_velocity: npt.ArrayLike | None,
 ) -> tuple[ReductionOrder, Body]:
@@ -127,7 +146,7 @@ def order_of(
         model=model,
         modes=n,
         options={name: value for name, value in given.items() if value is not None},
-        contact_nodes=whole_number("contact_nodes", contact_nodes, 0),
+        contact_nodes=None if contact_nodes is None else whole_number("contact_nodes", contact_nodes, 0),
         modal=zeros if modal is None else array_of("modal", modal, (n,)),
         modal_velocity=zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,)),
     )

@@ -121,7 +121,7 @@ def simulate(
     from lcpflex.steppers.own_laws import with_own_functions
 
     indents = getattr(stepper, "indents", None)  # of contacts that the stepper gives a force law
-    system, compiled, names = _system(scene, project, indents)
+    system, compiled, names = _system(scene, project, indents, getattr(stepper, "gives_way", False))
     if system.probe is not None:
         system = replace(system, model=for_system(system.model, system.probe, duration))
     if compiled is not None:
@@ -188,7 +188,7 @@ def _save_problems(recorder: Recorder, result: Result) -> Result:
 
 
 def _system(
-    scene: Scene | UserSystem, project: bool, indents: Callable[[str], bool] | None
+    scene: Scene | UserSystem, project: bool, indents: Callable[[str], bool] | None, gives_way: bool
 ) -> tuple[System, Compiled | None, tuple[str, ...]]:
     """The system that a stepper takes, what the scene was compiled to, and the names of the declared contacts."""
     from lcpflex.scene import Scene
@@ -198,7 +198,7 @@ def _system(
         return scene.system(project=project, indents=indents), None, tuple(scene.names)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
-    compiled = scene.compiled(project=project, indents=indents)
+    compiled = scene.compiled(project, indents, gives_way)
     return compiled.system(), compiled, compiled.layout.contacts
 
 

@@ -36,6 +36,7 @@ class Acting(NamedTuple):
     interface: Interface
     name: str  # of the joint, load or contact, for texts
     arm: float = math.inf  # of the forces that make a moment there [m]; infinite: it is one of its own
+    surface: str = ""  # label of the surface of several nodes that it is one of
 
 
 Snap = Callable[[float, float], tuple[tuple[float, float], bool]]  # nearest material, and whether the place is off it
@@ -50,24 +51,25 @@ def acting_on(
     snap: Snap,
     on_axis: bool,
     angle: Callable[[int], float],
-) -> tuple[tuple[Acting, ...], tuple[str, ...]]:
-    """What acts on a body, and what was taken of surfaces with more nodes, in words.
+    any_way: bool = False,
+) -> list[Acting]:
+    """What acts on a body; of a surface with more nodes, at ``contact_nodes`` of them.
 
-    ``on_axis``: it is a line, whose sections do not deform; ``angle`` of each body at the start [rad].
+    ``on_axis``: it is a line, whose sections do not deform; ``angle`` of each body at the start [rad]; ``any_way``:
+    with friction, a surface gives way along itself as well.
     """
     found = [*_of_joints(body, joints, angle), *_of_loads(body, loads)]
-    said = []
     for name, contact in contacts.items():
         for surface in contact.pair:
             if surface.body == body:
-                of_surface, chosen = _of_surface(surface.shape, contact.friction > 0.0, contact_nodes, snap, on_axis)
+                rubs = contact.friction > 0.0
                 arm = math.inf if surface.shape.kind is Kind.HALF_PLANE else surface.shape.radius
-                found += [Acting(interface, f"contact {name!r}", arm) for interface in of_surface]
-                if 0 < chosen < len(surface.shape.points):
-                    said.append(
-                        f"{chosen} of {len(surface.shape.points)} nodes of {surface.label!r} (contact {name!r})"
-                    )
-    return tuple(found), tuple(dict.fromkeys(said))
+                several = surface.label if len(surface.shape.points) > 1 and surface.shape.kind is Kind.CHAIN else ""
+                found += [
+                    Acting(interface, f"contact {name!r}", arm, several)
+                    for interface in _of_surface(surface.shape, rubs, contact_nodes, snap, on_axis, any_way)
+                ]
+    return found
 
 
 def _of_joints(body: int, joints: Mapping[str, Joint], angle: Callable[[int], float]) -> Iterator[Acting]:
@@ -119,24 +121,25 @@ def _direction(load: Force) -> tuple[float, float] | None:
     return None if x == y else (0.0, 1.0) if x else (1.0, 0.0)
 
 
-def _of_surface(surface: Surface, rubs: bool, count: int, snap: Snap, on_axis: bool) -> tuple[list[Interface], int]:
-    """The interfaces of a contact surface, and how many of its nodes they are; ``rubs``: it has friction.
+def _of_surface(surface: Surface, rubs: bool, count: int, snap: Snap, on_axis: bool, any_way: bool) -> list[Interface]:
+    """The interfaces of a contact surface; ``rubs``: it has friction.
 
     At a node, a disc or an arc forces have any direction. On a chain they are normal, which is where it gives way; the
     nodes of it are few, and forces along them would ask for as many more modes of much higher frequency.
     """
     if surface.kind is not Kind.CHAIN:  # forces on a radius or a half-plane reach the material with a lever
         lever = surface.kind is Kind.HALF_PLANE or (rubs and surface.kind is not Kind.NODE)
-        return [_on_material(surface.points[0], snap, None, lever)], 1
+        return [_on_material(surface.points[0], snap, None, lever)]
     chosen = chosen_nodes_of(surface, count, on_axis)
     normals = normals_of(surface)
     if on_axis and np.ptp([point.place[0] for point in surface.points]) > 0.0:
         normals[:] = (0.0, 1.0)  # ends of faces are no corners of a line: it is its axis that gives way
     found = []
     for k in chosen:
-        along = (float(normals[k][0]), float(normals[k][1])) if normals[k].any() else None
+        normal = normals[k].any() and not (rubs and any_way)
+        along = (float(normals[k][0]), float(normals[k][1])) if normal else None
         found.append(_on_material(surface.points[k], snap, along, False))
-    return found, len(chosen)
+    return found
 
 
 def _on_material(point: MaterialPoint, snap: Snap, along: tuple[float, float] | None, lever: bool) -> Interface:

@@ -36,7 +36,7 @@ def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40, restitut
 
 
 def hemisphere_pendulum(
-    modes: int = 12, friction: float = 0.3, reach: float = 0.65, speed: float = 0.4, radius: float = 0.01
+    modes: int = 15, friction: float = 0.3, reach: float = 0.65, speed: float = 0.4, radius: float = 0.01
 ) -> Scene:
     """The strip of :func:`pendulum`, let go horizontally, meets a fixed hemisphere under it.
 

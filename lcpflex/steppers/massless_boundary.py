@@ -19,7 +19,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -244,9 +244,9 @@ class MasslessBoundary:
     dynamic_modes
         Number of lowest modes that keep their mass, of each body with a contact; those above are its compliance at
         contacts. None: all modes that were asked for, where the body has residual modes for its contacts besides, as
-        by ``scene.add(body, modes=8)``; half of its modes, rounded down, where it has none. Fewer allow longer steps;
-        1/omega^2 of the modes above them must hold enough compliance for all the contacts of the body that close
-        together.
+        ``scene.add(body, modes=8)`` gives it; half of its modes, rounded down, where it has none. Fewer allow longer
+        steps; 1/omega^2 of the modes above them must hold enough compliance for all the contacts of the body that
+        close together.
     substeps
         Divide steps that the stability limit 2/omega does not admit, where omega is the highest frequency of the
         system with its contacts closed as they are. False: stop instead, with the admissible step.
@@ -279,6 +279,7 @@ class MasslessBoundary:
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
     compliance: Mapping[str, ElasticLaw] = field(default_factory=dict, hash=False)
+    gives_way: ClassVar[bool] = True  # bodies do so at every contact: reduced with their scene, they get modes for it
 
     def __post_init__(self) -> None:
         if self.step is not None:

@@ -94,6 +94,8 @@ def meshed_u(rng):
     return (outline[:, None, :] + parts[None, :, None] * steps[:, None, :]).reshape(-1, 2)
 
 
+pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose
+
 OUTLINES = {"star": star, "saw": saw, "gear": gear, "meshed U": meshed_u}
 
 

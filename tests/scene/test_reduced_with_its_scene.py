@@ -103,7 +103,7 @@ def compliance(body: Body, interface: Interface) -> np.ndarray:
 def test_compliance_at_every_interface_is_that_of_the_mesh(kind: str, acts: Callable[..., None]) -> None:
     model, length, y = MODELS[kind]
     scene = lf.Scene()
-    acts(scene, scene.add(model, name="b", modes=6), length, y)
+    acts(scene, scene.add(model, name="b", modes=6, contact_nodes=3), length, y)
     body, interfaces = flexible(scene)
     whole = model.reduce(None)
     assert interfaces
@@ -168,10 +168,16 @@ def test_nodes_of_large_surfaces_are_few_and_said() -> None:
     beam = scene.add(BEAM, name="strip", modes=4, contact_nodes=5)
     scene.contact(beam.surface("bottom"), scene.ground.half_plane((0.0, -1.0), (0.0, 1.0)), name="floor")
     compiled = scene.compiled()
-    assert compiled.notes == ("residual modes for 5 of 41 nodes of 'strip.bottom' (contact 'floor')",)
+    assert compiled.notes == ("residual modes for 5 nodes of 'strip.bottom' (contact 'floor')",)
     body, interfaces = flexible(scene)
     assert [interface.place[0] for interface in interfaces] == [0.0, 0.25, 0.5, 0.75, 1.0]  # type: ignore[index]
     assert body.contact_modes == body.residual_modes
+    enough = lf.Scene()  # eight free modes give way as the mesh does, within a hundredth, and two do not
+    for modes, nodes in ((8, 0), (2, 3)):
+        strip = enough.add(BEAM, f"{modes} modes", modes=modes)
+        enough.contact(strip.surface("bottom"), enough.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
+        assert enough.reduced().body(f"{modes} modes").source.residual_modes == nodes  # type: ignore[union-attr]
+    assert enough.compiled(gives_way=True).layout.residual == ((3, 3), (3, 3))
     none = lf.Scene()
     bare = none.add(BEAM, modes=4, contact_nodes=0)
     none.contact(bare.surface("bottom"), none.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
@@ -218,8 +224,7 @@ def test_python_forces_see_the_reduced_body() -> None:
         made, seen = scene(new)
         runs.append((lf.simulate(made, 0.02, lf.MoreauJean(1e-4), progress=False), seen))
     np.testing.assert_array_equal(runs[0][0].q, runs[1][0].q)
-    assert runs[0][1] == runs[1][1]
-    assert min(runs[0][1]) < -1e-4
+    assert min(runs[0][1]) == min(runs[1][1]) < -1e-4
 
 
 def test_other_bodies_in_its_place_and_ladders() -> None:

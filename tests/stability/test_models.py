@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from tests.run_warnings import of_the_run
 
 FLOOR = ((0.0, 0.0), (0.0, 1.0))
 
@@ -22,7 +23,7 @@ def falling_disc(height: float = 0.01, speed: float = 0.0, **law: Any) -> lf.Sce
     return scene
 
 
-def falling_strip(modes: int = 6, **law: Any) -> lf.Scene:
+def falling_strip(modes: int = 8, **law: Any) -> lf.Scene:
     """A soft strip falls on a floor with one end."""
     scene = lf.Scene()
     strip = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=8).reduce(modes=modes, damping=0.01)
@@ -86,7 +87,7 @@ def test_massless_boundaries_reflect_nothing(loud: Any) -> None:
     assert "restitution" in said
     assert "MoreauJean or EventDriven" in said
     result = lf.simulate(falling_strip(), 0.05, lf.MasslessBoundary(step=1e-4))
-    assert not result.warnings
+    assert not of_the_run(result)
     assert result.impulse[-1, 0, 0] > 0.0
 
 
