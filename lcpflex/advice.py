@@ -154,7 +154,7 @@ def contact_pairs(contact_radius: float, element_size: float, half_section: bool
 
 
 def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
-    """Number of elastic modes of a free body with natural frequencies up to ``frequency`` [Hz].
+    """Number of free elastic modes of a body with natural frequencies up to ``frequency`` [Hz]: ``modes`` of scene.add.
 
     Of a mesh they are counted without being computed: by Sylvester's law, K - omega^2 M has as many negative pivots as
     there are modes below omega, rigid ones included.
@@ -166,7 +166,7 @@ def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
     """
     omega = 2.0 * math.pi * _positive("frequency", frequency)
     if isinstance(body, Body):
-        known = body.frequencies()
+        known = body.frequencies()[: body.modes - body.residual_modes]  # residual ones are no vibrations
         highest = float(known.max(initial=0.0))
         if len(known) and highest < omega:
             raise ModelError(
@@ -201,7 +201,7 @@ class ContactAdvice:
     duration : of the contact, by Hertz [s]
     peak_force : by Hertz [N]
     radius : of the contact patch at the peak [m]
-    frequency : highest frequency excited [Hz]; modes are needed up to it
+    frequency : highest frequency excited [Hz]; free modes are needed up to it
     size_at_contact : longest element in the contact patch [m]
     size_elsewhere : longest element where the waves go [m], of each wave speed that was given
     step : longest step of a time-stepping scheme [s]: 20 in a period of the highest frequency
@@ -219,7 +219,8 @@ class ContactAdvice:
         sizes = " and ".join(f"{1e3 * size:.3g} mm" for size in self.size_elsewhere)
         return "\n".join([
             f"contact lasts about {1e6 * self.duration:.4g} us with a peak of about {self.peak_force:.4g} N (Hertz)",
-            f"it excites frequencies up to about {1e-3 * self.frequency:.3g} kHz: keep modes up to there",
+            f"it excites frequencies up to about {1e-3 * self.frequency:.3g} kHz: keep free modes up to there, and "
+            "residual modes at the contact (scene.add(body, modes=...))",
             f"contact patch: radius {1e3 * self.radius:.3g} mm; elements there of at most "
             f"{1e3 * self.size_at_contact:.2g} mm, for {PAIRS} pairs in contact",
             f"elements elsewhere of at most {sizes}, {PER_WAVELENGTH} to the shortest wave",

@@ -68,7 +68,8 @@ def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, Declar
     def snap(x: float, y: float) -> tuple[tuple[float, float], bool]:
         return (x, y), False
 
-    found = acting_on(one.body, parts.joints, parts.loads, contacts, NODES, snap, False, parts.angle)
+    everything = (parts.joints, parts.loads, contacts)
+    found = acting_on(one.body, *everything, NODES, snap, False, parts.angle, frame=one.frame_point)
     return [acting for acting in found if _has(body, acting.interface)]
 
 

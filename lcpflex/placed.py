@@ -77,6 +77,11 @@ class Placed:
     scene: Register = field(repr=False)
     order: ReductionOrder | None = field(default=None, repr=False)  # of a body that is reduced with its scene
 
+    @property
+    def frame_point(self) -> MaterialPoint | None:
+        """The point of a solid of revolution that rides with its frame; None of other bodies."""
+        return self.source.points.get("axis") if self.source is not None and self.source.axisymmetric else None
+
     def point(self, name: str) -> PlacedPoint:
         """A named point of the body."""
         known = {} if self.source is None else self.source.points

@@ -33,9 +33,7 @@ def reduced_scene(scene: Scene, gives_way: bool = False) -> tuple[Scene, tuple[s
         if placed.order is None:
             bodies.append((placed.source, *placed.start))
             continue
-        interfaces, taken = placed.order.interfaces(
-            placed.body, parts.joints, parts.loads, contacts, parts.angle, gives_way
-        )
+        interfaces, taken = placed.order.interfaces(placed, parts.joints, parts.loads, contacts, parts.angle, gives_way)
         body = placed.order.body(interfaces) if placed.order.modes else placed.source
         bodies.append((body, *placed.order.start(placed.start, body)))
         said += taken

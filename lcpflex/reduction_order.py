@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
     from lcpflex.joints import Joint
     from lcpflex.loads import Load
+    from lcpflex.placed import Placed
     from lcpflex.scene import DeclaredContact
 
 __all__ = ["ReductionOrder", "order_of"]
@@ -57,7 +58,7 @@ class ReductionOrder:
 
     def interfaces(
         self,
-        body: int,
+        placed: Placed,
         joints: Mapping[str, Joint],
         loads: tuple[Load, ...],
         contacts: Mapping[str, DeclaredContact],
@@ -72,7 +73,9 @@ class ReductionOrder:
         if not self.modes:
             return (), ()
         count = CONTACT_NODES if self.contact_nodes is None else self.contact_nodes
-        acting = acting_on(body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way)
+        acting = acting_on(
+            placed.body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way, placed.frame_point
+        )
         if self.contact_nodes is None and not gives_way:
             acting = self._needed(acting)
         taken = Counter(f"{one.surface!r} ({one.name})" for one in acting if one.surface)

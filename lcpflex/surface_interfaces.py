@@ -52,13 +52,15 @@ def acting_on(
     on_axis: bool,
     angle: Callable[[int], float],
     any_way: bool = False,
+    frame: MaterialPoint | None = None,
 ) -> list[Acting]:
     """What acts on a body; of a surface with more nodes, at ``contact_nodes`` of them.
 
     ``on_axis``: it is a line, whose sections do not deform; ``angle`` of each body at the start [rad]; ``any_way``:
-    with friction, a surface gives way along itself as well.
+    with friction, a surface gives way along itself as well; ``frame``: a point that rides with the frame of the body,
+    where nothing gives way.
     """
-    found = [*_of_joints(body, joints, angle), *_of_loads(body, loads)]
+    found = [*_of_joints(body, joints, angle, frame), *_of_loads(body, loads)]
     for name, contact in contacts.items():
         for surface in contact.pair:
             if surface.body == body:
@@ -72,10 +74,12 @@ def acting_on(
     return found
 
 
-def _of_joints(body: int, joints: Mapping[str, Joint], angle: Callable[[int], float]) -> Iterator[Acting]:
+def _of_joints(
+    body: int, joints: Mapping[str, Joint], angle: Callable[[int], float], frame: MaterialPoint | None
+) -> Iterator[Acting]:
     for name, joint in joints.items():
         for point in (joint.P, joint.Q):
-            if point.body == body:
+            if point.body == body and point.material is not frame:
                 along, turns = _of_joint(joint, point is joint.Q, angle)
                 yield Acting(_at(point, turns, not isinstance(joint, DrivenAngle), along), f"joint {name!r}")
 

@@ -80,9 +80,9 @@ HELD = (welded, pinned, held_by_springs, driven, struck_at_the_tip, struck_in_th
 def flexible(scene: lf.Scene) -> tuple[Body, tuple[Interface, ...]]:
     """The first body as it was reduced, and its interfaces."""
     parts = scene.parts()
-    order = parts.placed[0].order
-    assert order is not None
-    interfaces, _ = order.interfaces(0, parts.joints, parts.loads, parts.contacts, parts.angle)
+    placed = parts.placed[0]
+    assert placed.order is not None
+    interfaces, _ = placed.order.interfaces(placed, parts.joints, parts.loads, parts.contacts, parts.angle)
     body = scene.reduced().parts().placed[0].source
     assert body is not None
     return body, interfaces
@@ -351,6 +351,20 @@ def test_tracks_beside_a_beam_act_on_the_material_that_carries_them() -> None:
     body, interfaces = flexible(scene)
     assert all(abs(interface.place[1]) <= 0.0025 for interface in interfaces)  # type: ignore[index]
     assert body.residual_modes > 0
+
+
+def test_solids_of_revolution_give_way_along_their_axis() -> None:
+    """Held at the point that rides with the frame, where nothing gives way, and struck at the end."""
+    half = lf.meshes.bar(0.2, 0.02, 20).translated((0.0, 0.01))
+    rod = lf.SolidOfRevolution(half, density=7800.0, youngs_modulus=2.1e11, poissons_ratio=0.3)
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    body = scene.add(rod, "rod", modes=4)
+    scene.join(lf.Prismatic(body.point("axis"), scene.ground.at(0.1, 0.0), axis=(1.0, 0.0)))
+    scene.contact(body.node(0.2, 0.0), scene.ground.half_plane((0.3, 0.0), (-1.0, 0.0)))
+    reduced, interfaces = flexible(scene)
+    assert [interface.place for interface in interfaces] == [(0.2, 0.0)]
+    assert reduced.residual_modes == reduced.contact_modes == 1
+    assert not scene.compiled().warnings
 
 
 def test_a_stepper_without_joints_or_contacts_sees_a_free_body() -> None:
