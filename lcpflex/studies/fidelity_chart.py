@@ -63,7 +63,8 @@ def chart(study: RightSize) -> Figure:
     ax.text(0.01, study.tolerance, f" tolerance {100.0 * study.tolerance:.2g} %", transform=ax.get_yaxis_transform(),
             va="bottom", fontsize="small", color="#3B7A3B")  # fmt: skip
     bodies = " / ".join(study.runs[0].rungs)
-    ax.legend(loc="upper right", fontsize="small", title=f"labels: modes of {bodies}", title_fontsize="small")
+    plus = ", free+residual" if any("+" in _short(rung) for run in study.runs for rung in run.rungs.values()) else ""
+    ax.legend(loc="upper right", fontsize="small", title=f"labels: modes of {bodies}{plus}", title_fontsize="small")
     for axis in (ax.xaxis.set_major_formatter, ax.xaxis.set_minor_formatter):
         axis(LogFormatter(minor_thresholds=(2.0, 0.5)))
     ax.set_title("\n".join(_wrapped(study.sentence())), fontsize="medium", loc="left")
@@ -109,6 +110,8 @@ def _hidden(ax: Axes, at: tuple[float, float], text: str, named: list[tuple[floa
 
 
 def _short(rung: str) -> str:
+    if " free and " in rung:
+        return rung.removesuffix(" residual modes").replace(" free and ", "+")
     return rung.removesuffix(" modes").removesuffix(" mode").removesuffix(" mesh")
 
 
