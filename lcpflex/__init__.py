@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Bar": "lcpflex.bodies.beam",
+    "Bar": "lcpflex.bodies.bar",
     "Beam": "lcpflex.bodies.beam",
     "Rayleigh": "lcpflex.bodies.reduction",
     "Interface": "lcpflex.bodies.interface",
@@ -192,7 +192,8 @@ sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
     from lcpflex.accelerations import admissible_accelerations
-    from lcpflex.bodies.beam import Bar, Beam
+    from lcpflex.bodies.bar import Bar
+    from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.interface import Interface
     from lcpflex.bodies.matrices import Matrices

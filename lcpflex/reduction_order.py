@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.beam import Bar, Beam
+from lcpflex.bodies.bar import Bar
+from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.body import Body, array_of, whole_number
 from lcpflex.bodies.interface import Interface
 from lcpflex.bodies.reduction import Damping, check_damping

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
-    "Bar": "beam",
+    "Bar": "bar",
     "Beam": "beam",
     "Body": "body",
     "Box": "rigid",
@@ -70,7 +70,8 @@ def __getattr__(name: str) -> Any:
 
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.beam import Bar, Beam
+    from lcpflex.bodies.bar import Bar
+    from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.interface import Interface

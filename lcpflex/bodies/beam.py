@@ -1,20 +1,27 @@
-"""Straight uniform beams and bars, through finite elements and free-interface modes."""
+"""Straight uniform beams, through finite elements and free-interface modes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from copy import copy
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from lcpflex.bodies.beam_shortening import shortening_of, with_axial_loads
 from lcpflex.bodies.beam_stiffening import Line, axis_of, bent_under_tension, spinning
-from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, array_of, whole_number
+from lcpflex.bodies.body import Body, Displacement, array_of, whole_number
 from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.ladder import mode_ladder
+from lcpflex.bodies.line_body import (
+    FINE_ENOUGH,
+    check_positive,
+    coarser,
+    end_points,
+    line_moments,
+    locator,
+    strip,
+)
 from lcpflex.bodies.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.bodies.line_mesh import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.material import check_material
@@ -29,16 +36,11 @@ from lcpflex.bodies.reduction import (
 )
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, in_range
-from lcpflex.model import frozen
+from lcpflex.errors import ModelError
 
-__all__ = ["Bar", "Beam"]
-
-Line_ = TypeVar("Line_", "Beam", "Bar")
+__all__ = ["Beam"]
 
 BEAM_ELEMENTS = 1000  # beyond it the bending stiffness of free elements drowns in rounding (omega^2 ~ elements^-4)
-BAR_ELEMENTS = 20_000
-FINE_ENOUGH = 100  # elements of the line whose static compliance stands for that of a finer one
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +85,7 @@ class Beam:
     axial: bool = True
 
     def __post_init__(self) -> None:
-        _check_positive(self, ("length", "width", "thickness"))
+        check_positive(self, ("length", "width", "thickness"))
         check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BEAM_ELEMENTS))
         if not isinstance(self.axial, (bool, np.bool_)):
@@ -137,7 +139,7 @@ class Beam:
         nodes = np.linspace(0.0, self.length, self.elements + 1)
         inertia = mass * self.length**2 / 3.0
         stretched, bent = found.stretch[:, is_axial], np.flatnonzero(~is_axial)
-        moments = _line_moments(nodes, mass / self.elements, found.stretch, lumped=False)
+        moments = line_moments(nodes, mass / self.elements, found.stretch, lumped=False)
         linear = np.column_stack([np.ones_like(nodes), nodes])
         raised = mixed_mass(linear, found.deflection, found.rotation, mass / self.elements, h).T  # <w>, <x w>
         vanish("S", np.concatenate([moments[:, 0], raised[:, 0]]), math.sqrt(mass))
@@ -147,7 +149,7 @@ class Beam:
         mixed = mixed_mass(stretched, *bending, mass / self.elements, h)  # <u_k w_l>, D = <u_k w_l - w_k u_l>
         coupling[np.ix_(is_axial, ~is_axial)] = mixed
         coupling[np.ix_(~is_axial, is_axial)] = -mixed.T
-        locate = _locator(found, self.length, self.thickness, h)
+        locate = locator(found, self.length, self.thickness, h)
         return Body(
             mass=mass,
             inertia=inertia,
@@ -159,8 +161,8 @@ class Beam:
             damping=with_residual(damping, residual_damping, np.sqrt(found.omega2), free),
             coupling=skew(coupling),
             cross_damping=None,
-            points=_end_points(locate, self.length),
-            surfaces=_strip(found, h, nodes, 0.5 * self.thickness),
+            points=end_points(locate, self.length),
+            surfaces=strip(found, h, nodes, 0.5 * self.thickness),
             locate=locate,
             geometric=None if actual else spinning(line, found, stiffening),  # spin is in the actual force
             shortening=shortening_of(line, found, is_axial, self.youngs_modulus * self.width * self.thickness)
@@ -193,7 +195,7 @@ class Beam:
 
     def _whole(self, line: Line, stiffening: Stiffening | None) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
-        coarse = _coarser(self, FINE_ENOUGH)
+        coarse = coarser(self, FINE_ENOUGH)
         every = (3 if self.axial else 2) * coarse.elements
         return coarse._modes(every, line._replace(elements=coarse.elements), stiffening, self._loads(line, (), None))[0]
 
@@ -230,237 +232,6 @@ class Beam:
         return LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(found, rest, strict=True))), np.concatenate(
             [axial, of_rest]
         )
-
-
-@dataclass(frozen=True, slots=True)
-class Bar:
-    """A straight uniform bar that stretches and does not bend: rho A u_tt = E A u_xx, linear elements.
-
-    The axis runs from (0, 0), point "left", to (length, 0), point "right"; "center" is its middle. The frame carries
-    all motion across the axis; <x.x> = x^T M x with the mass matrix M of the mesh: rho A L^3 / 3 if consistent.
-
-    Surfaces: "outline" (closed, through all nodes on both faces y = -+height/2), "bottom", "top", and the plane end
-    faces "left" and "right", two points each. An end face against a wall makes two contacts that share the force; for
-    one contact at an end use a node there, against a half-plane or against the end face of another bar.
-
-    Parameters
-    ----------
-    length : along x [m]
-    area : cross-section [m^2]
-    density : [kg/m^3]
-    youngs_modulus : [Pa]
-    elements : number of equal elements
-    lumped : diagonal mass matrix instead of the consistent one
-    height : of the end faces, used for contact only [m]; None for that of a square section, sqrt(area)
-
-    Raises
-    ------
-    ModelError
-        For anything that is not positive and finite.
-
-    Warns
-    -----
-    ModelWarning
-        If no material has that wave speed sqrt(E / rho): a unit is wrong. Numbers near 1 have no units.
-    """
-
-    length: float
-    area: float
-    density: float
-    youngs_modulus: float
-    elements: int = 100
-    lumped: bool = False
-    height: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_positive(self, ("length", "area"))
-        check_material(self)
-        object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BAR_ELEMENTS))
-        if not isinstance(self.lumped, (bool, np.bool_)):
-            raise ModelError(f"lumped: {self.lumped!r} was given, expected True or False")
-        if self.height is not None:
-            _check_positive(self, ("height",))
-
-    def reduce(
-        self,
-        modes: int | None = None,
-        damping: Damping = 0.0,
-        *,
-        interfaces: Interfaces = (),
-        residual_damping: float | None = None,
-    ) -> Body:
-        """The body with the ``modes`` lowest free-free modes; all of them give the motion of the nodal coordinates.
-
-        Parameters
-        ----------
-        modes : at most the number of elements; None for all, 0 for a rigid bar
-        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
-        interfaces : places where the bar is held, loaded or struck, as for :meth:`Beam.reduce`: each adds the residual
-            mode of a force along x
-        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
-
-        Raises
-        ------
-        ModelError
-            For more modes than the mesh has, a damping that is negative or of the wrong length, or places off the bar.
-        """
-        n = count_of_modes(modes, self.elements)
-        check_damping(damping, n)
-        mass = self.density * self.area * self.length
-        height = math.sqrt(self.area) if self.height is None else self.height
-        places = interfaces_of(interfaces)
-        omega2, shapes = self._modes(n, mass, line_loads(self.length, height, places))
-        free, n = n, len(omega2)
-        nodes = np.linspace(0.0, self.length, self.elements + 1)
-        moments = _line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
-        vanish("S", moments[:, 0], math.sqrt(mass))
-        found, h = _stretching(omega2, shapes), self.length / self.elements
-        locate = _locator(found, self.length, height, h)
-        inertia = float(_line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
-        return Body(
-            mass=mass,
-            inertia=inertia,
-            moment=np.array([0.5 * mass * self.length, 0.0]),
-            S=np.zeros((n, 2)),
-            a=moments[:, 1],
-            c=np.zeros(n),
-            stiffness=omega2,
-            damping=with_residual(damping, residual_damping, np.sqrt(omega2), free),
-            coupling=None,
-            cross_damping=None,
-            points=_end_points(locate, self.length),
-            surfaces=_strip(found, h, nodes, 0.5 * height),
-            locate=locate,
-            residual_modes=n - free,
-            contact_modes=n - free - self._held_modes(free, mass, height, places),
-            statics=LineStatics(lambda: self._whole(mass), self.length),
-            ladder=lambda: mode_ladder(
-                self.elements,
-                lambda k, z, held: self.reduce(
-                    k, z, interfaces=places if held else (), residual_damping=residual_damping
-                ),
-                damping,
-                n - free,
-            ),
-            products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
-        )
-
-    def _modes(self, n: int, mass: float, loads: LineLoads) -> tuple[FloatArray, FloatArray]:
-        """omega2 and shapes (nodes, .) of the n lowest modes and the residual ones of the loads."""
-        more = bool(len(loads.stretch))
-        count = self.elements if more else n
-        rigidity = self.youngs_modulus * self.area
-        omega2, shapes = stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped))
-        if not more:
-            return omega2, shapes
-        left = taken(_stretching(omega2, shapes), np.arange(n, count))
-        every = np.ones(count - n, dtype=bool)
-        rest, _ = residual_line(left, every, self.length / self.elements, loads)
-        return np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
-
-    def _held_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
-        """How many residual modes there are for interfaces that nothing touches."""
-        held = tuple(place for place in places if not place.contact)
-        return len(self._modes(free, mass, line_loads(self.length, height, held))[0]) - free if held else 0
-
-    def _whole(self, mass: float) -> LineModes:
-        """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
-        coarse = _coarser(self, 2 * FINE_ENOUGH)
-        return _stretching(*coarse._modes(coarse.elements, mass, line_loads(self.length, 0.0, ())))
-
-
-def _coarser(line: Line_, most: int) -> Line_:
-    """The beam or bar with at most so many elements; its material has been checked, and warned of, before."""
-    if line.elements <= most:
-        return line
-    coarse = copy(line)
-    object.__setattr__(coarse, "elements", most)
-    return coarse
-
-
-def _stretching(omega2: FloatArray, shapes: FloatArray) -> LineModes:
-    """Modes that stretch a line and do not bend it."""
-    return LineModes(omega2, shapes, np.zeros_like(shapes), np.zeros_like(shapes))
-
-
-def _check_positive(part: Any, names: tuple[str, ...]) -> None:
-    for name in names:
-        object.__setattr__(part, name, in_range(name, getattr(part, name), 0.0, math.inf, open_ends=True))
-
-
-def _line_mass(values: FloatArray, element_mass: float, lumped: bool) -> FloatArray:
-    """M times nodal values (nodes, k), linear elements."""
-    out = np.zeros_like(values)
-    if lumped:
-        out[:-1] += 0.5 * values[:-1]
-        out[1:] += 0.5 * values[1:]
-    else:
-        out[:-1] += (2.0 * values[:-1] + values[1:]) / 6.0
-        out[1:] += (values[:-1] + 2.0 * values[1:]) / 6.0
-    return np.asarray(element_mass * out)
-
-
-def _line_moments(nodes: FloatArray, element_mass: float, stretch: FloatArray, lumped: bool) -> FloatArray:
-    """(n, 2) <u> and <x u> of the stretches (nodes, n)."""
-    return np.asarray(stretch.T @ _line_mass(np.column_stack([np.ones_like(nodes), nodes]), element_mass, lumped))
-
-
-def _located(modes: LineModes, h: float, x: FloatArray, y: FloatArray) -> tuple[MaterialPoint, ...]:
-    """The material points at places of a strip, all at once: an outline has many."""
-    stretch, deflection, slope = interpolate(modes, h, x)
-    places = frozen(np.column_stack([x, y]))
-    phi, psi = frozen(np.stack([stretch - y[:, None] * slope, deflection], axis=-1)), frozen(slope)
-    return tuple(MaterialPoint(*point) for point in zip(places, phi, psi, strict=True))
-
-
-def _locator(modes: LineModes, length: float, height: float, h: float) -> Callable[[float, float], MaterialPoint]:
-    """The material point at (x, y) of a strip 0 <= x <= length, |y| <= height/2."""
-
-    def locate(x: float, y: float) -> MaterialPoint:
-        slack = 1e-12 * length
-        along = in_range("x", x, -slack, length + slack)
-        across = in_range("y", y, -0.5 * height - slack, 0.5 * height + slack)
-        return _located(modes, h, np.array([along]), np.array([across]))[0]
-
-    return locate
-
-
-def _end_points(locate: Callable[[float, float], MaterialPoint], length: float) -> dict[str, MaterialPoint]:
-    return {"left": locate(0.0, 0.0), "center": locate(0.5 * length, 0.0), "right": locate(length, 0.0)}
-
-
-def _strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[Outline]:
-    """Outlines of a strip through its nodes, solid on the left: made when asked for, a fine mesh has many points."""
-    forth = [float(x) for x in nodes]
-    back = forth[::-1]
-    left, right = forth[0], back[0]
-
-    def chain(places: list[tuple[float, float]], closed: bool = False) -> Callable[[], Outline]:
-        x, y = np.array(places).T
-        return lambda: Chain(_located(modes, h, x, y), closed)
-
-    bottom = [(x, -half) for x in forth]
-    top = [(x, half) for x in back]
-    return Lazily(
-        {
-            "outline": chain(bottom + top, closed=True),
-            "bottom": chain(bottom),
-            "right": chain([(right, -half), (right, half)]),
-            "top": chain(top),
-            "left": chain([(left, half), (left, -half)]),
-        }
-    )
-
-
-def _bar_products(
-    displacement: Displacement, shapes: FloatArray, nodes: FloatArray, element_mass: float, lumped: bool
-) -> FloatArray:
-    """<[1_x, 1_y, J x, Phi]^T d> of nodal values d (nodes, 2), with the mass matrix of the mesh."""
-    values = sampled(displacement, np.column_stack([nodes, np.zeros_like(nodes)]))
-    if len(values) != len(nodes):
-        raise ModelError(f"displacement: {len(values)} nodal values were given, expected {len(nodes)}")
-    weighed = _line_mass(values, element_mass, lumped)
-    return np.concatenate([weighed.sum(axis=0), [nodes @ weighed[:, 1]], shapes.T @ weighed[:, 0]])
 
 
 def _beam_products(displacement: Displacement, modes: LineModes, nodes: FloatArray, mass: float) -> FloatArray:

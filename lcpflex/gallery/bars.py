@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from lcpflex.bodies.beam import Bar
+from lcpflex.bodies.bar import Bar
 from lcpflex.gallery.case import Case
 from lcpflex.joints import DrivenDisplacement, PointOnLine, Weld
 from lcpflex.loads import Force, Table

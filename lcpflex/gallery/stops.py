@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.beam import Bar, Beam
+from lcpflex.bodies.bar import Bar
+from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
 from lcpflex.gallery.case import Case
 from lcpflex.joints import PointOnLine, Revolute

@@ -1,0 +1,192 @@
+"""Straight uniform bars, through finite elements and free-interface modes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.bodies.body import Body, Displacement, whole_number
+from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
+from lcpflex.bodies.ladder import mode_ladder
+from lcpflex.bodies.line_body import (
+    FINE_ENOUGH,
+    check_positive,
+    coarser,
+    end_points,
+    line_mass,
+    line_moments,
+    locator,
+    strip,
+)
+from lcpflex.bodies.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
+from lcpflex.bodies.line_mesh import LineModes, stretching_modes
+from lcpflex.bodies.material import check_material
+from lcpflex.bodies.reduction import (
+    Damping,
+    check_damping,
+    count_of_modes,
+    sampled,
+    vanish,
+    with_residual,
+)
+from lcpflex.compiled import FloatArray
+from lcpflex.errors import ModelError
+
+__all__ = ["Bar"]
+
+BAR_ELEMENTS = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A straight uniform bar that stretches and does not bend: rho A u_tt = E A u_xx, linear elements.
+
+    The axis runs from (0, 0), point "left", to (length, 0), point "right"; "center" is its middle. The frame carries
+    all motion across the axis; <x.x> = x^T M x with the mass matrix M of the mesh: rho A L^3 / 3 if consistent.
+
+    Surfaces: "outline" (closed, through all nodes on both faces y = -+height/2), "bottom", "top", and the plane end
+    faces "left" and "right", two points each. An end face against a wall makes two contacts that share the force; for
+    one contact at an end use a node there, against a half-plane or against the end face of another bar.
+
+    Parameters
+    ----------
+    length : along x [m]
+    area : cross-section [m^2]
+    density : [kg/m^3]
+    youngs_modulus : [Pa]
+    elements : number of equal elements
+    lumped : diagonal mass matrix instead of the consistent one
+    height : of the end faces, used for contact only [m]; None for that of a square section, sqrt(area)
+
+    Raises
+    ------
+    ModelError
+        For anything that is not positive and finite.
+
+    Warns
+    -----
+    ModelWarning
+        If no material has that wave speed sqrt(E / rho): a unit is wrong. Numbers near 1 have no units.
+    """
+
+    length: float
+    area: float
+    density: float
+    youngs_modulus: float
+    elements: int = 100
+    lumped: bool = False
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        check_positive(self, ("length", "area"))
+        check_material(self)
+        object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BAR_ELEMENTS))
+        if not isinstance(self.lumped, (bool, np.bool_)):
+            raise ModelError(f"lumped: {self.lumped!r} was given, expected True or False")
+        if self.height is not None:
+            check_positive(self, ("height",))
+
+    def reduce(
+        self,
+        modes: int | None = None,
+        damping: Damping = 0.0,
+        *,
+        interfaces: Interfaces = (),
+        residual_damping: float | None = None,
+    ) -> Body:
+        """The body with the ``modes`` lowest free-free modes; all of them give the motion of the nodal coordinates.
+
+        Parameters
+        ----------
+        modes : at most the number of elements; None for all, 0 for a rigid bar
+        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`
+        interfaces : places where the bar is held, loaded or struck, as for :meth:`Beam.reduce`: each adds the residual
+            mode of a force along x
+        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
+
+        Raises
+        ------
+        ModelError
+            For more modes than the mesh has, a damping that is negative or of the wrong length, or places off the bar.
+        """
+        n = count_of_modes(modes, self.elements)
+        check_damping(damping, n)
+        mass = self.density * self.area * self.length
+        height = math.sqrt(self.area) if self.height is None else self.height
+        places = interfaces_of(interfaces)
+        omega2, shapes = self._modes(n, mass, line_loads(self.length, height, places))
+        free, n = n, len(omega2)
+        nodes = np.linspace(0.0, self.length, self.elements + 1)
+        moments = line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
+        vanish("S", moments[:, 0], math.sqrt(mass))
+        found, h = _stretching(omega2, shapes), self.length / self.elements
+        locate = locator(found, self.length, height, h)
+        inertia = float(line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
+        return Body(
+            mass=mass,
+            inertia=inertia,
+            moment=np.array([0.5 * mass * self.length, 0.0]),
+            S=np.zeros((n, 2)),
+            a=moments[:, 1],
+            c=np.zeros(n),
+            stiffness=omega2,
+            damping=with_residual(damping, residual_damping, np.sqrt(omega2), free),
+            coupling=None,
+            cross_damping=None,
+            points=end_points(locate, self.length),
+            surfaces=strip(found, h, nodes, 0.5 * height),
+            locate=locate,
+            residual_modes=n - free,
+            contact_modes=n - free - self._held_modes(free, mass, height, places),
+            statics=LineStatics(lambda: self._whole(mass), self.length),
+            ladder=lambda: mode_ladder(
+                self.elements,
+                lambda k, z, held: self.reduce(
+                    k, z, interfaces=places if held else (), residual_damping=residual_damping
+                ),
+                damping,
+                n - free,
+            ),
+            products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
+        )
+
+    def _modes(self, n: int, mass: float, loads: LineLoads) -> tuple[FloatArray, FloatArray]:
+        """omega2 and shapes (nodes, .) of the n lowest modes and the residual ones of the loads."""
+        more = bool(len(loads.stretch))
+        count = self.elements if more else n
+        rigidity = self.youngs_modulus * self.area
+        omega2, shapes = stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped))
+        if not more:
+            return omega2, shapes
+        left = taken(_stretching(omega2, shapes), np.arange(n, count))
+        every = np.ones(count - n, dtype=bool)
+        rest, _ = residual_line(left, every, self.length / self.elements, loads)
+        return np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
+
+    def _held_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
+        """How many residual modes there are for interfaces that nothing touches."""
+        held = tuple(place for place in places if not place.contact)
+        return len(self._modes(free, mass, line_loads(self.length, height, held))[0]) - free if held else 0
+
+    def _whole(self, mass: float) -> LineModes:
+        """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
+        coarse = coarser(self, 2 * FINE_ENOUGH)
+        return _stretching(*coarse._modes(coarse.elements, mass, line_loads(self.length, 0.0, ())))
+
+
+def _stretching(omega2: FloatArray, shapes: FloatArray) -> LineModes:
+    """Modes that stretch a line and do not bend it."""
+    return LineModes(omega2, shapes, np.zeros_like(shapes), np.zeros_like(shapes))
+
+
+def _bar_products(
+    displacement: Displacement, shapes: FloatArray, nodes: FloatArray, element_mass: float, lumped: bool
+) -> FloatArray:
+    """<[1_x, 1_y, J x, Phi]^T d> of nodal values d (nodes, 2), with the mass matrix of the mesh."""
+    values = sampled(displacement, np.column_stack([nodes, np.zeros_like(nodes)]))
+    if len(values) != len(nodes):
+        raise ModelError(f"displacement: {len(values)} nodal values were given, expected {len(nodes)}")
+    weighed = line_mass(values, element_mass, lumped)
+    return np.concatenate([weighed.sum(axis=0), [nodes @ weighed[:, 1]], shapes.T @ weighed[:, 0]])
