@@ -135,6 +135,27 @@ def test_a_welded_beam_has_its_frequency_and_its_deflection() -> None:
     assert sag == pytest.approx(-0.01 / (3.0 * SOFT), rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("ends", "root"),
+    [
+        ((lf.Revolute, lf.PointOnLine), math.pi),
+        ((lf.Weld, lf.PointOnLine), 3.926602),
+        ((lf.Weld, lf.Prismatic), 2.365020),  # clamped and guided across
+    ],
+    ids=["pinned-pinned", "clamped-pinned", "clamped-guided"],
+)
+def test_frequencies_of_held_beams(ends: tuple[Any, Any], root: float) -> None:
+    """omega = root^2 sqrt(E I / (rho A L^4)), the first and lowest, with eight free modes."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    beam = scene.add(lf.Beam(1.0, 0.02, 0.005, RHO, E, axial=False), modes=8)
+    first, last = ends
+    scene.join(first(beam.point("left"), scene.ground.at(0.0, 0.0)))
+    axis = (0.0, 1.0) if last is lf.Prismatic else (1.0, 0.0)
+    scene.join(last(beam.point("right"), scene.ground.at(1.0, 0.0), axis=axis))
+    exact = root**2 * math.sqrt(SOFT / (RHO * 1e-4))
+    assert small_vibrations(scene).frequencies[0] == pytest.approx(exact, rel=0.002)
+
+
 def test_a_beam_that_is_welded_by_hand_warns_with_the_count_that_would_do() -> None:
     def scene(body: Body) -> lf.Scene:
         made = lf.Scene()
