@@ -20,7 +20,7 @@ SHIFT = -1e6  # [rad^2/s^2] below zero, without which the factor of a free body 
 @cache
 def plate(nx: int = 200, ny: int = 100) -> Continuum:
     """2e4 nodes."""
-    return Continuum(meshes.rectangle(2.0, 1.0, nx, ny), 7800.0, 2e11, 0.3)
+    return Continuum(meshes.rectangle(2.0, 1.0, nx, ny, order=1), 7800.0, 2e11, 0.3)
 
 
 def seconds(job: Callable[[], object]) -> float:

@@ -16,7 +16,7 @@ from lcpflex.bodies import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance
 
-rectangle = Continuum(meshes.rectangle(2.0, 1.0, 446, 223), 7800.0, 2e11, 0.3)
+rectangle = Continuum(meshes.rectangle(2.0, 1.0, 446, 223, order=1), 7800.0, 2e11, 0.3)
 mesh = rectangle.finite_elements()
 contact = mesh.sets["left"][:100]
 if sys.argv[1] == "free_interface":
