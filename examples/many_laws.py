@@ -52,7 +52,7 @@ def run(folder: Path = Path()) -> lf.Result:
         assert abs(impulse(results[name]) / impulse(exact) - 1.0) < 0.01
     assert all(result.complete for result in results.values())
     warned = [name for name, result in results.items() if result.warnings]
-    assert warned == ["massless boundary, 8 of 15 modes"]  # which says that it keeps too few
+    assert all("massless" in name for name in warned)  # of energy that steps make, and of too few modes
     print(table(results), "\n")
 
     figure = Figure(figsize=(12, 5.5), layout="constrained")

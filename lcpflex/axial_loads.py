@@ -70,7 +70,10 @@ def with_axial_loads(result: Result) -> Result:
 
 
 def _beams(compiled: Compiled, actual: bool) -> list[tuple[int, Axis]]:
-    return [(b, axis) for b, axis in enumerate(compiled.layout.axes) if axis is not None and axis.actual == actual]
+    """Beams that bend, with the actual axial force or without."""
+    modes = np.diff(compiled.model.bodies.dof) - 3
+    axes = enumerate(compiled.layout.axes)
+    return [(b, axis) for b, axis in axes if axis is not None and axis.actual == actual and modes[b]]
 
 
 def _told(name: str, axis: Axis, worst: Worst) -> str:
@@ -79,7 +82,7 @@ def _told(name: str, axis: Axis, worst: Worst) -> str:
     return (
         f"beam {name!r}: {kind} of {abs(worst.force):.4g} N at x = {worst.station:.4g} m, t = {worst.time:.6g} s, "
         f"{share:.2g} % of its Euler load pi^2 E I / L^2 = {axis.euler:.4g} N: its bending does not feel that; "
-        f'Stiffening(axial_force="actual") in reduce() lets it'
+        f'stiffening=Stiffening(axial_force="actual") of a beam with axial=True lets it'
     )
 
 

@@ -71,7 +71,8 @@ def compiled_scene(scene: Scene, project: bool, indents: Callable[[str], bool] |
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
     reduced, said = reduced_scene(scene, gives_way)
     parts = reduced.parts()
-    materials = None if reduced is scene else Materials({one.body: one for one in parts.placed})
+    modes = [one.source.modes if one.source is not None else 0 for one in parts.placed]
+    materials = Materials(parts.placed, modes)
     compiled = compiled_parts(reduced.gravity, parts, materials, project, indents)
     return replace(compiled, notes=tuple(f"residual modes for {text}" for text in said))
 

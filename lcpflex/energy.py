@@ -142,7 +142,7 @@ def energy_warnings(
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
     if growth - accepted > max(GROWTH * scale, rounding):
         warnings.append(
-            f"the energy grew by {growth:.4g} J ({growth / scale:.2g} of the largest stored) without work of loads"
+            f"the energy grew by {growth:.4g} J ({_part(growth, scale)} of the largest stored) without work of loads"
         )
     if energies.relative_remainder > REMAINDER:
         warnings.append(
@@ -150,3 +150,8 @@ def energy_warnings(
             "largest stored): use a shorter step or tighter tolerances"
         )
     return tuple(warnings)
+
+
+def _part(value: float, scale: float) -> str:
+    """One by the other, where there is anything to compare with."""
+    return f"{value / scale:.2g}" if scale > 0.0 else "all"

@@ -3,12 +3,14 @@
 With C the static compliance (3, 3) of the whole mesh at a place, in unit forces and a unit moment, and C_k = Phi^T
 Omega^-2 Phi that of the modes kept, the deficit in the rows D that act there is
 
-    the largest eigenvalue of D^T (C - C_k) D, by that of D^T C D
+    the largest mu of D^T (C - C_k) D f = mu D^T C D f
 
-one for a force whose direction is known, two for one in any direction, a third for the moment that it makes on the
+one row for a force whose direction is known, two for one in any direction, a third for the moment that it makes on the
 radius of a disc; and apart from these one for a moment of its own: a beam that is held by its angle converges like
-1/modes, in frequencies and deflections alike. Rigid bodies are rigid by
-intention. Nothing is known of bodies that tell no compliance of their mesh, such as those that a user wrote.
+1/modes, in frequencies and deflections alike. So it is the way f that misses most of its own compliance: along a
+slender beam that is a ten-thousandth of what it gives way across, and all there is where it is struck at its end. Rigid
+bodies are rigid by intention. Nothing is known of bodies that tell no compliance of their mesh, such as those that a
+user wrote.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.bodies.interface import Interface
+from lcpflex.bodies.line_interfaces import LineStatics
 from lcpflex.errors import ModelError
 from lcpflex.surface_interfaces import Acting, acting_on
 
@@ -32,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["MISSING", "deficits", "missing_compliance"]
 
 MISSING = 0.01  # of the compliance of the mesh
-NODES = 9  # of a contact surface that are looked at
+NOTHING = 1e-9  # of the largest compliance: none, as along an axis that does not stretch
 
 
 class Deficit(NamedTuple):
@@ -41,6 +44,7 @@ class Deficit(NamedTuple):
     share: float
     acting: Acting
     rows: FloatArray
+    way: FloatArray  # (k,) that misses most, in the rows
 
     @property
     def place(self) -> tuple[float, float]:
@@ -69,7 +73,9 @@ def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, Declar
         return (x, y), False
 
     everything = (parts.joints, parts.loads, contacts)
-    found = acting_on(one.body, *everything, NODES, snap, False, parts.angle, frame=one.frame_point)
+    found = acting_on(
+        one.body, *everything, None, snap, isinstance(body.statics, LineStatics), parts.angle, frame=one.frame_point
+    )
     return [acting for acting in found if _has(body, acting.interface)]
 
 
@@ -102,9 +108,12 @@ def _compared(body: Body, acting: Acting) -> Iterator[Deficit]:
     shapes = np.column_stack([point.phi, point.psi])
     missing = whole - shapes.T @ (shapes / body.stiffness[:, None])
     for rows in _rows(acting):
-        largest = float(np.linalg.eigvalsh(rows.T @ whole @ rows)[-1])
-        if largest > 0.0:
-            yield Deficit(float(np.linalg.eigvalsh(rows.T @ missing @ rows)[-1]) / largest, acting, rows)
+        soft, ways = np.linalg.eigh(rows.T @ whole @ rows)
+        known = soft > NOTHING * soft.max(initial=0.0)
+        scaled = ways[:, known] / np.sqrt(soft[known])
+        if scaled.size:
+            shares, worst = np.linalg.eigh(scaled.T @ rows.T @ missing @ rows @ scaled)
+            yield Deficit(float(shares[-1]), acting, rows, scaled @ worst[:, -1])
 
 
 def _rows(acting: Acting) -> Iterator[FloatArray]:
@@ -124,15 +133,26 @@ def _said(name: str, body: Body, short: Sequence[Deficit]) -> str:
     worst = max(short, key=lambda deficit: deficit.share)
     free = body.modes - body.residual_modes
     more = sum(deficit.rows.shape[1] for deficit in short)
-    enough = max(body.statics.enough(*deficit.place, deficit.rows, MISSING) for deficit in short)
+    enough = max(body.statics.enough(*one.place, (one.rows @ one.way)[:, None], MISSING) for one in short)
     x, y = worst.place
-    what = "moment" if worst.rows.shape[1] == 1 and worst.rows[2].any() else "force"
     kept = f"{free} free and {body.residual_modes} residual modes" if body.residual_modes else f"{free} modes"
-    remedy = f"scene.add(unreduced, modes={free}), or interfaces= of its reduce(),"
-    if body.residual_modes and worst.acting.interface.contact:
-        remedy = "contact_nodes= of scene.add, or a smaller surface,"
-    return (
-        f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to the {what} of "
-        f"{worst.acting.name} at ({x:.4g}, {y:.4g}): {remedy} adds what is missing, at most {more} residual "
-        f"mode{'' if more == 1 else 's'}" + (f"; so would {enough} free modes" if enough else "")
+    remedy = (
+        f"scene.add(unreduced, modes={free}), or interfaces= of its reduce(), adds what is missing, at most {more} "
+        f"residual mode{'' if more == 1 else 's'}"
     )
+    if body.residual_modes and worst.acting.interface.contact:
+        remedy = "more contact_nodes= of scene.add, a smaller surface or more free modes would do"
+    return (
+        f"body {name!r}: its {kept} give way {100.0 * worst.share:.3g} % less than its mesh to {_way(worst)} of "
+        f"{worst.acting.name} at ({x:.4g}, {y:.4g}): {remedy}" + (f"; so would {enough} free modes" if enough else "")
+    )
+
+
+def _way(deficit: Deficit) -> str:
+    """The force or moment that misses most, in words."""
+    x, y, _ = deficit.rows @ deficit.way
+    size = math.hypot(x, y)
+    if size == 0.0:
+        return "the moment"
+    x, y = (round(float(value), 2) + 0.0 for value in (x / size, y / size))
+    return f"a force along ({abs(x):g}, {y if x >= 0.0 else -y:g})" if x else "a force along (0, 1)"

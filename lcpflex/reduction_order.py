@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,17 +32,19 @@ if TYPE_CHECKING:
 
 __all__ = ["ReductionOrder", "order_of"]
 
-CONTACT_NODES = 3  # of a surface that get residual modes where free modes do not do: its ends and its middle
+CONTACT_NODES = 3  # of a surface that get residual modes: its ends and its middle
+MORE_NODES = (3, 5, 9)  # that are tried, the fewest first, where free modes do not do
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReductionOrder:
     """What ``scene.add(model, modes=...)`` asked for."""
 
+    name: str  # of the body
     model: Any  # Beam, Bar, or a mesh
     modes: int
     options: Mapping[str, Any]  # of ``model.reduce`` besides
-    contact_nodes: int | None  # None: CONTACT_NODES, but those alone at which the free modes give way too little
+    contact_nodes: int | None  # None: as few as do, see MORE_NODES
     modal: FloatArray  # (modes,) initial coordinates of the free modes
     modal_velocity: FloatArray
     _made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)
@@ -54,7 +57,10 @@ class ReductionOrder:
     def body(self, interfaces: tuple[Interface, ...]) -> Body:
         """The body with residual modes for the interfaces; made once."""
         if interfaces not in self._made:
-            self._made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
+            try:
+                self._made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
+            except ModelError as error:
+                raise ModelError(f"body {self.name!r}: {error}") from None
         return self._made[interfaces]
 
     def interfaces(
@@ -73,23 +79,36 @@ class ReductionOrder:
         """
         if not self.modes:
             return (), ()
-        count = CONTACT_NODES if self.contact_nodes is None else self.contact_nodes
-        acting = acting_on(
-            placed.body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way, placed.frame_point
-        )
-        if self.contact_nodes is None and not gives_way:
-            acting = self._needed(acting)
+
+        def acts(count: int | None) -> list[Acting]:
+            return acting_on(
+                placed.body, joints, loads, contacts, count, self._snap, self.is_line, angle, gives_way,
+                placed.frame_point,
+            )  # fmt: skip
+
+        if self.contact_nodes is not None:
+            acting = acts(self.contact_nodes)
+        else:
+            acting = acts(CONTACT_NODES) if gives_way else self._needed(acts)
         taken = Counter(f"{one.surface!r} ({one.name})" for one in acting if one.surface)
         said = tuple(f"{number} node{'' if number == 1 else 's'} of {name}" for name, number in taken.items())
         return tuple(dict.fromkeys(one.interface for one in acting)), said
 
-    def _needed(self, acting: list[Acting]) -> list[Acting]:
-        """Without the nodes of surfaces at which the body gives way as its mesh does, to a hundredth."""
-        always = [one for one in acting if not one.surface]
-        if len(always) == len(acting):
-            return acting
-        body = self.body(tuple(dict.fromkeys(one.interface for one in always)))
-        return [one for one in acting if not one.surface or deficits(body, one)]
+    def _needed(self, acts: Callable[[int | None], list[Acting]]) -> list[Acting]:
+        """With the fewest nodes of surfaces with which the body gives way as its mesh does, to a hundredth.
+
+        Along a line and across it are needed apart. Where no number of nodes does, CONTACT_NODES, and the scene warns.
+        """
+        looked_at = [one for one in acts(None) if one.surface]
+        kinds = {_kind(one) for one in looked_at}
+        for count in (0, *MORE_NODES):
+            acting = [one for one in acts(count) if not one.surface or _kind(one) in kinds]
+            body = self.body(tuple(dict.fromkeys(one.interface for one in acting)))
+            left = {_kind(one) for one in looked_at if _kind(one) in kinds and deficits(body, one)}
+            if not left:
+                return acting
+            kinds = left if count == 0 else kinds
+        return [one for one in acts(CONTACT_NODES) if not one.surface or _kind(one) in kinds]
 
     def start(self, placed: tuple[FloatArray, FloatArray], body: Body) -> tuple[FloatArray, FloatArray]:
         """Initial configuration and velocity (3 + n,) of the reduced body: its residual modes begin at rest."""
@@ -119,7 +138,13 @@ class ReductionOrder:
         return (float(found_x), float(found_y)), not at_node
 
 
+def _kind(acting: Acting) -> tuple[str, bool]:
+    """The surface of a node, and whether it is struck along the axis of a line."""
+    return acting.surface, acting.interface.along == (1.0, 0.0)
+
+
 def order_of(
+    name: str,
     model: Any,
     modes: int | None,
     damping: Damping | None,
@@ -146,7 +171,10 @@ def order_of(
         in_range("residual_damping", residual_damping, 0.0, math.inf)
     given = {"damping": damping, "stiffening": stiffening, "residual_damping": residual_damping}
     zeros = np.zeros(n)
+    if stiffening is not None and "stiffening" not in signature(model.reduce).parameters:
+        raise ModelError(f"stiffening: {stiffening!r} was given for {type(model).__name__}, which takes none")
     order = ReductionOrder(
+        name=name,
         model=model,
         modes=n,
         options={name: value for name, value in given.items() if value is not None},

@@ -200,16 +200,17 @@ class Scene(Clearances):
         damping, stiffening, residual_damping
             As for ``body.reduce``.
         contact_nodes
-            How many nodes of a surface get residual modes at most, evenly spread. If omitted, 3 (its ends and its
-            middle), but those alone at which the free modes give way by a hundredth less than the mesh.
+            How many nodes of a surface get residual modes at most, evenly spread. If omitted, as few as will do: none
+            where the free modes give way as the mesh does, to a hundredth, or else 3, 5 or 9; and 3 where 9 do not do.
         """
+        called = _name("body", name, ["ground", *self._placed])
         options = (modes, damping, stiffening, residual_damping, contact_nodes)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
             from lcpflex.reduction_order import order_of
 
             order, body = order_of(
-                body, modes, damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity
+                called, body, modes, damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity
             )
             modal = modal_velocity = None
         elif not isinstance(body, Body):
@@ -235,8 +236,7 @@ class Scene(Clearances):
                 zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (body.modes,)),
             ]
         )
-        taken = ["ground", *self._placed]
-        placed = Placed(_name("body", name, taken), len(self._placed), body, (start, rate), self, order)
+        placed = Placed(called, len(self._placed), body, (start, rate), self, order)
         self._placed[placed.name] = placed
         return placed
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Acting", "acting_on", "chosen_nodes_of", "normals_of"]
 
+LOOKED_AT = (0.0, 0.09, 0.21, 0.33, 0.42, 0.5, 0.59, 0.71, 0.83, 0.92, 1.0)
 CORNER = 0.9  # cosine of the turn from where on a node of a chain is a corner, which is touched in any direction
 
 
@@ -47,14 +48,14 @@ def acting_on(
     joints: Mapping[str, Joint],
     loads: tuple[Load, ...],
     contacts: Mapping[str, DeclaredContact],
-    contact_nodes: int,
+    contact_nodes: int | None,
     snap: Snap,
     on_axis: bool,
     angle: Callable[[int], float],
     any_way: bool = False,
     frame: MaterialPoint | None = None,
 ) -> list[Acting]:
-    """What acts on a body; of a surface with more nodes, at ``contact_nodes`` of them.
+    """What acts on a body; of a surface with more nodes, at ``contact_nodes`` of them, or where None looks at it.
 
     ``on_axis``: it is a line, whose sections do not deform; ``angle`` of each body at the start [rad]; ``any_way``:
     with friction, a surface gives way along itself as well; ``frame``: a point that rides with the frame of the body,
@@ -125,7 +126,9 @@ def _direction(load: Force) -> tuple[float, float] | None:
     return None if x == y else (0.0, 1.0) if x else (1.0, 0.0)
 
 
-def _of_surface(surface: Surface, rubs: bool, count: int, snap: Snap, on_axis: bool, any_way: bool) -> list[Interface]:
+def _of_surface(
+    surface: Surface, rubs: bool, count: int | None, snap: Snap, on_axis: bool, any_way: bool
+) -> list[Interface]:
     """The interfaces of a contact surface; ``rubs``: it has friction.
 
     At a node, a disc or an arc forces have any direction. On a chain they are normal, which is where it gives way; the
@@ -136,10 +139,13 @@ def _of_surface(surface: Surface, rubs: bool, count: int, snap: Snap, on_axis: b
         return [_on_material(surface.points[0], snap, None, lever)]
     chosen = chosen_nodes_of(surface, count, on_axis)
     normals = normals_of(surface)
-    if on_axis and np.ptp([point.place[0] for point in surface.points]) > 0.0:
-        normals[:] = (0.0, 1.0)  # ends of faces are no corners of a line: it is its axis that gives way
     found = []
     for k in chosen:
+        x = float(surface.points[k].place[0])
+        if on_axis and not (normals[k].any() or (rubs and any_way)) and not snap(x, 0.0)[1]:
+            # at the end of a line it is its axis that gives way, along it and across
+            found += [Interface((x, 0.0), way, moment=False) for way in ((1.0, 0.0), (0.0, 1.0))]
+            continue
         normal = normals[k].any() and not (rubs and any_way)
         along = (float(normals[k][0]), float(normals[k][1])) if normal else None
         found.append(_on_material(surface.points[k], snap, along, False))
@@ -152,8 +158,11 @@ def _on_material(point: MaterialPoint, snap: Snap, along: tuple[float, float] | 
     return Interface(place, None if off else along, moment=lever or off)
 
 
-def chosen_nodes_of(surface: Surface, count: int, on_axis: bool) -> list[int]:
-    """``count`` nodes of a chain at most, evenly spread along it: along the axis of a line, where faces share it."""
+def chosen_nodes_of(surface: Surface, count: int | None, on_axis: bool) -> list[int]:
+    """``count`` nodes of a chain at most, evenly spread along it: along the axis of a line, where faces share it.
+
+    None: at the uneven parts LOOKED_AT, which lie between those of any number of even ones.
+    """
     if count == 0:
         return []
     places = np.array([point.place for point in surface.points])
@@ -163,7 +172,9 @@ def chosen_nodes_of(surface: Surface, count: int, on_axis: bool) -> list[int]:
         step = np.hypot(*np.diff(places, axis=0).T)
         along = np.concatenate([[0.0], np.cumsum(step)])
     end = float(along.max())
-    if surface.closed and not on_axis:
+    if count is None:
+        wanted = along.min() + (end - along.min()) * np.array(LOOKED_AT)
+    elif surface.closed and not on_axis:
         end += float(np.hypot(*(places[0] - places[-1])))
         wanted = along.min() + (end - along.min()) * np.arange(count) / count
     else:

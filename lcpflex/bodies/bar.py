@@ -139,7 +139,7 @@ class Bar:
             surfaces=strip(found, h, nodes, 0.5 * height),
             locate=locate,
             residual_modes=n - free,
-            contact_modes=n - free - self._held_modes(free, mass, height, places),
+            contact_modes=min(n - free, self._contact_modes(free, mass, height, places)),
             statics=LineStatics(lambda: self._whole(mass), self.length),
             ladder=lambda: mode_ladder(
                 self.elements,
@@ -165,10 +165,10 @@ class Bar:
         rest, _ = residual_line(left, every, self.length / self.elements, loads)
         return np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
 
-    def _held_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
-        """How many residual modes there are for interfaces that nothing touches."""
-        held = tuple(place for place in places if not place.contact)
-        return len(self._modes(free, mass, line_loads(self.length, height, held))[0]) - free if held else 0
+    def _contact_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
+        """How many residual modes there are for interfaces that something touches."""
+        touched = line_loads(self.length, height, tuple(place for place in places if place.contact))
+        return len(self._modes(free, mass, touched)[0]) - free
 
     def _whole(self, mass: float) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""

@@ -170,7 +170,7 @@ class Beam:
             else None,
             axis=axis_of(line, found, nodes, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
             residual_modes=n - free,
-            contact_modes=n - free - self._held_modes(free, line, stiffening, places),
+            contact_modes=min(n - free, self._contact_modes(free, line, stiffening, places)),
             statics=LineStatics(lambda: self._whole(line, stiffening), self.length),
             ladder=lambda: mode_ladder(
                 available,
@@ -188,10 +188,13 @@ class Beam:
         loads = line_loads(self.length, self.thickness, places)
         return with_axial_loads(line, stiffening, loads) if stiffening is not None and stiffening.actual else loads
 
-    def _held_modes(self, free: int, line: Line, stiffening: Stiffening | None, places: tuple[Interface, ...]) -> int:
-        """How many residual modes there are for interfaces that nothing touches."""
-        held = self._loads(line, tuple(place for place in places if not place.contact), stiffening if free else None)
-        return len(self._modes(free, line, stiffening, held)[0].omega2) - free if held.any() else 0
+    def _contact_modes(
+        self, free: int, line: Line, stiffening: Stiffening | None, places: tuple[Interface, ...]
+    ) -> int:
+        """How many residual modes there are for interfaces that something touches."""
+        touched = tuple(place for place in places if place.contact)
+        loads = line_loads(self.length, self.thickness, touched)
+        return len(self._modes(free, line, stiffening, loads)[0].omega2) - free if touched else 0
 
     def _whole(self, line: Line, stiffening: Stiffening | None) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""

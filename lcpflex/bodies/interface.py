@@ -58,6 +58,8 @@ class Interface:
         for name in ("moment", "contact", "forces"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):
                 raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected True or False")
+        if not (self.forces or self.moment):
+            raise ModelError("forces, moment: both are False, expected at least one: nothing would act there")
 
 
 Interfaces: TypeAlias = (

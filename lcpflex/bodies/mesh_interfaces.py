@@ -52,7 +52,10 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
     """The nodes of an interface, one by one, or the material between nodes."""
     place = interface.place
     if isinstance(place, tuple):
-        return [material_weights(mesh, *place)]
+        try:
+            return [material_weights(mesh, *place)]
+        except ModelError as error:
+            raise ModelError(f"{name}: {error}") from None
     if isinstance(place, float):
         raise ModelError(f"{name}: {place!r} was given, expected a name, a place (x, y) or the number of a node")
     return [(np.array([node]), np.ones(1)) for node in chosen_nodes(mesh, name, place)]
@@ -60,7 +63,7 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
 
 def of_mesh(given: Interfaces) -> tuple[Interface, ...]:
     """The interfaces that were given. Nodes by their numbers are contact nodes, on which forces act and no moments."""
-    if isinstance(given, (str, Interface)):
+    if isinstance(given, (str, Interface)) or not isinstance(given, (Sequence, np.ndarray)):
         return interfaces_of(given)
     bare = [
         Interface(int(one), moment=False) if isinstance(one, (int, np.integer)) and not isinstance(one, bool) else one

@@ -67,15 +67,15 @@ def reduced(
 
 
 class Held(NamedTuple):
-    """Loads (f, k) at interfaces, for which residual modes are made, and how many of them hold the body."""
+    """Loads (f, k) at interfaces, for which residual modes are made, and how many of them are of contacts."""
 
     loads: FloatArray
-    of_joints: int  # of joints and loads, which nothing touches
+    of_contacts: int
     damping: float | None  # ratio of the residual modes; None: that of the others
 
     def residual(self, modes: int) -> Residual:
         """Of a basis with so many residual modes."""
-        return Residual(modes, max(modes - self.of_joints, 0), self.damping)
+        return Residual(modes, min(modes, self.of_contacts), self.damping)
 
 
 def _ladder(

@@ -102,10 +102,10 @@ def free_interface(
         return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)
     loads = interface_loads(mesh, places)
     check_memory("interfaces, modes", len(mesh.dofs), SHARE * (loads.shape[1] + n))
-    joints = interface_loads(mesh, [place for place in places if not place.contact]).shape[1]
+    touched = interface_loads(mesh, [place for place in places if place.contact]).shape[1]
     return reduced(
         mesh, lambda mesh: interface_basis(FreeMesh.of(mesh), loads, n), damping, stiffening,
-        columns=n, held=Held(loads, joints, residual_damping),
+        columns=n, held=Held(loads, touched, residual_damping),
     )  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, Protocol
@@ -52,19 +52,24 @@ class OnBody(Protocol):
 class Materials:
     """The material of points of a scene in the bodies that they were given when the scene was compiled.
 
-    later: by number of the body, its handle in the compiled scene.
+    A point of the scene that was compiled is of these bodies. One of a body that was reduced, or exchanged, since the
+    point was made has other modes, or none: it is made again.
+
+    handles: of the bodies of the compiled scene, in their order
+    modes: how many modes each has
     """
 
-    def __init__(self, later: Mapping[int, Any]) -> None:
-        self._later = later
+    def __init__(self, handles: Sequence[Any], modes: Sequence[int]) -> None:
+        self._handles = handles
+        self._modes = modes
         self._known: dict[int, tuple[PlacedPoint, MaterialPoint]] = {}
 
     def of(self, point: PlacedPoint) -> MaterialPoint:
         """The material at a point of the scene as it was declared."""
-        if point.body not in self._later:
+        if len(point.material.psi) == self._modes[point.body]:
             return point.material
         if id(point) not in self._known:
-            self._known[id(point)] = (point, point.again(self._later[point.body]).material)
+            self._known[id(point)] = (point, point.again(self._handles[point.body]).material)
         return self._known[id(point)][1]
 
 
@@ -113,7 +118,7 @@ class State:
 
     def _local(self, point: PlacedPoint) -> tuple[FloatArray, FloatArray, int | None]:
         """x + Phi q and Phi qdot, body axes, and the offset of the body; None for the ground."""
-        material = self._material(point)
+        material = self._material(point) if point.body >= 0 else point.material
         place = np.array(material.place, dtype=float)
         if point.body < 0:
             return place, np.zeros(2), None

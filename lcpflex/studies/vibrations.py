@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Vibrations", "small_vibrations"]
 
-DIFFERENCE = 1e-5  # of a unit of each coordinate: forces are at most quadratic in them, but for the sine of angles
+DIFFERENCE = (
+    1e-5  # of a large change of each coordinate: forces are at most quadratic in them, but for the sine of angles
+)
 ITERATIONS = 30
 SETTLED = 1e-9
 BALANCED = 1e-11  # of the largest stiffness: a force left over moves the scene away
@@ -88,9 +90,9 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     n = len(q)
     still = np.zeros(n)
     J = turning.joints(q)[1]
-    free = _null(J)
+    free = _null(J, turning.scale)
     K = _stiffness(turning, q, reaction)
-    D = _jacobian(lambda v: turning.residual(q, v, reaction), still)
+    D = _jacobian(lambda v: turning.residual(q, v, reaction), still, turning.scale)
     M, D, K = (free.T @ A @ free for A in (turning.mass(q), D, K))
     zero, one = np.zeros_like(M), np.eye(len(M))
     exponents = np.linalg.eigvals(np.block([[zero, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, D)]]))
@@ -108,6 +110,7 @@ class _Turning:
         self._model = pack(compiled.model)
         self._spin = spin
         self._frames = compiled.model.bodies.dof[:-1]
+        self.scale = _scale(compiled)
 
     def _external(self, q: FloatArray, u: FloatArray) -> FloatArray:
         external = np.zeros((self._compiled.n_external, 3))
@@ -157,19 +160,20 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """
     for _ in range(ITERATIONS):
         phi, J = turning.joints(q)
-        free = _null(J)
+        free, scale = _null(J, turning.scale), turning.scale
         reaction = _reaction(turning, q, J)
         rest = turning.residual(q, np.zeros_like(q), reaction)
         K = _stiffness(turning, q, reaction)
-        onto = -np.linalg.pinv(J) @ phi
+        onto = -scale * (np.linalg.pinv(J * scale) @ phi)
         along = np.linalg.lstsq(free.T @ K @ free, -free.T @ (rest + K @ onto), rcond=1e-14)[0]
         change = onto + free @ along
-        size = float(np.abs(K).max())
+        size = float(np.abs(scale[:, None] * K * scale).max())
         q = q + change
-        if np.abs(change).max() <= SETTLED * (1.0 + np.abs(q).max()):
+        if np.abs(change / scale).max() <= SETTLED * (1.0 + np.abs(q / scale).max()):
             J = turning.joints(q)[1]
             reaction = _reaction(turning, q, J)
-            if np.abs(_null(J).T @ turning.residual(q, np.zeros_like(q), reaction)).max(initial=0.0) <= BALANCED * size:
+            left = _null(J, scale).T @ turning.residual(q, np.zeros_like(q), reaction)
+            if np.abs(left).max(initial=0.0) <= BALANCED * size:
                 return q, reaction
             break
     raise SolverError("no steady state was found near the start of the scene, by Newton's method")
@@ -178,25 +182,39 @@ def _steady(turning: _Turning, q: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _reaction(turning: _Turning, q: FloatArray, J: FloatArray) -> FloatArray:
     """lambda (m,) that leaves the least residual."""
     unheld = turning.residual(q, np.zeros_like(q), np.zeros(len(J)))
-    return np.asarray(np.linalg.pinv(J.T) @ unheld)
+    return np.asarray(np.linalg.pinv((J * turning.scale).T) @ (turning.scale * unheld))
 
 
 def _stiffness(turning: _Turning, q: FloatArray, reaction: FloatArray) -> FloatArray:
     still = np.zeros_like(q)
-    return _jacobian(lambda x: turning.residual(x, still, reaction), q)
+    return _jacobian(lambda x: turning.residual(x, still, reaction), q, turning.scale)
 
 
-def _jacobian(function: Callable[..., FloatArray], x: FloatArray) -> FloatArray:
+def _scale(compiled: Compiled) -> FloatArray:
+    """(ndof,) what is a large change of each coordinate: the extent of a body, a radian, a mode that moves so far."""
+    bodies, points = compiled.model.bodies, compiled.model.points
+    scale = np.full(len(compiled.q), compiled.size)
+    for b, first in enumerate(bodies.dof[:-1]):
+        scale[first + 2] = 1.0
+        n = int(bodies.dof[b + 1] - first) - 3
+        own = [points.phi[points.start[p] : points.start[p + 1]] for p in np.flatnonzero(points.body == b)]
+        moved = np.abs(own).max(axis=(0, 2)) if own and n else np.zeros(n)
+        scale[first + 3 : first + 3 + n] /= np.maximum(moved, np.finfo(float).tiny)
+        scale[first + 3 : first + 3 + n][moved == 0.0] = 1.0  # a mode that no point of the scene shows
+    return scale
+
+
+def _jacobian(function: Callable[..., FloatArray], x: FloatArray, scale: FloatArray) -> FloatArray:
     columns: list[Any] = []
     for k in range(len(x)):
         step = np.zeros_like(x)
-        step[k] = DIFFERENCE
-        columns.append((function(x + step) - function(x - step)) / (2.0 * DIFFERENCE))
+        step[k] = DIFFERENCE * scale[k]
+        columns.append((function(x + step) - function(x - step)) / (2.0 * step[k]))
     return np.column_stack(columns)
 
 
-def _null(J: FloatArray) -> FloatArray:
-    """(ndof, f) orthonormal basis of the motions that the joints leave free."""
-    _, sizes, rows = np.linalg.svd(J)
+def _null(J: FloatArray, scale: FloatArray) -> FloatArray:
+    """(ndof, f) basis of the motions that the joints leave free, orthonormal in parts of ``scale``."""
+    _, sizes, rows = np.linalg.svd(J * scale)
     rank = int((sizes > INDEPENDENT * sizes.max(initial=0.0)).sum())
-    return np.asarray(rows[rank:].T)
+    return np.asarray(scale[:, None] * rows[rank:].T)

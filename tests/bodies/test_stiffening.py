@@ -131,6 +131,7 @@ def test_column_of_a_mesh_buckles():
         meshed().reduce(3, stiffening=Stiffening(axial_force=-1.001 * COLUMN))
 
 
+@pytest.mark.filterwarnings("ignore:body 'body2'")  # its fixed-interface modes miss 1.4 % of what its inertia bends
 def test_other_reductions_are_stiffened():
     """Fixed-interface modes know the clamp: six of them make the rotating cantilever."""
     spin = 300.0

@@ -253,8 +253,7 @@ def _body(shape: Shape) -> Any:
         return lf.Polygon(np.reshape(shape.numbers, (-1, 2)), mass=shape.mass)
     length, thickness, stiffness = shape.numbers
     width = shape.mass / (STEEL[0] * length * thickness)
-    beam = lf.Beam(length, width, thickness, STEEL[0], stiffness, elements=8, axial=False)
-    return beam.reduce(modes=4, damping=0.02)
+    return lf.Beam(length, width, thickness, STEEL[0], stiffness, elements=8, axial=False)
 
 
 def build(drawn: Drawn, exact: bool = False) -> lf.Scene:
@@ -265,8 +264,15 @@ def build(drawn: Drawn, exact: bool = False) -> lf.Scene:
         warnings.simplefilter("ignore", lf.ModelWarning)  # wave speeds of no material
         for shape in drawn.shapes:
             x, y, angle = shape.place
+            model = _body(shape)
+            flexible = {"modes": 4, "damping": 0.02} if isinstance(model, lf.Beam) else {}
             body = scene.add(
-                _body(shape), position=(x, y), angle=angle, velocity=shape.speed[:2], angular_velocity=shape.speed[2]
+                model,
+                position=(x, y),
+                angle=angle,
+                velocity=shape.speed[:2],
+                angular_velocity=shape.speed[2],
+                **flexible,
             )
             placed.append(body)
             _hold(scene, drawn, shape, placed)

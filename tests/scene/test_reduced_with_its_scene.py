@@ -17,6 +17,7 @@ from lcpflex.studies import small_vibrations
 
 E, RHO = 7e10, 2700.0
 BEAM = lf.Beam(1.0, 0.02, 0.005, RHO, E)
+BENDING = lf.Beam(1.0, 0.02, 0.005, RHO, E, axial=False)
 SOFT = E * 0.02 * 0.005**3 / 12.0  # E I
 PLATE = lf.Continuum(
     lf.meshes.quadratic(lf.meshes.bar(0.3, 0.02, 15)),
@@ -164,20 +165,20 @@ def test_a_beam_that_is_welded_by_hand_warns_with_the_count_that_would_do() -> N
         return made
 
     with pytest.warns(lf.ModelWarning, match=r"'arm': its 8 modes .* moment of joint 'root' at \(0, 0\)") as caught:
-        scene(BEAM.reduce(8)).compile()
+        scene(BENDING.reduce(8)).compile()
     (text,) = {str(one.message) for one in caught}
     enough = int(text.split("so would ")[1].split()[0])
-    assert not scene(BEAM.reduce(enough)).compiled().warnings
-    assert scene(BEAM.reduce(enough - 3)).compiled().warnings
-    assert not scene(BEAM.reduce(8, interfaces=["left"])).compiled().warnings
-    assert not scene(BEAM.reduce(0)).compiled().warnings  # rigid by intention
-    result = lf.simulate(scene(BEAM.reduce(8)), 1e-3, lf.MoreauJean(1e-4), progress=False)
+    assert not scene(BENDING.reduce(enough)).compiled().warnings
+    assert scene(BENDING.reduce(enough - 3)).compiled().warnings
+    assert not scene(BENDING.reduce(8, interfaces=["left"])).compiled().warnings
+    assert not scene(BENDING.reduce(0)).compiled().warnings  # rigid by intention
+    result = lf.simulate(scene(BENDING.reduce(8)), 1e-3, lf.MoreauJean(1e-4), progress=False)
     assert text in result.warnings
 
 
 @pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
 def test_the_warning_knows_no_units(size: float) -> None:
-    beam = lf.Beam(size, 0.02 * size, 0.005 * size, RHO, E)
+    beam = lf.Beam(size, 0.02 * size, 0.005 * size, RHO, E, axial=False)
     scene = lf.Scene()
     scene.join(lf.Weld(scene.add(beam.reduce(8)).point("left"), scene.ground.at(0.0, 0.0)))
     (said,) = scene.compiled().warnings
@@ -193,8 +194,8 @@ def test_nodes_of_large_surfaces_are_few_and_said() -> None:
     body, interfaces = flexible(scene)
     assert [interface.place[0] for interface in interfaces] == [0.0, 0.25, 0.5, 0.75, 1.0]  # type: ignore[index]
     assert body.contact_modes == body.residual_modes
-    enough = lf.Scene()  # eight free modes give way as the mesh does, within a hundredth, and two do not
-    for modes, nodes in ((8, 0), (2, 3)):
+    enough = lf.Scene()  # twelve free modes give way as the mesh does, within a hundredth, and four do not
+    for modes, nodes in ((12, 0), (4, 3)):
         strip = enough.add(BEAM, f"{modes} modes", modes=modes)
         enough.contact(strip.surface("bottom"), enough.ground.half_plane((0.0, -1.0), (0.0, 1.0)))
         assert enough.reduced().body(f"{modes} modes").source.residual_modes == nodes  # type: ignore[union-attr]
@@ -396,3 +397,90 @@ def test_a_stepper_without_joints_or_contacts_sees_a_free_body() -> None:
         compiled = scene.compile()
     assert compiled.layout.residual == ((0, 0),)
     assert compiled.materials is not None
+
+
+def test_beams_that_meet_with_their_ends_give_way_along_their_axis() -> None:
+    """Bodies that touch with their whole outlines: equal beams exchange speeds; too few modes say so."""
+
+    def collinear(new: bool, modes: int | None) -> lf.Result:
+        scene = lf.Scene(gravity=(0.0, 0.0))
+        for name, x, speed in (("a", 0.0, 1.0), ("b", 1.00001, 0.0)):
+            place = {"name": name, "position": (x, 0.0), "velocity": (speed, 0.0)}
+            if new:
+                scene.add(BEAM, modes=modes, **place)
+            else:
+                scene.add(BEAM.reduce(modes), **place)
+        scene.contact_all()
+        return lf.simulate(scene, 1e-3, lf.MoreauJean(1e-6), progress=False)
+
+    exact, few, rigid = collinear(False, None), collinear(True, 8), collinear(False, 8)
+    speeds = [result.velocity("b", "center")[-100:, 0].mean() for result in (exact, few, rigid)]
+    assert speeds[0] == pytest.approx(0.99, abs=0.05)
+    assert speeds[1] == pytest.approx(speeds[0], abs=0.1)
+    assert speeds[2] == pytest.approx(0.5, abs=1e-6)
+    assert any("100 % less than its mesh to a force along (1, 0)" in text for text in rigid.warnings)
+    assert not any("give way" in text for text in few.warnings)
+
+
+def test_a_load_where_it_is_struck_leaves_the_static_modes_of_the_contact() -> None:
+    found = []
+    for loaded in (False, True):
+        scene = lf.Scene()
+        beam = scene.add(BEAM, modes=8)
+        if loaded:
+            scene.load(lf.Force(beam.at(1.0, 0.0), (0.0, -10.0)))
+        scene.contact(beam.node(1.0, 0.0), scene.ground.half_plane((1.0, 0.0), (0.0, 1.0)))
+        found.append(scene.compiled(gives_way=True).layout.residual)
+    assert found[0] == found[1] == ((2, 2),)
+
+
+@pytest.mark.parametrize("nodes", [9, 10, 17])
+def test_surfaces_are_looked_at_between_the_nodes_that_have_modes(nodes: int) -> None:
+    fine = lf.meshes.quadratic(lf.meshes.bar(0.3, 0.01, 32))
+    plate = lf.Continuum(fine, density=RHO, youngs_modulus=E, poissons_ratio=0.33, thickness=0.02)
+    scene = lf.Scene()
+    body = scene.add(plate, modes=1, position=(0.0, 0.05), contact_nodes=nodes)
+    scene.contact(body.surface("bottom"), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)))
+    (said,) = scene.compiled().warnings
+    assert "more contact_nodes=" in said
+
+
+def test_a_default_reduction_does_not_warn_of_itself() -> None:
+    for modes in (6, 8, 12):
+        scene = lf.Scene()
+        beam = scene.add(BEAM, modes=modes, position=(0.0, 0.05))
+        scene.contact(beam.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+        assert not scene.compiled().warnings
+        assert flexible(scene)[0].residual_modes <= 11
+
+
+def test_python_forces_follow_their_bodies_into_studies() -> None:
+    """A function that holds a point of the scene, under every rung of its body."""
+
+    def build() -> lf.Scene:
+        scene = lf.Scene()
+        beam = scene.add(BEAM, "arm", modes=4)
+        scene.join(lf.Weld(beam.point("left"), scene.ground.at(0.0, 0.0)))
+        tip = beam.point("right")
+        scene.load(lf.Force(tip, lambda t, state: (0.0, -50.0 * state.position(tip)[1])))
+        return scene
+
+    found = lf.studies.right_size(build, duration=0.01, stepper=lf.GeneralizedAlpha(2e-4), progress=False)
+    assert not any(run.failure for run in found.runs)
+    exchanged = build().with_bodies({"arm": BEAM.reduce(6)})
+    assert lf.simulate(exchanged, 0.01, lf.GeneralizedAlpha(2e-4), progress=False).complete
+
+
+def test_errors_of_a_reduction_name_the_body() -> None:
+    with pytest.raises(lf.ModelError, match=r"stiffening: .* was given for Bar, which takes none"):
+        lf.Scene().add(lf.Bar(1.0, 1e-4, RHO, E), modes=5, stiffening=lf.Stiffening(held="left"))
+    scene = lf.Scene()
+    scene.add(BEAM, "arm", modes=500)
+    with pytest.raises(lf.ModelError, match="body 'arm': modes: 500 was given"):
+        scene.compile()
+    with pytest.raises(lf.ModelError, match=r"interfaces: 5 was given"):
+        PLATE.reduce(3, interfaces=5)  # type: ignore[arg-type]
+    with pytest.raises(lf.ModelError, match=r"interfaces\[1\]: "):
+        PLATE.reduce(3, interfaces=[(0.0, 0.0), (0.0, 1.0)])
+    with pytest.raises(lf.ModelError, match="forces, moment: both are False"):
+        lf.Interface("left", forces=False, moment=False)

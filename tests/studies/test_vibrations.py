@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from lcpflex import Beam, Disc, DrivenAngle, Force, ModelError, Revolute, Scene, SolverError, Spring, Table
+from lcpflex import Beam, Disc, DrivenAngle, Force, ModelError, Revolute, Scene, SolverError, Spring, Table, Weld
 from lcpflex.studies.vibrations import small_vibrations
 
 DISC = Disc(0.1, thickness=0.1, density=1000.0)
@@ -83,3 +83,16 @@ def test_what_is_never_steady_is_refused():
     pushed.load(Force(pushed.add(DISC).at(0, 0), (1.0, 0.0)))
     with pytest.raises(SolverError, match="steady"):
         small_vibrations(pushed)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e-2, 1.0, 1e3])
+def test_frequencies_know_no_units(size: float) -> None:
+    """Of a cantilever from a millimetre to a kilometre: 3.516 sqrt(E I / (rho A L^4))."""
+    scene = Scene(gravity=(0.0, 0.0))
+    beam = Beam(size, 0.02 * size, 0.005 * size, 2700.0, 7e10, elements=30).reduce(modes=None)
+    arm = scene.add(beam)
+    scene.join(Weld(arm.point("left"), scene.ground.at(0.0, 0.0)))
+    found = small_vibrations(scene)
+    exact = 3.5160153 * math.sqrt(7e10 * 0.005**2 / 12.0 / 2700.0) / size
+    assert found.frequencies[0] == pytest.approx(exact, rel=1e-4)
+    assert found.growth <= 1e-6 * found.frequencies[0]
