@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from inspect import signature
 from typing import TYPE_CHECKING, Any
@@ -47,7 +47,7 @@ class ReductionOrder:
     contact_nodes: int | None  # None: as few as do, see MORE_NODES
     modal: FloatArray  # (modes,) initial coordinates of the free modes
     modal_velocity: FloatArray
-    _made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)
+    made: dict[tuple[Interface, ...], Body] = field(default_factory=dict, repr=False)  # so far, by interfaces
 
     @property
     def is_line(self) -> bool:
@@ -56,12 +56,12 @@ class ReductionOrder:
 
     def body(self, interfaces: tuple[Interface, ...]) -> Body:
         """The body with residual modes for the interfaces; made once."""
-        if interfaces not in self._made:
+        if interfaces not in self.made:
             try:
-                self._made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
+                self.made[interfaces] = self.model.reduce(self.modes, interfaces=interfaces, **self.options)
             except ModelError as error:
                 raise ModelError(f"body {self.name!r}: {error}") from None
-        return self._made[interfaces]
+        return self.made[interfaces]
 
     def interfaces(
         self,
@@ -138,6 +138,13 @@ class ReductionOrder:
         return (float(found_x), float(found_y)), not at_node
 
 
+def _equal(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+    """Whether options are the same values; arrays are, where they are one."""
+    return a.keys() == b.keys() and all(
+        a[name] is b[name] or (not np.ndim(a[name]) and not np.ndim(b[name]) and a[name] == b[name]) for name in a
+    )
+
+
 def _kind(acting: Acting) -> tuple[str, bool]:
     """The surface of a node, and whether it is struck along the axis of a line."""
     return acting.surface, acting.interface.along == (1.0, 0.0)
@@ -153,8 +160,11 @@ def order_of(
     contact_nodes: int | None,
     modal: npt.ArrayLike | None,
     modal_velocity: npt.ArrayLike | None,
+    others: Iterable[ReductionOrder],
 ) -> tuple[ReductionOrder, Body]:
     """The order of a scene, and the body without deformation that answers for points and surfaces until then.
+
+    ``others`` of the scene: of those that ask for the same, each reduction is made once.
 
     Raises
     ------
@@ -173,13 +183,16 @@ def order_of(
     zeros = np.zeros(n)
     if stiffening is not None and "stiffening" not in signature(model.reduce).parameters:
         raise ModelError(f"stiffening: {stiffening!r} was given for {type(model).__name__}, which takes none")
+    options = {option: value for option, value in given.items() if value is not None}
+    alike = (one.made for one in others if one.model is model and one.modes == n and _equal(one.options, options))
     order = ReductionOrder(
         name=name,
         model=model,
         modes=n,
-        options={name: value for name, value in given.items() if value is not None},
+        options=options,
         contact_nodes=None if contact_nodes is None else whole_number("contact_nodes", contact_nodes, 0),
         modal=zeros if modal is None else array_of("modal", modal, (n,)),
         modal_velocity=zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,)),
+        made=next(alike, {}),
     )
     return order, model.reduce(0) if order.is_line else undeformed(model)

@@ -209,9 +209,9 @@ class Scene(Clearances):
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
             from lcpflex.reduction_order import order_of
 
-            order, body = order_of(
-                called, body, modes, damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity
-            )
+            others = (placed.order for placed in self._placed.values() if placed.order is not None)
+            asked = (damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity)
+            order, body = order_of(called, body, modes, *asked, others)
             modal = modal_velocity = None
         elif not isinstance(body, Body):
             raise ModelError(f"body: {body!r} was given, expected a Body, or a flexible body and modes=8")
