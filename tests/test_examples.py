@@ -13,8 +13,12 @@ EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 STUDIES = (
     "flexible_pendulum_micro_collisions",
     "four_strikers",
+    "many_laws",
     "pendulum_strikes_rod",
     "penalty_against_complementarity",
+    "residual_modes",
+    "scotch_yoke",
+    "slider_crank_with_flexible_stop",
     "where_methods_fail",
     "work_precision",
 )  # many runs each

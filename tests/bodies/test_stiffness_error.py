@@ -95,6 +95,7 @@ def test_every_reduction_tells_it() -> None:
     model.reduce(0)  # rigid
 
 
+@pytest.mark.slow
 def test_linear_solids_of_revolution_are_judged_along_their_axis() -> None:
     coarse, fine = (lf.SolidOfRevolution(meshes.half_section_of_sphere(1.0, h, order=1), 2700.0, 7e10, 0.3)
                     for h in (0.4, 0.1))  # fmt: skip

@@ -110,6 +110,7 @@ def test_rigid_is_chosen_where_rigid_suffices() -> None:
     check("sled")
 
 
+@pytest.mark.slow
 def test_modes_that_nothing_excites_prove_nothing() -> None:
     """The block: its first two modes change the outputs by nothing, the higher ones by half of all there is."""
     truth = Truth(QUESTIONS["block"])
