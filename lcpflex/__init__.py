@@ -169,14 +169,21 @@ def __getattr__(name: str) -> Any:
     if name in _PACKAGES:
         return import_module(_PACKAGES[name])
     if name not in _HOME:
-        raise AttributeError(f"module 'lcpflex' has no attribute {name!r}")
+        raise _missing("lcpflex", name, __dir__())
     value = getattr(import_module(_HOME[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, *_PACKAGES})
+    return sorted({*__all__, *_PACKAGES})
+
+
+def _missing(module: str, name: str, known: list[str]) -> AttributeError:
+    """The error of a name that is not there, with the one that was meant most likely."""
+    from lcpflex.given import nearest
+
+    return AttributeError(f"module {module!r} has no attribute {name!r}{nearest(name, known)}")
 
 
 class _Package(ModuleType):

@@ -43,6 +43,11 @@ __all__ = [
     "wave_speed",
 ]
 
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 PAIRS = 9  # in the contact patch
 PER_WAVELENGTH = 20  # elements
 FRACTION = 0.1  # of the static share of a pulse, below which a frequency counts as not excited

@@ -96,7 +96,9 @@ def __getattr__(name: str) -> Any:
     """Load a solver at its first use, so that importing the package costs nothing."""
     if name in _HOME:
         return getattr(import_module(f"lcpflex.solvers.{_HOME[name]}"), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from lcpflex.given import nearest
+
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")
 
 
 def __dir__() -> list[str]:

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import enum
-import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -15,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, as_number, shown
+from lcpflex.given import numbers
 from lcpflex.solvers.certificate import (
     all_finite,
     certifies_infeasibility,
@@ -269,10 +269,13 @@ def _differ(problem: Problem, solutions: tuple[FloatArray, ...], tolerance: floa
 
 def as_array(name: str, value: Any, dimensions: int) -> FloatArray:
     """A contiguous copy of an argument as numbers; refuses other dimensions."""
+    given = numbers(value)
+    if given is None:
+        raise ModelError(f"{name} is {shown(value)}: expected numbers")
     try:
-        array = np.array(value, dtype=float, order="C")
-    except (TypeError, ValueError) as error:
-        raise ModelError(f"{name} is {value!r}: expected numbers") from error
+        array = np.array(given, order="C")
+    except MemoryError:
+        raise ModelError(f"{name} has shape {given.shape}: expected no more than fits into memory") from None
     if array.ndim != dimensions:
         raise ModelError(f"{name} has shape {array.shape}: expected {dimensions} dimension(s)")
     return array
@@ -307,11 +310,11 @@ def _checked_factor(value: Any, M: FloatArray) -> FloatArray:
 
 def check_tolerance(tolerance: float) -> None:
     """A tolerance of the natural-map residual: refuses what no residual could mean."""
-    if not (isinstance(tolerance, (int, float)) and math.isfinite(tolerance) and 0.0 < tolerance < 1e-2):
-        raise ModelError(f"tolerance is {tolerance!r}: expected a number between 0 and 0.01 (relative residual)")
+    if not 0.0 < as_number(tolerance) < 1e-2:
+        raise ModelError(f"tolerance is {shown(tolerance)}: expected a number between 0 and 0.01 (relative residual)")
 
 
 def check_limit(name: str, limit: int | None) -> None:
     """A limit of pivots or iterations: a positive integer, or None for the solver's own."""
-    if limit is not None and not (isinstance(limit, int) and not isinstance(limit, bool) and limit > 0):
-        raise ModelError(f"{name} is {limit!r}: expected a positive integer or None")
+    if limit is not None and not (isinstance(limit, int) and not isinstance(limit, bool) and 0 < limit < 2**62):
+        raise ModelError(f"{name} is {shown(limit)}: expected a positive integer or None")

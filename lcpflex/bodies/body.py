@@ -23,7 +23,9 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
-from lcpflex.model import Axis, frozen
+from lcpflex.given import array_of, whole_number
+from lcpflex.given import mapping_of as named
+from lcpflex.model import Axis
 
 __all__ = [
     "Body",
@@ -188,40 +190,6 @@ class Lazily(Mapping[str, T], Generic[T]):
 
     def __len__(self) -> int:
         return len(self._makers)
-
-
-def whole_number(name: str, value: Any, low: int, high: float = math.inf, why: str = "") -> int:
-    """``value`` as an int if it is a whole number in [low, high]; raises :class:`ModelError` otherwise."""
-    expected = f"a whole number from {low} to {high:g}" if math.isfinite(high) else f"a whole number >= {low}"
-    try:
-        whole = not isinstance(value, bool) and int(value) == value
-    except (TypeError, ValueError, OverflowError):
-        whole = False
-    if not whole or not low <= value <= high:
-        raise ModelError(f"{name}: {value!r} was given, expected {expected}{why}")
-    return int(value)
-
-
-def named(name: str, value: Any) -> Mapping[str, Any]:
-    """``value`` if it is a mapping from texts; raises :class:`ModelError` otherwise."""
-    if not isinstance(value, Mapping) or not all(isinstance(key, str) and key for key in value):
-        raise ModelError(f"{name}: {value!r} was given, expected a mapping from names (texts)")
-    return value
-
-
-def array_of(name: str, value: npt.ArrayLike, shape: tuple[int, ...]) -> FloatArray:
-    """``value`` as a read-only array of finite numbers of that shape (-1: any length); raises :class:`ModelError`."""
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ModelError(f"{name}: {value!r} was given, expected an array of numbers") from None
-    wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
-    if array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True)):
-        raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
-    if not np.isfinite(array).all():
-        bad = array[~np.isfinite(array)].flat[0]
-        raise ModelError(f"{name}: an array with {bad} in it was given, expected finite numbers only")
-    return np.asarray(frozen(array), dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

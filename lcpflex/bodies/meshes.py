@@ -24,6 +24,12 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 __all__ += ["rectangle", "ring"]
 
 RAISED = {"MeshTri1": "MeshTri2", "MeshQuad1": "MeshQuad2"}  # classes of scikit-fem: linear to quadratic

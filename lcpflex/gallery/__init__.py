@@ -71,6 +71,10 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
 def scenes() -> dict[str, Case]:
     """All cases by name."""
     return {

@@ -71,3 +71,27 @@ def test_packaging_lists_every_package() -> None:
     listed = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
     found = {".".join(path.parent.relative_to(root).parts) for path in (root / "lcpflex").glob("**/__init__.py")}
     assert set(listed) == found | {"lcpflex.solvers"}
+
+
+@pytest.mark.parametrize(
+    ("module", "typo", "meant"),
+    [
+        ("", "Bream", "Beam"),
+        ("", "Simulate", "simulate"),
+        ("solvers", "Lemkes", "Lemke"),
+        ("laws", "Herz", "Hertz"),
+        ("studies", "right_sized", "right_size"),
+    ],
+)
+def test_unknown_name_tells_the_nearest_one(module: str, typo: str, meant: str) -> None:
+    with pytest.raises(AttributeError, match=f"{typo}.*did you mean '{meant}'"):
+        getattr(getattr(lcpflex, module) if module else lcpflex, typo)
+
+
+@pytest.mark.parametrize("module", ["", "solvers", "studies", "laws", "gallery", "meshes", "advice"])
+def test_dir_shows_public_names_only(module: str) -> None:
+    package = getattr(lcpflex, module) if module else lcpflex
+    shown = set(dir(package))
+    assert shown >= set(package.__all__)
+    assert not shown & {"sys", "Any", "ModuleType", "TYPE_CHECKING", "import_module", "annotations", "np", "math"}
+    assert not [name for name in shown if name.startswith("_") and name != "__version__"]

@@ -45,10 +45,6 @@ def test_indentations_and_forces_that_are_none(law, bad):
 @EVERY
 @pytest.mark.parametrize("bad", ["deep", "1e-6", None, {}, [[1.0], [1.0, 2.0]], 1e-6 + 1e-6j, np.array([1e-6 + 1e-6j])])
 def test_what_is_no_number(law, bad):
-    if bad is None:  # numpy takes it for NaN
-        with pytest.raises(ModelError, match=r"^delta: nan was given"):
-            law.force(bad)
-        return
     with pytest.raises(ModelError, match=r"^delta: .*expected a number or an array of numbers"):
         law.force(bad)
 

@@ -91,14 +91,16 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load a public name from its module at first use."""
     if name not in _HOME:
-        raise AttributeError(f"module 'lcpflex.laws' has no attribute {name!r}")
+        from lcpflex.given import nearest
+
+        raise AttributeError(f"module 'lcpflex.laws' has no attribute {name!r}{nearest(name, __all__)}")
     value = getattr(import_module(_HOME[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)
 
 
 if TYPE_CHECKING:

@@ -7,20 +7,18 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import numbers
 
 __all__ = ["finite_numbers", "numbers_of"]
 
 
 def numbers_of(name: str, given: Any) -> FloatArray:
     """``given`` as an array of floats; ModelError for what is no number and no array of numbers."""
-    try:
-        values = np.asarray(given)
-        if values.dtype.kind in "biufO":  # numpy would read words, and drop imaginary parts
-            return values.astype(float, copy=False)
-    except (TypeError, ValueError):
-        pass
-    raise ModelError(f"{name}: {given!r} was given, expected a number or an array of numbers")
+    values = numbers(given)
+    if values is None:
+        raise ModelError(f"{name}: {shown(given)} was given, expected a number or an array of numbers")
+    return np.asarray(values)
 
 
 def finite_numbers(name: str, given: Any, least: float) -> FloatArray:

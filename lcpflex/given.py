@@ -1,0 +1,143 @@
+"""Arguments as what they have to be: arrays, whole numbers, truth values, names; or a ModelError that says what is not.
+
+Numbers alone are checked by :func:`lcpflex.errors.in_range`. Every message shows the value cut short.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from lcpflex.errors import ModelError, as_number, in_range, shown
+
+__all__ = [
+    "array_of",
+    "flag",
+    "listed",
+    "mapping_of",
+    "nearest",
+    "numbers",
+    "one_of",
+    "positive",
+    "text",
+    "unknown",
+    "whole_number",
+]
+
+FLOAT = np.dtype(np.float64)
+SCALE = 1e60  # up to which positive quantities go, and down to its inverse: products of five are numbers
+LISTED = 8  # names in a message
+
+
+def numbers(value: Any) -> Any:
+    """``value`` as an array of floats, not copied where it is one; None for anything else.
+
+    Texts, dates, complex numbers, truth values, objects and masked arrays are no numbers here, although numpy would
+    read some of them and drop what it cannot keep. Integers beyond the range of floats make objects.
+    """
+    if type(value) is np.ndarray and value.dtype is FLOAT:
+        return value
+    try:
+        with np.errstate(all="ignore"):
+            if isinstance(value, np.ma.MaskedArray):
+                return None
+            if isinstance(value, list | tuple) and any(isinstance(part, np.ma.MaskedArray) for part in value):
+                return None
+            array = np.asarray(value)
+            if array.dtype.kind not in "iuf" and array.size:
+                return None
+            return np.asarray(array, dtype=np.float64)
+    except Exception:  # ragged, endless, larger than the memory, or an object of the user that raises what it likes
+        return None
+
+
+def array_of(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """``value`` as a read-only array of finite numbers of that shape (-1: any length); raises :class:`ModelError`."""
+    array = numbers(value)
+    if array is None:
+        raise ModelError(f"{name}: {shown(value)} was given, expected an array of numbers")
+    wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
+    if array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True)):
+        raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = array[~finite].flat[0]
+        raise ModelError(f"{name}: an array with {bad} in it was given, expected finite numbers only")
+    array = np.array(array, dtype=np.float64, order="C")
+    array.setflags(write=False)
+    return array
+
+
+def whole_number(name: str, value: Any, low: int, high: float = math.inf, why: str = "") -> int:
+    """``value`` as an int if it is a whole number in [low, high]; raises :class:`ModelError` otherwise."""
+    expected = f"a whole number from {low} to {high:g}" if math.isfinite(high) else f"a whole number >= {low}"
+    number = as_number(value)
+    if not (math.isfinite(number) and number == math.floor(number) and low <= number <= min(high, 2.0**62)):
+        raise ModelError(f"{name}: {shown(value)} was given, expected {expected}{why}")
+    return int(number) if abs(number) < 2.0**53 else int(value)
+
+
+def positive(name: str, value: Any) -> float:
+    """``value`` as a float > 0 that can be multiplied: a length, a mass, a modulus."""
+    number = in_range(name, value, 0.0, math.inf, open_ends=True)
+    return in_range(name, number, 1.0 / SCALE, SCALE)
+
+
+def flag(name: str, value: Any) -> bool:
+    """``value`` as a bool if it is True or False, of Python or numpy, or the number 1 or 0."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    number = as_number(value)
+    if number not in (0.0, 1.0):
+        raise ModelError(f"{name}: {shown(value)} was given, expected True or False")
+    return number == 1.0
+
+
+def text(name: str, value: Any, expected: str = "a text") -> str:
+    """``value`` if it is a text that is not empty."""
+    if not isinstance(value, str) or not value:
+        raise ModelError(f"{name}: {shown(value)} was given, expected {expected}")
+    return value
+
+
+def mapping_of(name: str, value: Any) -> Mapping[str, Any]:
+    """``value`` if it is a mapping from texts; raises :class:`ModelError` otherwise."""
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) and key for key in value):
+        raise ModelError(f"{name}: {shown(value)} was given, expected a mapping from names (texts)")
+    return value
+
+
+def one_of(name: str, value: Any, known: Iterable[str]) -> str:
+    """``value`` if it is one of the known names."""
+    names = list(known)
+    if not isinstance(value, str) or value not in names:
+        raise ModelError(f"{name}: {unknown(value, names)}")
+    return value
+
+
+def unknown(value: Any, known: Iterable[str]) -> str:
+    """``value`` was given, what is known instead, and what was meant most likely: the end of a message."""
+    names = list(known)
+    return f"{shown(value)} was given, expected one of {listed(names)}{nearest(value, names)}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message, no more than LISTED of them."""
+    every = list(names)
+    if not every:
+        return "(there are none)"
+    more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
+    return ", ".join(shown(name) for name in every[:LISTED]) + more
+
+
+def nearest(value: Any, known: Iterable[str]) -> str:
+    """``: did you mean 'x'?`` where a known name is near; else empty."""
+    if not isinstance(value, str) or len(value) > 100:
+        return ""
+    plain = {name.casefold(): name for name in known if isinstance(name, str)}
+    found = difflib.get_close_matches(value.casefold(), plain, n=1)
+    return f": did you mean {plain[found[0]]!r}?" if found else ""
