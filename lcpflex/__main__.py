@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.studies.command_line import called, in_file, load_named
 from lcpflex.studies.commands_chart import add_chart
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.commands_stability import add_stability
@@ -242,10 +243,13 @@ def _case(name: str) -> Case:
 
 def _found(text: str) -> Any:
     """The case of the gallery, or the function of a file, that SCENE names."""
-    path, colon, function = text.rpartition(":")
-    if not (colon and path.endswith(".py")):
+    if not in_file(text):
         return _case(text)
-    return _load_function(Path(path), function)
+    function = load_named("SCENE", text)
+    if not callable(function):
+        path, _, name = text.rpartition(":")
+        raise ModelError(f"SCENE: {path[-80:]!r} has no function {name[:40]!r}; expected one that returns a Scene")
+    return function
 
 
 def _scene(text: str) -> tuple[Any, float | None, Any]:
@@ -253,46 +257,11 @@ def _scene(text: str) -> tuple[Any, float | None, Any]:
     from lcpflex.gallery import Case
 
     found = _found(text)
-    made = found if isinstance(found, Case) else _called(text, found)
+    takes = "a function without arguments that returns a scene"
+    made = found if isinstance(found, Case) else called("SCENE", text, found, takes)
     if isinstance(made, Case):
         return made.build(), made.duration, made.stepper
     return made, None, None
-
-
-def _called(text: str, function: Callable[[], Any]) -> Any:
-    """What a function of the user's returns; what it raises, with the line of it."""
-    from traceback import extract_tb
-
-    try:
-        return function()
-    except LcpflexError:
-        raise
-    except Exception as error:
-        where = extract_tb(error.__traceback__)[-1]
-        raise ModelError(
-            f"SCENE: {text!r} raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno}); expected "
-            "a function without arguments that returns a scene"
-        ) from error
-
-
-def _load_function(path: Path, name: str) -> Any:
-    """A function of a Python file of the user's own, which may import its neighbours."""
-    import importlib.util
-
-    if not path.is_file():
-        raise ModelError(f"SCENE: no file {str(path)!r}; expected file.py:function")
-    specification = importlib.util.spec_from_file_location(path.stem, path)
-    assert specification is not None
-    loader = specification.loader
-    assert loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.path.insert(0, str(path.resolve().parent))
-    sys.modules[path.stem] = module  # dataclasses of the file look themselves up there
-    _called(str(path), lambda: loader.exec_module(module))
-    function = getattr(module, name, None)
-    if not callable(function):
-        raise ModelError(f"SCENE: {str(path)!r} has no function {name!r}; expected one that returns a Scene")
-    return function
 
 
 def _stepper(name: str | None, step: float | None, stiffness: float | None, own: Any) -> Any:

@@ -1,18 +1,34 @@
-"""What the commands of studies share: the files that they write, how long they simulate, how they end."""
+"""What the commands share: objects in files of the user's own, files that are written, the duration, the exit code."""
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import sys
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import LcpflexError, ModelError, writable_path
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["add_files", "check_files", "duration_of", "shown"]
+__all__ = [
+    "PICTURES",
+    "add_files",
+    "called",
+    "check_files",
+    "check_picture",
+    "duration_of",
+    "in_file",
+    "load_named",
+    "methods_named",
+    "outputs_named",
+    "shown",
+]
 
 PICTURES = (".png", ".pdf", ".svg")
 
@@ -35,12 +51,131 @@ def add_files(command: argparse.ArgumentParser) -> None:
 
 def check_files(request: argparse.Namespace) -> None:
     """Raise ModelError for files that cannot be written, before anything is run."""
-    for name in ("output", "csv"):
-        path = getattr(request, name)
-        if path is not None:
-            writable_path(f"--{name}", path)
-    if request.output is not None and request.output.suffix.lower() not in PICTURES:
-        raise ModelError(f"--output: {str(request.output)!r}; expected a name that ends in {', '.join(PICTURES)}")
+    check_picture("--output", request.output)
+    if request.csv is not None:
+        writable_path("--csv", request.csv)
+
+
+def check_picture(option: str, path: Path | None) -> None:
+    """Raise ModelError, before anything is run, for a picture of another kind or one that cannot be written."""
+    if path is None:
+        return
+    if path.suffix.lower() not in PICTURES:
+        raise ModelError(f"{option}: {str(path)[-80:]!r}; expected a name that ends in {', '.join(PICTURES)}")
+    writable_path(option, path)
+
+
+def in_file(text: str) -> bool:
+    """Whether a text has the form ``file.py:name``."""
+    path, colon, name = text.rpartition(":")
+    return bool(colon and name) and path.endswith(".py")
+
+
+def load_named(option: str, text: str) -> Any:
+    """The object of a Python file of the user's own that ``file.py:name`` names; the file may import its neighbours.
+
+    Raises ModelError with the name of the option for a file that is not there or fails, and for an unknown name.
+    """
+    file, _, name = text.rpartition(":")
+    path = Path(file)
+    if not path.is_file():
+        raise ModelError(f"{option}: no file {file[-80:]!r}; expected file.py:name")
+    module = called(option, file, lambda: _module(path.resolve(), path.stat().st_mtime_ns), "a file that can be run")
+    try:
+        return getattr(module, name)
+    except AttributeError:
+        known = ", ".join(key for key in vars(module) if not key.startswith("_"))
+        raise ModelError(
+            f"{option}: {file[-80:]!r} has no function {name[:40]!r}; expected one of {known[:200]}"
+        ) from None
+
+
+@cache
+def _module(path: Path, _changed: int) -> ModuleType:
+    """The file as a module, run once however often it is named, and again after it ``_changed``."""
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))
+    sys.modules[path.stem] = module  # dataclasses of the file look themselves up there
+    specification.loader.exec_module(module)
+    return module
+
+
+def called(option: str, text: str, function: Callable[[], Any], expected: str) -> Any:
+    """What a function of the user's own returns; what it raises as ModelError, with the line of it."""
+    from traceback import extract_tb
+
+    try:
+        return function()
+    except LcpflexError:
+        raise
+    except Exception as error:
+        where = extract_tb(error.__traceback__)[-1]
+        raise ModelError(
+            f"{option}: {text[-80:]!r} raised {type(error).__name__}: {str(error)[:120]} ({where.filename[-80:]}, line "
+            f"{where.lineno}); expected {expected}"
+        ) from error
+
+
+def outputs_named(option: str, texts: Sequence[str], known: Sequence[str]) -> list[Any]:
+    """Outputs by name, and those of the user's own as ``file.py:name``: a function of a Result, or an Output."""
+    chosen: list[Any] = []
+    for text in texts:
+        if not in_file(text):
+            if text not in known:
+                raise ModelError(f"{option}: {text[:80]!r}; expected file.py:name or one of {', '.join(known)}")
+            chosen.append(text)
+            continue
+        found = load_named(option, text)
+        if isinstance(found, type) or not (callable(found) or hasattr(found, "function")):
+            raise ModelError(
+                f"{option}: {text[-80:]!r} is {_cut(found)}; expected a function of a Result, or an Output"
+            )
+        chosen.append(found)
+    return chosen
+
+
+def methods_named(option: str, texts: Sequence[str], known: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Steppers by label: those ``known`` by name, and those of the user's own as ``file.py:name``.
+
+    That is a stepper, a sequence of them from coarse to fine, a mapping of label to either, or a function without
+    arguments that returns one of these.
+    """
+    chosen: dict[str, Any] = {}
+    for text in texts:
+        if in_file(text):
+            chosen |= _own_methods(option, text)
+            continue
+        found = {label: one for label, one in known().items() if _plain(label) == _plain(text)}
+        if not found:
+            raise ModelError(f"{option}: {text[:80]!r}; expected file.py:name or one of {', '.join(known())}")
+        chosen |= found
+    return chosen
+
+
+def _own_methods(option: str, text: str) -> dict[str, Any]:
+    found = load_named(option, text)
+    if callable(found) and not hasattr(found, "start"):
+        found = called(option, text, found, "a function without arguments that returns steppers")
+    if not isinstance(found, dict):
+        found = {text.rpartition(":")[2]: found}
+    for label, one in found.items():
+        steppers = one if isinstance(one, list | tuple) else [one]
+        if not steppers or any(isinstance(each, type) or not hasattr(each, "start") for each in steppers):
+            raise ModelError(f"{option}: {text[-80:]!r} has {_cut(one)} as {label!r}; expected a stepper, or several")
+    return {str(label): one for label, one in found.items()}
+
+
+def _plain(label: str) -> str:
+    return label.lower().replace(",", "").replace(" ", "-").replace("generalised", "generalized")
+
+
+def _cut(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def duration_of(request: argparse.Namespace, known: float | None) -> float:

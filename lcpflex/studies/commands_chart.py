@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable
 from typing import Any
 
-from lcpflex.errors import ModelError
-from lcpflex.studies.command_line import add_files, check_files, duration_of, shown
+from lcpflex.errors import ModelError, in_range
+from lcpflex.studies.command_line import add_files, check_files, duration_of, methods_named, outputs_named, shown
 
 __all__ = ["add_chart"]
 
@@ -18,8 +19,11 @@ def add_chart(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]
     """Add the command to the subparsers; ``load`` makes scene, duration and stepper of the text that names a scene."""
     chart = commands.add_parser("chart", help="work against precision: which method reaches an accuracy soonest")
     chart.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
-    chart.add_argument("--quantity", metavar="NAME", help="drawn and advised on: trajectory (default), impulses, "
-                       "peak force or energy")  # fmt: skip
+    chart.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated, the first is drawn and "
+                       "advised on: trajectory (default), motion, impulses, peak force, energy, or file.py:name of "
+                       "a function of a result")  # fmt: skip
+    chart.add_argument("--method", action="append", metavar="NAME", help="may be repeated: a method by its name, such "
+                       "as event-driven, or file.py:name of steppers from coarse to fine (default: all)")  # fmt: skip
     add_files(chart)
     chart.add_argument("--repeats", type=int, default=3, metavar="N", help="timed runs whose median counts")
     chart.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
@@ -29,19 +33,25 @@ def add_chart(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]
 
 def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and advice, write the files. 1 if no method has a sound run, 130 after Ctrl-C."""
-    from lcpflex.studies.outputs import standard_outputs
+    from lcpflex.studies.outputs import known_outputs, standard_outputs
+    from lcpflex.studies.standard_methods import standard_methods
     from lcpflex.studies.work_precision import work_precision
 
     check_files(request)
-    outputs = [output.name for output in standard_outputs()]
-    if request.quantity is not None:
-        if request.quantity not in outputs:
-            raise ModelError(f"--quantity: {request.quantity!r}; expected one of {', '.join(outputs)}")
-        outputs.remove(request.quantity)
-        outputs.insert(0, request.quantity)  # the first one is drawn and decides on the reference
+    if request.repeats < 1:
+        raise ModelError(f"--repeats: {request.repeats}; expected at least 1 timed run")
+    in_range("--limit", request.limit, 0.0, math.inf, open_ends=True)
+    asked = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
+    others = [output.name for output in standard_outputs() if output.name not in asked]
     scene, duration, _ = load(request.scene)
-    duration = duration_of(request, duration)
+    duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
+    methods = methods_named("--method", request.method or (), lambda: standard_methods(duration))
     work = work_precision(
-        {request.scene: scene}, duration=duration, repeats=request.repeats, limit=request.limit, outputs=outputs
+        {request.scene: scene},
+        methods or None,
+        duration=duration,
+        repeats=request.repeats,
+        limit=request.limit,
+        outputs=[*asked, *others],  # the first one is drawn and decides on the reference
     )
     return shown(request, work, any(not point.failure for point in work.points))

@@ -24,6 +24,7 @@ __all__ = [
     "chosen_outputs",
     "error_between",
     "is_nothing",
+    "known_outputs",
     "motion_of",
     "resolution",
     "scale_text",
@@ -212,6 +213,11 @@ def standard_outputs() -> tuple[Output, ...]:
     )
 
 
+def known_outputs() -> dict[str, Output]:
+    """By name the outputs that a study takes: the standard ones, and the motion without its velocities."""
+    return {output.name: output for output in (*standard_outputs(), Output("motion", motion))}
+
+
 def is_nothing(measured: Measured) -> bool:
     """Whether there is nothing that an error could be relative to: no contact, no force."""
     if measured.number is not None:
@@ -240,7 +246,7 @@ def chosen_outputs(outputs: Any) -> tuple[Output, ...]:
 def _output(value: Any) -> Output:
     if isinstance(value, Output):
         return value
-    standard = {output.name: output for output in standard_outputs()}
+    standard = known_outputs()
     if isinstance(value, str):
         if value not in standard:
             raise ModelError(f"outputs: no output {value!r}; expected one of {', '.join(standard)}, or a function")
@@ -262,6 +268,11 @@ def trajectory(result: Result) -> list[Part]:
             for k, name in enumerate(names)
         ]
     return motion_of(result, two_places(result.compiled))
+
+
+def motion(result: Result) -> list[Part]:
+    """Positions alone of the points of :func:`trajectory`, or the coordinates of a system of the user's own."""
+    return [part for part in trajectory(result) if part.name != "velocity" and not part.name.endswith("'")]
 
 
 def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, float]]]) -> list[Part]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
 from dataclasses import dataclass, replace
@@ -14,7 +13,6 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError, StepError
 from lcpflex.studies import Output, WorkPoint, WorkPrecision, work_precision
-from lcpflex.studies.commands_chart import add_chart
 from lcpflex.studies.outputs import Measured, Part, error_between, resolution
 from lcpflex.studies.reference import Reference
 from lcpflex.studies.trial import Trial, brief, in_order, predicted
@@ -458,25 +456,3 @@ def test_mistakes_within_a_builder_are_not_told_as_missing_parameters() -> None:
         work_precision(needs_friction, duration=0.1)
     with pytest.raises(TypeError, match="unsupported operand"):
         work_precision(needs_friction, duration=0.1, friction=[0.3])
-
-
-def test_command_line(tmp_path, capsys, monkeypatch) -> None:
-    short = {"Moreau-Jean": MOREAU_JEAN[:3]}
-    monkeypatch.setitem(work_precision.__globals__, "standard_methods", lambda duration: short)
-    parser = argparse.ArgumentParser()
-    case = gallery.scenes()["stick_slip"]
-    add_chart(parser.add_subparsers(), lambda text: (case.build(), case.duration, case.stepper))
-
-    def run(*more: str) -> int:
-        request = parser.parse_args(["chart", "stick_slip", "--repeats", "0", *more])
-        return request.command(request)
-
-    picture, table = tmp_path / "chart.png", tmp_path / "runs.csv"
-    assert run("--output", str(picture), "--csv", str(table), "--quantity", "energy") == 0
-    assert picture.stat().st_size > 10_000
-    assert table.read_text().count("\n") == 4
-    assert "cheapest method for 1 % in energy" in capsys.readouterr().out
-    wrongs = ("--quantity", "colour"), ("--output", "chart.txt"), ("--csv", "/no/folder/runs.csv"), ("--duration", "0")
-    for wrong in wrongs:
-        with pytest.raises(ModelError, match=wrong[0].strip("-")):
-            run(*wrong)
