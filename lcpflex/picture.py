@@ -8,7 +8,6 @@ import numpy as np
 
 from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 from lcpflex.result import world_places
-from lcpflex.summary import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,17 +16,16 @@ if TYPE_CHECKING:
     from lcpflex.result import Result
     from lcpflex.scene import Compiled
 
-__all__ = ["View", "draw_bodies", "draw_forces", "draw_joints", "draw_surfaces", "view_of"]
+__all__ = ["View", "draw_bodies", "draw_joints", "draw_surfaces", "view_of"]
 
 View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
 
-_BODY, _GROUND, _FORCE, _JOINT = "#0072B2", "#6E6E6E", "#D55E00", "#202020"
+_BODY, _GROUND, _JOINT = "#0072B2", "#6E6E6E", "#202020"
 _SOLID = "#D9D9D9"
 _SEGMENT, _ARC = 0, 1  # kinds of features
+_WHOLE = 2.0 * np.pi - 1e-12  # extent of a whole circle
 _MARGIN = 0.12  # of the picture, around what moves
-_ARROW = 0.2  # length of an arrow of the force that sets the scale, relative to the picture
-_CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
-_LONGEST = 1.5  # forces beyond that are cut to this many times its length
+_NEAR = 1.0  # an endless ground surface is shown if it is nearer to what moves than that is large
 
 
 def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
@@ -36,8 +34,8 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
     drawn = [ids for body, ids, _ in compiled.layout.outlines if body >= 0]
     round_ones = [(p, radius) for p, radius in compiled.layout.circles if points.body[p] >= 0]
     centers = np.array([p for p, _ in round_ones], dtype=np.int64)
-    moving = np.unique(np.concatenate([*drawn, *_shapeless(compiled), centers]))
-    rim = max((radius for _, radius in round_ones), default=0.0)
+    moving = np.unique(np.concatenate([*drawn, *(ids for ends, _ in _stars(compiled) for ids in ends), centers]))
+    rim = max([radius for _, radius in round_ones] + _added_discs(compiled), default=0.0)
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for record in records[:: max(1, len(records) // 60)]:
         places = world_places(compiled.model, result.q[record], moving)
@@ -48,6 +46,9 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
             # Of a long floor only the part near the bodies is shown.
             low = np.minimum(low, np.maximum(corner_low, low - 0.3 * reach))
             high = np.maximum(high, np.minimum(corner_high, high + 0.3 * reach))
+    for foot in _feet_on_half_planes(compiled, 0.5 * (low + high)):
+        if np.all(foot > low - _NEAR * reach) and np.all(foot < high + _NEAR * reach):
+            low, high = np.minimum(low, foot), np.maximum(high, foot)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     half = np.maximum(half, 0.3 * half.max()) + _MARGIN * 2.0 * half.max()  # no thinner than 1 : 3
     return (
@@ -64,10 +65,8 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
     from matplotlib.path import Path
 
     model = compiled.model
-    for points in _shapeless(compiled):  # a star to its points; of a rod, a line
-        xy = world_places(model, q, points)
-        for end in xy:
-            ax.plot(*np.array([xy.mean(axis=0), end]).T, color=_BODY, linewidth=2.0)
+    for ids, thin in _stars(compiled):
+        _draw_star(ax, compiled, q, ids, thin)
     loops: dict[int, list[Path]] = {}
     for body, points, closed in compiled.layout.outlines:
         if body >= 0:
@@ -88,37 +87,116 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
             ax.plot([x, spoke[0]], [y, spoke[1]], color=_BODY, linewidth=0.8)
 
 
-def _shapeless(compiled: Compiled) -> list[IntArray]:
-    """Material points of each body that has neither outline nor circle."""
-    owners = compiled.model.points.body
-    shaped = {body for body, _, _ in compiled.layout.outlines} | {int(owners[p]) for p, _ in compiled.layout.circles}
-    bodies = [body for body in np.unique(owners) if body >= 0 and int(body) not in shaped]
-    return [np.flatnonzero(owners == body) for body in bodies]
+def _draw_star(ax: Axes, compiled: Compiled, q: FloatArray, ends: list[IntArray], thin: bool) -> None:
+    """Lines to the means of groups of material points of a body: from its origin, or from their middle where thick."""
+    model = compiled.model
+    places = np.array([world_places(model, q, ids).mean(axis=0) for ids in ends])
+    start = int(model.bodies.dof[model.points.body[ends[0][0]]])
+    middle = q[start : start + 2] if thin else places.mean(axis=0)
+    for end in places:
+        ax.plot(*np.array([middle, end]).T, color=_BODY, linewidth=0.8 if thin else 2.0)
+
+
+def _stars(compiled: Compiled) -> list[tuple[list[IntArray], bool]]:
+    """What bodies without an outline are drawn as: groups of points that lines end at, and whether those are thin.
+
+    A body of points alone is a star to them, which is a rod where there are two. One of discs and surfaces shows these,
+    and thin lines tell what belongs together: to each of them and to its joints and springs.
+    """
+    model, owners = compiled.model, compiled.model.points.body
+    held = np.unique(np.concatenate([model.joints.point.ravel(), model.loads.spring_point.ravel()]))
+    surfaces = _surfaces_of_bodies(compiled)
+    outlined = {body for body, _, _ in compiled.layout.outlines}
+    found = []
+    for body in (int(b) for b in np.unique(owners) if b >= 0 and int(b) not in outlined):
+        shapes = [np.array([point]) for point, _ in compiled.layout.circles if owners[point] == body]
+        shapes += [np.unique(_features(compiled, surface)) for surface in surfaces.get(body, [])]
+        points = np.flatnonzero(owners == body)
+        ends = points if not shapes else np.intersect1d(held, points)
+        found.append(([*([point] for point in ends), *shapes], bool(shapes)))
+    return [([np.asarray(ids) for ids in ends], thin) for ends, thin in found if len(ends) > 1 or not thin]
+
+
+def _features(compiled: Compiled, surface: int) -> IntArray:
+    """Material points of the features of a surface, (k, 2)."""
+    contacts = compiled.model.contacts
+    return contacts.feature_point[contacts.feature_start[surface] : contacts.feature_start[surface + 1]]
+
+
+def _surfaces_of_bodies(compiled: Compiled) -> dict[int, list[int]]:
+    """Surfaces of each body that are not part of its outline or one of its discs."""
+    contacts, points = compiled.model.contacts, compiled.model.points
+    shapes: dict[int, list[FloatArray]] = {}
+    for body, ids, _ in compiled.layout.outlines:
+        shapes.setdefault(body, []).append(points.place[ids])
+    for point, _ in compiled.layout.circles:
+        shapes.setdefault(int(points.body[point]), []).append(points.place[[point]])
+    known = {body: {tuple(place) for place in np.vstack(places).round(12)} for body, places in shapes.items()}
+    found: dict[int, list[int]] = {}
+    for surface, body in enumerate(contacts.surface_body):
+        places = points.place[_features(compiled, surface).ravel()].round(12)
+        if body >= 0 and not {tuple(place) for place in places} <= known.get(int(body), set()):
+            found.setdefault(int(body), []).append(surface)
+    return found
+
+
+def _added_discs(compiled: Compiled) -> list[float]:
+    """Radii of whole discs that were put on bodies without a shape of their own [m]."""
+    contacts = compiled.model.contacts
+    owners = [surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces]
+    features = [f for s in owners for f in range(contacts.feature_start[s], contacts.feature_start[s + 1])]
+    whole = [f for f in features if contacts.feature_kind[f] == _ARC and contacts.feature_span[f, 1] >= _WHOLE]
+    return [float(abs(contacts.feature_radius[f])) for f in whole if contacts.feature_sense[f] > 0]
 
 
 def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> None:
-    """Ground surfaces (half-planes filled up to the edge of the view) and arcs, holes and half-planes on bodies."""
+    """Ground surfaces and those that were put on bodies; half-planes of the ground are filled up to the edge."""
     contacts, model = compiled.model.contacts, compiled.model
-    for surface in range(len(contacts.surface_body)):
-        on_ground = contacts.surface_body[surface] < 0
-        colour = _GROUND if on_ground else _BODY
+    added = {surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces}
+    for surface, body in enumerate(contacts.surface_body):
         first, last = contacts.feature_start[surface], contacts.feature_start[surface + 1]
-        endless = not np.isfinite(contacts.surface_extent[surface])
-        for f in range(first, last):
-            a, b = world_places(model, q, contacts.feature_point[f])
-            if contacts.feature_kind[f] == _ARC:
-                radius, hole = abs(contacts.feature_radius[f]), contacts.feature_sense[f] < 0
-                if radius > 0.0 and (on_ground or hole or contacts.feature_span[f, 1] < 2.0 * np.pi - 1e-12):
-                    turn = _angle_of(compiled, q, int(contacts.surface_body[surface]))
-                    xy = a + radius * _circle_points(contacts.feature_span[f], turn)
-                    if not hole and on_ground:
-                        ax.fill(xy[:, 0], xy[:, 1], facecolor=_SOLID, edgecolor="none")
-                    ax.plot(xy[:, 0], xy[:, 1], color=colour, linewidth=1.2)
-            elif endless:
-                _draw_half_plane(ax, a, b, view, colour)
-            elif on_ground:
-                ax.plot([a[0], b[0]], [a[1], b[1]], color=colour, linewidth=1.2, solid_capstyle="round")
-                _hatch(ax, a, b, view)
+        straight = contacts.feature_kind[first:last] == _SEGMENT
+        for f in np.arange(first, last)[~straight]:
+            _draw_arc(ax, compiled, q, int(f), int(body), surface in added)
+        sides = _features(compiled, surface)[straight]
+        ends = np.array([world_places(model, q, pair) for pair in sides]).reshape(-1, 2, 2)
+        if not np.isfinite(contacts.surface_extent[surface]):
+            for a, b in ends:
+                _draw_half_plane(ax, a, b, view, _GROUND if body < 0 else _BODY)
+        elif body < 0 or surface in added:
+            _draw_sides(ax, ends, view, body < 0)
+
+
+def _draw_arc(ax: Axes, compiled: Compiled, q: FloatArray, f: int, body: int, added: bool) -> None:
+    """A piece of a circle; whole discs of bodies are drawn as their outlines."""
+    contacts = compiled.model.contacts
+    radius, hole = abs(contacts.feature_radius[f]), contacts.feature_sense[f] < 0
+    whole = contacts.feature_span[f, 1] >= _WHOLE
+    if radius <= 0.0 or not (body < 0 or added or hole or not whole):
+        return
+    centre = world_places(compiled.model, q, contacts.feature_point[f])[0]
+    xy = centre + radius * _circle_points(contacts.feature_span[f], _angle_of(compiled, q, body))
+    if not hole and (body < 0 or (added and whole)):
+        shade = _SOLID if body < 0 else (0.0, 0.447, 0.698, 0.2)
+        ax.fill(xy[:, 0], xy[:, 1], facecolor=shade, edgecolor="none")
+    ax.plot(xy[:, 0], xy[:, 1], color=_GROUND if body < 0 else _BODY, linewidth=1.2)
+
+
+def _draw_sides(ax: Axes, ends: FloatArray, view: View, on_ground: bool) -> None:
+    """Straight sides (k, 2, 2) of a chain, hatched on the solid side if it is the ground's, filled if a closed body."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import Polygon
+
+    if not len(ends):
+        return
+    ax.add_collection(
+        LineCollection(list(ends), colors=_GROUND if on_ground else _BODY, linewidths=1.2, capstyle="round")
+    )
+    if on_ground:
+        for a, b in ends:
+            _hatch(ax, a, b, view)
+    elif len(ends) > 2 and np.array_equal(ends[1:, 0], ends[:-1, 1]) and np.array_equal(ends[0, 0], ends[-1, 1]):
+        ax.add_patch(Polygon(ends[:, 0], facecolor=_BODY, alpha=0.2, edgecolor="none"))
 
 
 def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
@@ -137,86 +215,6 @@ def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.6, linestyle=":", zorder=3)
 
 
-def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
-    """An arrow for each contact force of the record; a force of ``scale`` [N] has the full length.
-
-    It is the force on the body where that touches the ground; where two bodies touch, on the one added later.
-    """
-    if scale <= 0.0:
-        return
-    spots = result.spots
-    length = _ARROW * max(view[1] - view[0], view[3] - view[2])
-    _force_key(ax, view, length / scale, scale)
-    for k in np.flatnonzero(spots.record == record):
-        normal = spots.normal[k] * _towards_later(result, compiled, int(k))
-        tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
-        force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
-        size = float(np.hypot(*force))
-        if size > 1e-3 * scale:
-            tip = spots.place[k] + force / size * length * min(size / scale, _LONGEST)
-            _arrow(ax, spots.place[k], tip)
-            ax.plot(*spots.place[k], marker="o", markersize=3, color=_FORCE, zorder=5)
-
-
-def _arrow(ax: Axes, start: FloatArray, tip: FloatArray) -> None:
-    style = {"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=style, zorder=5)
-
-
-def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
-    """An arrow of a round force in the upper right corner; ``stretch`` [m/N] is the length of a newton."""
-    power = 10.0 ** np.floor(np.log10(scale))
-    force = float(max(c * power for c in (1.0, 2.0, 5.0) if c * power <= scale * (1.0 + 1e-9)))
-    y = view[3] - 0.04 * (view[3] - view[2])
-    tip = np.array([view[1] - 0.03 * (view[1] - view[0]), y])
-    start = tip - (force * stretch, 0.0)
-    _arrow(ax, start, tip)
-    label = f"{with_unit(force, 'N')}  "
-    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
-
-
-def _towards_later(result: Result, compiled: Compiled, spot: int) -> float:
-    """1 where the normal of a spot points to the later of the two bodies, -1 where to the earlier or the ground.
-
-    Chains test their nodes against each other both ways, so that now the one body has the feature, now the other; there
-    the solid side of the earlier one decides.
-    """
-    contacts = compiled.model.contacts
-    passes = np.flatnonzero(contacts.pass_law == result.spots.contact[spot])
-    slaves = contacts.surface_body[contacts.pass_slave[passes]]
-    features = contacts.surface_body[contacts.pass_feature[passes]]
-    later = slaves > features
-    if later.all() or not later.any():
-        return 1.0 if later.all() else -1.0
-    earlier = int(contacts.pass_feature[passes[np.argmax(later)]])
-    q, normal = result.q[result.spots.record[spot]], result.spots.normal[spot]
-    return 1.0 if float(normal @ _outward(compiled, q, earlier, result.spots.place[spot], normal)) >= 0.0 else -1.0
-
-
-def _outward(compiled: Compiled, q: FloatArray, surface: int, place: FloatArray, normal: FloatArray) -> FloatArray:
-    """Outward normal of a surface at a place; at a corner that of the side which is rather across ``normal``."""
-    contacts = compiled.model.contacts
-    distances, directions = [], []
-    for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
-        a, b = world_places(compiled.model, q, contacts.feature_point[f])
-        radius = abs(contacts.feature_radius[f])
-        if contacts.feature_kind[f] == _ARC:
-            away = place - a
-            size = float(np.hypot(*away))
-            corner = radius == 0.0 or size == 0.0  # its segments are as near and have a normal
-            distances.append(np.inf if corner else abs(size - radius))
-            directions.append(contacts.feature_sense[f] * away / max(size, 1e-300))
-        else:
-            edge = b - a
-            s = float(np.clip((place - a) @ edge / (edge @ edge), *contacts.feature_span[f]))
-            distances.append(float(np.hypot(*(place - a - s * edge))))
-            directions.append(np.array([edge[1], -edge[0]]) / np.hypot(*edge))
-    near = np.array(distances) <= min(distances) + _CORNER
-    candidates = np.array(directions)[near]
-    return np.asarray(candidates[np.argmax(np.abs(candidates @ normal))])
-
-
 def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:
     """Bounding boxes (low, high) of the finite ground surfaces."""
     contacts = compiled.model.contacts
@@ -228,6 +226,18 @@ def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:
             radius = np.abs(contacts.feature_radius[features]).max()
             boxes.append((places.min(axis=0) - radius, places.max(axis=0) + radius))
     return boxes
+
+
+def _feet_on_half_planes(compiled: Compiled, place: FloatArray) -> list[FloatArray]:
+    """The place of each endless ground surface that is nearest to ``place``."""
+    contacts = compiled.model.contacts
+    feet = []
+    for surface in np.flatnonzero((contacts.surface_body < 0) & ~np.isfinite(contacts.surface_extent)):
+        for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
+            a, b = compiled.model.points.place[contacts.feature_point[f]]
+            along = (b - a) / np.hypot(*(b - a))
+            feet.append(a + along * ((place - a) @ along))
+    return feet
 
 
 def _angle_of(compiled: Compiled, q: FloatArray, body: int) -> float:

@@ -1,4 +1,4 @@
-"""Pictures of results: charts over time, the scene at an instant, and films of it.
+"""Pictures of results: the scene at an instant, and films of it.
 
 No picture is opened on the screen and no global state of matplotlib is touched: functions return the figure,
 which notebooks show and ``figure.savefig(path)`` writes.
@@ -16,8 +16,8 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, writable_path
-from lcpflex.picture import View, draw_bodies, draw_forces, draw_joints, draw_surfaces, view_of
-from lcpflex.summary import lost_in_contacts
+from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
+from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -27,47 +27,18 @@ if TYPE_CHECKING:
     from lcpflex.result import Result
     from lcpflex.scene import Compiled
 
-__all__ = ["animate", "draw", "plot"]
+__all__ = ["animate", "draw"]
 
-# Okabe and Ito's colours, told apart with any colour vision.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-_SHOWN = 6  # contacts drawn in a chart; of more, those with the largest impulses
 _FILM = 6.0  # length of a film whose slowdown is not given [s]
-
-
-def plot(result: Result) -> Figure:
-    """Chart of contact forces [N], gaps [m] and energies [J] over time [s].
-
-    Of many contacts those with the largest normal impulses are shown.
-    """
-    from matplotlib.figure import Figure
-
-    if not result.times.size:
-        raise ModelError("result: it holds no instant; expected at least one")
-    order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
-    panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
-    figure = Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, ax in zip(panels, axes, strict=True):
-        panel(ax, result, order)
-        ax.grid(True, linewidth=0.4, alpha=0.5)
-        ax.margins(x=0.0)
-        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
-    axes[-1].set_xlabel("time [s]")
-    left_out = len(result.contact_names) - order.size
-    title = result.stepper if len(result.stepper) <= 90 else result.stepper[:87] + "..."
-    if left_out > 0:
-        title += f"\n{left_out} contacts with smaller impulses are not shown"
-    axes[0].set_title(title, fontsize="medium", loc="left")
-    return figure
 
 
 def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     """Picture of the scene at the stored instant nearest to ``t`` [s].
 
     Bodies with their deformed outlines, joints, ground surfaces, and at each touching point an arrow for the force on
-    the body (of two bodies: on the one added later); the key in the corner gives the scale. ``axes`` draws into axes of
-    your own.
+    the body (of two bodies: on the one added later). The median of all forces of the run sets the scale, which the key
+    in the corner gives; an arrow that would be more than half as long again is cut and has its force beside it.
+    ``axes`` draws into axes of your own.
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """
     from matplotlib.figure import Figure
@@ -79,11 +50,12 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
         reached = f"{result.times[0]:g} to {result.times[-1]:g} s" if result.times.size else "no instant"
         raise ModelError(f"t: {t!r} s; expected a time within the result, {reached}")
     record = int(np.argmin(np.abs(result.times - t)))
+    scale = usual_force(result)
     view = view_of(result, compiled, np.array([record]))
+    view = _with_room(view, arrow_tips(result, compiled, record, view, scale))
     if axes is None:
         axes = Figure(figsize=_figure_size(view), layout="constrained").subplots()
-    forces = np.linalg.norm(result.spots.force[result.spots.record == record], axis=1)
-    _draw_record(axes, result, compiled, record, view, float(forces.max(initial=0.0)))
+    _draw_record(axes, result, compiled, record, view, scale)
     _set_out(axes, view)
     axes.set_title(f"t = {result.times[record]:.6g} s", fontsize="medium", loc="left")
     return axes.get_figure(root=True)  # type: ignore[return-value]
@@ -119,8 +91,7 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
     figure = Figure(figsize=_figure_size(view), dpi=80, layout="constrained")
     canvas: Any = FigureCanvasAgg(figure)
     axes = figure.subplots()
-    forces = np.linalg.norm(result.spots.force, axis=1)
-    scale = float(np.median(forces[forces > 0.0])) if np.any(forces > 0.0) else 0.0
+    scale = usual_force(result)
     _set_out(axes, view)
     axes.set_title(" ", fontsize="medium", loc="left")  # room for the time
     canvas.draw()  # laid out once, for all frames
@@ -178,68 +149,22 @@ def _passing(axes: Axes) -> Iterator[Callable[[], list[Artist]]]:
         artist.remove()
 
 
-def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
-    factor, prefix = _prefix(np.abs(result.force[:, order]).max(initial=0.0))
-    for place, k in enumerate(order):
-        colour, name = _COLOURS[place], _short(result.contact_names[k])
-        ax.plot(result.times, result.force[:, k, 0] / factor, color=colour, linewidth=1.2, label=f"{name}, normal")
-        if np.any(result.force[:, k, 1] != 0.0):
-            label = f"{name}, tangential"
-            ax.plot(
-                result.times, result.force[:, k, 1] / factor, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=label
-            )
-    ax.set_ylabel(f"contact force [{prefix}N]")
-
-
-def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
-    gaps = result.gap[:, order]
-    factor, prefix = _prefix(float(np.abs(gaps[np.isfinite(gaps)]).max(initial=0.0)))
-    for place, k in enumerate(order):
-        ax.plot(
-            result.times,
-            result.gap[:, k] / factor,
-            color=_COLOURS[place],
-            linewidth=1.2,
-            label=_short(result.contact_names[k]),
-        )
-    ax.axhline(0.0, color="black", linewidth=0.6)
-    ax.set_ylabel(f"gap [{prefix}m]")
-
-
-def _plot_energies(ax: Axes, result: Result, order: IntArray) -> None:
-    energies = result.energies
-    curves = (
-        ("kinetic", energies.kinetic, "-"),
-        ("elastic", energies.elastic, "-"),
-        ("potential, change", energies.potential - energies.potential[0], "-"),
-        ("lost to friction", energies.friction, "--"),
-        (lost_in_contacts(result), energies.impact, "--"),
-        ("lost to damping", energies.damping, "--"),
-        ("work of loads", energies.work, ":"),
-    )
-    factor, prefix = _prefix(max(float(np.abs(values).max()) for _, values, _ in curves))
-    for (label, values, style), colour in zip(curves, _COLOURS, strict=True):
-        if np.any(values != 0.0):
-            ax.plot(result.times, values / factor, color=colour, linestyle=style, linewidth=1.2, label=label)
-    share = energies.relative_remainder
-    ax.plot(
-        result.times,
-        energies.remainder / factor,
-        color="#888888",
-        linewidth=2.2,
-        alpha=0.8,
-        label=f"unexplained\n(at most {share:.1g} of the\nlargest stored energy)",
-    )
-    ax.set_ylabel(f"energy [{prefix}J]")
-
-
 def _draw_record(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
-    """One instant into ``ax``; ``scale`` [N] is the force whose arrow has the full length."""
+    """One instant into ``ax``; ``scale`` [N] is the force whose arrow has the usual length."""
     q = result.q[record]
     draw_surfaces(ax, compiled, q, view)
     draw_bodies(ax, compiled, q)
     draw_joints(ax, compiled, q)
     draw_forces(ax, result, compiled, record, view, scale)
+
+
+def _with_room(view: View, tips: FloatArray) -> View:
+    """The view with a margin around the tips of arrows."""
+    room = 0.04 * max(view[1] - view[0], view[3] - view[2])
+    xs, ys = tips[:, 0], tips[:, 1]
+    left, low = xs.min(initial=np.inf) - room, ys.min(initial=np.inf) - room
+    right, high = xs.max(initial=-np.inf) + room, ys.max(initial=-np.inf) + room
+    return min(view[0], left), max(view[1], right), min(view[2], low), max(view[3], high)
 
 
 def _set_out(ax: Axes, view: View) -> None:
@@ -276,15 +201,3 @@ def _figure_size(view: View) -> tuple[float, float]:
     width, height = view[1] - view[0], view[3] - view[2]
     scale = 6.0 / max(width, height)
     return max(scale * width, 3.2) + 0.9, max(scale * height, 2.0) + 0.9
-
-
-def _prefix(largest: float) -> tuple[float, str]:
-    """Factor and prefix of the unit in which the largest value reads well."""
-    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
-        if largest >= factor:
-            return factor, prefix
-    return (1e-9, "n") if largest > 0.0 else (1.0, "")
-
-
-def _short(name: str) -> str:
-    return name if len(name) <= 28 else name[:25] + "..."

@@ -224,7 +224,7 @@ class Result:
 
     def plot(self) -> Figure:
         """Chart of contact forces, gaps and energies over time."""
-        from lcpflex.plot import plot
+        from lcpflex.charts import plot
 
         return plot(self)
 

@@ -16,6 +16,8 @@ from PIL import Image
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.chart_words import stepper_words, told_apart
+from lcpflex.charts import shown_forces
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.result import Result
@@ -111,6 +113,125 @@ def test_holes_are_left_open_and_their_edges_are_known() -> None:
     areas = [0.5 * float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) for x, y in (loop.T for loop in body.to_polygons())]
     assert areas[0] > 0.0 > areas[1]  # around the other way: not filled
     assert result.velocity("ring", (0.05, 0.0))[-1] == pytest.approx([1.0, 0.0])
+
+
+def test_surfaces_on_a_rigid_body_are_drawn_as_they_are() -> None:
+    """A closed chain is filled, an open one is a line, and no line runs from the origin to their corners."""
+    scene = lf.Scene()
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    body = scene.add(lf.RigidBody(mass=1.0, inertia=0.01), name="body", position=(0.0, 0.2))
+    corners = [(-0.1, -0.1), (0.1, -0.1), (0.12, 0.1)]
+    hook = [(0.3, 0.1), (0.3, 0.0), (0.4, 0.0)]
+    scene.contact(body.chain(corners, closed=True), floor)
+    scene.contact(body.chain(hook), floor)
+    ax = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-3)).draw(0.0).axes[0]
+    (filled,) = [patch for patch in ax.patches if len(patch.get_path().vertices) == 4 and patch.get_alpha() == 0.2]
+    np.testing.assert_allclose(filled.get_path().vertices[:3], np.add(corners, (0.0, 0.2)), atol=1e-12)
+    sides = [tuple(np.round(side, 9).ravel()) for group in ax.collections for side in group.get_segments()]
+    assert {(0.3, 0.3, 0.3, 0.2), (0.3, 0.2, 0.4, 0.2)} <= set(sides)
+    ends = [np.round(line.get_xydata()[-1], 9).tolist() for line in ax.lines if len(line.get_xydata()) == 2]
+    assert all([x, y + 0.2] not in ends for x, y in corners + hook)
+
+
+def test_bodies_of_discs_are_joined_to_their_hinges() -> None:
+    scene = lf.Scene()
+    club = scene.add(lf.RigidBody(mass=1.0, inertia=0.01), name="club", position=(0.6, 0.5))
+    scene.join(lf.Revolute(club.at(-0.2, 0.0), scene.ground.at(0.4, 0.5)))
+    scene.contact(club.circle((0.2, 0.0), 0.05), scene.ground.half_plane((0, 0), (0, 1)))
+    ax = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-3)).draw(0.0).axes[0]
+    ends = [np.round(line.get_xydata()[-1], 9).tolist() for line in ax.lines if len(line.get_xydata()) == 2]
+    assert [0.4, 0.5] in ends
+    assert [0.8, 0.5] in ends
+
+
+def test_ground_that_is_near_is_shown() -> None:
+    """An endless floor below a ball in the air belongs to the picture; one far away does not."""
+    for height, shown in ((0.25, True), (2.0, False)):
+        scene = lf.Scene()
+        ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, height))
+        scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)))
+        low = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-3)).draw(0.0).axes[0].get_ylim()[0]
+        assert (low < 0.0) == shown
+
+
+def with_impact(result: Result, times: float) -> Result:
+    """``result`` with one contact force that is larger than the others."""
+    spots = result.spots
+    force = spots.force.copy()
+    force[0] *= times
+    shown = result.force.copy()
+    shown[0] *= times
+    return replace(result, spots=replace(spots, force=force), force=shown)
+
+
+def test_arrows_have_one_scale_for_a_run_and_end_in_the_picture(swing: Result) -> None:
+    """An impact changes no other arrow; its own is cut, stays inside, and tells its force."""
+    struck = with_impact(swing, 1e4)
+    for plain, hit in zip(arrows(swing.draw(0.2).axes[0]), arrows(struck.draw(0.2).axes[0]), strict=True):
+        np.testing.assert_allclose(plain, hit)
+    ax = struck.draw(0.0).axes[0]
+    feet, tips = arrows(ax)
+    (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+    assert np.all((tips > (x0, y0)) & (tips < (x1, y1)))
+    assert np.linalg.norm(tips - feet, axis=1).max() < 0.5 * max(x1 - x0, y1 - y0)
+    assert "100 kN" in {text.get_text().strip() for text in ax.texts}
+
+
+def test_arrows_in_a_stack_do_not_overlap() -> None:
+    scene = lf.Scene()
+    below = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for k in range(5):
+        box = scene.add(lf.Box(width=0.2, height=0.1, mass=1.0), position=(0.0, 0.05 + 0.1 * k))
+        scene.contact(box.surface(), below)
+        below = box.surface()
+    feet, tips = arrows(lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3)).draw(0.01).axes[0])
+    usual = np.median(np.linalg.norm(tips[1:] - feet[1:], axis=1))
+    assert 0.03 < usual < 0.1
+
+
+def test_one_impact_does_not_press_all_other_forces_onto_the_axis(swing: Result) -> None:
+    """The chart is that of the other forces, and says what lies beyond; a force that lasts is not cut."""
+    plain, struck = swing.plot(), with_impact(swing, 1e4).plot()
+    assert struck.axes[0].get_ylim()[1] < 3.0 * plain.axes[0].get_ylim()[1]
+    assert struck.axes[0].get_ylabel() == "contact force [N]"
+    legend = struck.axes[0].get_legend()
+    assert legend is not None
+    words = " ".join(text.get_text() for text in legend.get_texts())
+    assert "beyond the axis" in words
+    assert "98 kN" in words
+    lasting = swing.force.copy()
+    lasting[: len(lasting) // 2] *= 1e4
+    assert replace(swing, force=lasting).plot().axes[0].get_ylim()[1] > 90.0
+    assert shown_forces(lasting) == (pytest.approx(9.81e4), 0)
+
+
+def test_names_in_legends_stay_apart() -> None:
+    names = [f"the left finger of the gripper, joint {k} of its chain" for k in (1, 2)] + ["short"]
+    short = told_apart(names)
+    assert len(set(short)) == 3
+    assert short[2] == "short"
+    assert all(len(name) <= 32 for name in short)
+    same = told_apart(["x" * 20 + letter + "y" * 20 for letter in "ab"])
+    assert same[0] != same[1]
+
+
+@pytest.mark.parametrize(
+    ("stepper", "words"),
+    [
+        (lf.MoreauJean(step=1e-5), "MoreauJean, step 1e-05 s"),
+        (lf.MoreauJean(step=1e-3, theta=1.0), "MoreauJean, step 0.001 s, theta 1.0"),
+        (lf.EventDriven(rtol=1e-6), "EventDriven, rtol 1e-06"),
+        (lf.Smooth(lf.Penalty(1e6)), "Smooth, law Penalty (stiffness 1000000.0)"),
+    ],
+)
+def test_title_tells_what_is_not_the_default(stepper: object, words: str) -> None:
+    assert stepper_words(repr(stepper)) == words
+
+
+def test_title_of_a_stepper_that_is_not_known() -> None:
+    assert stepper_words("Own(step=1.0)") == "Own, step 1.0 s"
+    assert stepper_words("<my stepper>") == "<my stepper>"
+    assert len(stepper_words("Own(" + "a=1, " * 99 + "b=2)")) <= 100
 
 
 def test_picture_into_given_axes(swing: Result) -> None:

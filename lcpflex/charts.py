@@ -1,0 +1,163 @@
+"""Charts of a result over time: forces, gaps and energies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.chart_words import stepper_words, told_apart
+from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.errors import ModelError
+from lcpflex.summary import lost_in_contacts, scene_size, with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from lcpflex.result import Result
+
+__all__ = ["plot", "shown_forces"]
+
+# Okabe and Ito's colours, told apart with any colour vision.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_SHOWN = 6  # contacts drawn in a chart; of more, those with the largest impulses
+_RARE = 0.05  # share of the instants with contact whose forces may be cut in a chart
+_PEAK = 2.5  # times the largest of the others, from which on they are
+_NOTHING = 1e-7  # a share of the peak that is no force beside it
+_ROUNDING = 1e-9  # gaps below that share of the scene are not magnified
+
+
+def plot(result: Result) -> Figure:
+    """Chart of contact forces [N], gaps [m] and energies [J] over time [s].
+
+    Of many contacts those with the largest normal impulses are shown.
+    """
+    from matplotlib.figure import Figure
+
+    if not result.times.size:
+        raise ModelError("result: it holds no instant; expected at least one")
+    order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
+    panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
+    figure = Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, ax in zip(panels, axes, strict=True):
+        panel(ax, result, order)
+        ax.grid(True, linewidth=0.4, alpha=0.5)
+        ax.margins(x=0.0)
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
+    axes[-1].set_xlabel("time [s]")
+    left_out = len(result.contact_names) - order.size
+    title = stepper_words(result.stepper)
+    if left_out > 0:
+        title += f"\n{left_out} contacts with smaller impulses are not shown"
+    axes[0].set_title(title, fontsize="medium", loc="left")
+    return figure
+
+
+def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:
+    limit, peaks = shown_forces(result.force[:, order])
+    factor, prefix = _prefix(limit)
+    for place, (k, name) in enumerate(zip(order, _names(result, order), strict=True)):
+        colour = _COLOURS[place]
+        ax.plot(result.times, result.force[:, k, 0] / factor, color=colour, linewidth=1.2, label=f"{name}, normal")
+        if np.any(result.force[:, k, 1] != 0.0):
+            label = f"{name}, tangential"
+            ax.plot(
+                result.times, result.force[:, k, 1] / factor, color=colour, linewidth=1.2, ls=(0, (4, 2)), label=label
+            )
+    ax.set_ylabel(f"contact force [{prefix}N]")
+    if peaks:
+        _cut(ax, result, order, limit, factor)
+
+
+def _plot_gaps(ax: Axes, result: Result, order: IntArray) -> None:
+    gaps = result.gap[:, order]
+    largest = float(np.abs(gaps[np.isfinite(gaps)]).max(initial=0.0))
+    smallest = _ROUNDING * (scene_size(result) or 0.0)
+    factor, prefix = _prefix(max(largest, smallest) if largest > 0.0 else 0.0)
+    for place, (k, name) in enumerate(zip(order, _names(result, order), strict=True)):
+        ax.plot(
+            result.times,
+            result.gap[:, k] / factor,
+            color=_COLOURS[place],
+            linewidth=1.2,
+            label=name,
+        )
+    ax.axhline(0.0, color="black", linewidth=0.6)
+    if 0.0 < largest < smallest:  # rounding, which is no motion
+        ax.set_ylim(-smallest / factor, smallest / factor)
+    ax.set_ylabel(f"gap [{prefix}m]")
+
+
+def _plot_energies(ax: Axes, result: Result, order: IntArray) -> None:
+    energies = result.energies
+    curves = (
+        ("kinetic", energies.kinetic, "-"),
+        ("elastic", energies.elastic, "-"),
+        ("potential, change", energies.potential - energies.potential[0], "-"),
+        ("lost to friction", energies.friction, "--"),
+        (lost_in_contacts(result), energies.impact, "--"),
+        ("lost to damping", energies.damping, "--"),
+        ("work of loads", energies.work, ":"),
+    )
+    factor, prefix = _prefix(max(float(np.abs(values).max()) for _, values, _ in curves))
+    for (label, values, style), colour in zip(curves, _COLOURS, strict=True):
+        if np.any(values != 0.0):
+            ax.plot(result.times, values / factor, color=colour, linestyle=style, linewidth=1.2, label=label)
+    share = energies.relative_remainder
+    ax.plot(
+        result.times,
+        energies.remainder / factor,
+        color="#888888",
+        linewidth=2.2,
+        alpha=0.8,
+        label=f"unexplained\n(at most {share:.1g} of the\nlargest stored energy)",
+    )
+    ax.set_ylabel(f"energy [{prefix}J]")
+
+
+def shown_forces(force: FloatArray) -> tuple[float, int]:
+    """Largest force that a chart of ``force`` (m, k, 2) shows [N], and how many instants lie beyond it.
+
+    A time-stepping method reports an impact as an impulse over a step: a peak as high as the step is short, which would
+    press all other forces onto the axis. Peaks that are rare and far above the others are cut.
+    """
+    sizes = np.abs(force).max(axis=(1, 2), initial=0.0)
+    sizes = np.sort(sizes[sizes > 0.0])
+    if not sizes.size:
+        return 0.0, 0
+    usual = float(sizes[int((1.0 - _RARE) * (sizes.size - 1))])
+    if not _NOTHING * sizes[-1] < usual < sizes[-1] / _PEAK:
+        return float(sizes[-1]), 0
+    limit = 1.3 * usual
+    return limit, int(np.sum(sizes > limit))
+
+
+def _cut(ax: Axes, result: Result, order: IntArray, limit: float, factor: float) -> None:
+    """Limit the axis, and mark and tell what lies beyond it."""
+    forces = result.force[:, order] / factor
+    limit /= factor
+    low, high = max(float(forces.min()), -limit), min(float(forces.max()), limit)
+    room = 0.08 * (high - low)
+    ax.set_ylim(low - room, high + room)
+    for place in range(len(order)):
+        for edge, mark, beyond in ((high, "^", forces[:, place] > limit), (low, "v", forces[:, place] < -limit)):
+            times = result.times[np.any(beyond, axis=1)]
+            ax.plot(times, np.full(len(times), edge + np.sign(edge) * 0.5 * room), mark, ms=4, color=_COLOURS[place])
+    beyond = np.any(np.abs(forces) > limit, axis=(1, 2))
+    largest = with_unit(float(f"{np.abs(forces).max() * factor:.2g}"), "N")
+    words = f"beyond the axis: {np.sum(beyond)} of\n{len(beyond)} instants, up to {largest}\n(an impulse over a step)"
+    ax.plot([], [], "^", ms=4, color="#606060", label=words)
+
+
+def _names(result: Result, order: IntArray) -> list[str]:
+    return told_apart([result.contact_names[k] for k in order])
+
+
+def _prefix(largest: float) -> tuple[float, str]:
+    """Factor and prefix of the unit in which the largest value reads well."""
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
+        if largest >= factor:
+            return factor, prefix
+    return (1e-9, "n") if largest > 0.0 else (1.0, "")

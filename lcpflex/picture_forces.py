@@ -1,0 +1,164 @@
+"""Contact forces in a picture: an arrow each, one scale for a whole run, and a key."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.result import world_places
+from lcpflex.summary import with_unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from lcpflex.compiled import FloatArray
+    from lcpflex.picture import View
+    from lcpflex.result import Result
+    from lcpflex.scene import Compiled
+
+__all__ = ["arrow_tips", "draw_forces", "usual_force"]
+
+_FORCE = "#D55E00"
+_ARC = 1  # a kind of feature
+_ARROW = 0.2  # largest length of an arrow of the usual force, relative to the picture
+_SHORTEST = 0.07  # likewise, where the bodies that touch are small
+_BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
+_LONGEST = 1.5  # a force beyond so many usual ones has a cut arrow, and its number beside
+_SEEN = 1e-3  # forces below this share of the usual one are not drawn
+_CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
+
+
+def usual_force(result: Result) -> float:
+    """Median of all contact forces of a run [N], which sets the scale of its pictures; 0 if there is none.
+
+    Impacts are as large as steps are short: a scale that shows them hides all others.
+    """
+    forces = np.linalg.norm(result.spots.force, axis=1)
+    forces = forces[forces > 0.0]
+    return float(np.median(forces)) if forces.size else 0.0
+
+
+def arrow_tips(result: Result, compiled: Compiled, record: int, view: View, scale: float) -> FloatArray:
+    """Where the arrows of a record end, (k, 2) [m]."""
+    if scale <= 0.0:
+        return np.zeros((0, 2))
+    arrows = _arrows(result, compiled, record, _arrow_length(result, compiled, view), scale)
+    return np.array([tip for _, tip, _, _ in arrows]).reshape(-1, 2)
+
+
+def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
+    """An arrow for each contact force of the record, and a key; ``scale`` [N] is the force of the usual length.
+
+    It is the force on the body where that touches the ground; where two bodies touch, on the one added later.
+    """
+    if scale <= 0.0:
+        return
+    length = _arrow_length(result, compiled, view)
+    _force_key(ax, view, length / scale, scale)
+    for place, tip, size, cut in _arrows(result, compiled, record, length, scale):
+        _arrow(ax, place, tip)
+        ax.plot(*place, marker="o", markersize=3, color=_FORCE, zorder=5)
+        if cut:
+            label = f" {with_unit(float(f'{size:.2g}'), 'N')} "
+            side = "left" if tip[0] >= place[0] else "right"
+            ax.text(tip[0], tip[1], label, ha=side, va="center", fontsize="x-small", color=_FORCE, zorder=6)
+
+
+def _arrows(
+    result: Result, compiled: Compiled, record: int, length: float, scale: float
+) -> list[tuple[FloatArray, FloatArray, float, bool]]:
+    """Foot, tip, force [N] of each arrow, and whether it is shorter than the force asks for."""
+    spots, found = result.spots, []
+    for k in np.flatnonzero(spots.record == record):
+        normal = spots.normal[k] * _towards_later(result, compiled, int(k))
+        tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
+        force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
+        size = float(np.hypot(*force))
+        if size > _SEEN * scale:
+            tip = spots.place[k] + force / size * length * min(size / scale, _LONGEST)
+            found.append((spots.place[k], tip, size, size > _LONGEST * scale))
+    return found
+
+
+def _arrow_length(result: Result, compiled: Compiled, view: View) -> float:
+    """Length of the arrow of the usual force [m]: that of the bodies that touch, where this can be seen."""
+    picture = max(view[1] - view[0], view[3] - view[2])
+    extents = _extents(compiled)
+    contacts = compiled.model.contacts
+    touching = np.isin(contacts.pass_law, result.spots.contact)
+    sides = contacts.surface_body[[*contacts.pass_slave[touching], *contacts.pass_feature[touching]]]
+    sizes = [extents[body] for body in np.unique(sides) if body in extents]
+    wanted = _BODY_SHARE * min(sizes, default=picture)
+    return float(np.clip(wanted, _SHORTEST * picture, _ARROW * picture))
+
+
+def _extents(compiled: Compiled) -> dict[int, float]:
+    """Mean extent [m], the root of width times height, of each body that has a shape."""
+    points = compiled.model.points
+    found: dict[int, float] = {}
+    for body, ids, _ in compiled.layout.outlines:
+        found[body] = max(found.get(body, 0.0), float(np.sqrt(np.prod(np.ptp(points.place[ids], axis=0)))))
+    for point, radius in compiled.layout.circles:
+        body = int(points.body[point])
+        found[body] = max(found.get(body, 0.0), 2.0 * radius)
+    return found
+
+
+def _arrow(ax: Axes, start: FloatArray, tip: FloatArray) -> None:
+    style = {"arrowstyle": "-|>", "color": _FORCE, "linewidth": 1.6, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", xy=tuple(tip), xytext=tuple(start), arrowprops=style, zorder=5)
+
+
+def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
+    """An arrow of a round force in the upper right corner; ``stretch`` [m/N] is the length of a newton."""
+    power = 10.0 ** np.floor(np.log10(scale))
+    force = float(max(c * power for c in (1.0, 2.0, 5.0) if c * power <= scale * (1.0 + 1e-9)))
+    y = view[3] - 0.04 * (view[3] - view[2])
+    tip = np.array([view[1] - 0.03 * (view[1] - view[0]), y])
+    start = tip - (force * stretch, 0.0)
+    _arrow(ax, start, tip)
+    label = f"{with_unit(force, 'N')}  "
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+    ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
+
+
+def _towards_later(result: Result, compiled: Compiled, spot: int) -> float:
+    """1 where the normal of a spot points to the later of the two bodies, -1 where to the earlier or the ground.
+
+    Chains test their nodes against each other both ways, so that now the one body has the feature, now the other; there
+    the solid side of the earlier one decides.
+    """
+    contacts = compiled.model.contacts
+    passes = np.flatnonzero(contacts.pass_law == result.spots.contact[spot])
+    slaves = contacts.surface_body[contacts.pass_slave[passes]]
+    features = contacts.surface_body[contacts.pass_feature[passes]]
+    later = slaves > features
+    if later.all() or not later.any():
+        return 1.0 if later.all() else -1.0
+    earlier = int(contacts.pass_feature[passes[np.argmax(later)]])
+    q, normal = result.q[result.spots.record[spot]], result.spots.normal[spot]
+    return 1.0 if float(normal @ _outward(compiled, q, earlier, result.spots.place[spot], normal)) >= 0.0 else -1.0
+
+
+def _outward(compiled: Compiled, q: FloatArray, surface: int, place: FloatArray, normal: FloatArray) -> FloatArray:
+    """Outward normal of a surface at a place; at a corner that of the side which is rather across ``normal``."""
+    contacts = compiled.model.contacts
+    distances, directions = [], []
+    for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
+        a, b = world_places(compiled.model, q, contacts.feature_point[f])
+        radius = abs(contacts.feature_radius[f])
+        if contacts.feature_kind[f] == _ARC:
+            away = place - a
+            size = float(np.hypot(*away))
+            corner = radius == 0.0 or size == 0.0  # its segments are as near and have a normal
+            distances.append(np.inf if corner else abs(size - radius))
+            directions.append(contacts.feature_sense[f] * away / max(size, 1e-300))
+        else:
+            edge = b - a
+            s = float(np.clip((place - a) @ edge / (edge @ edge), *contacts.feature_span[f]))
+            distances.append(float(np.hypot(*(place - a - s * edge))))
+            directions.append(np.array([edge[1], -edge[0]]) / np.hypot(*edge))
+    near = np.array(distances) <= min(distances) + _CORNER
+    candidates = np.array(directions)[near]
+    return np.asarray(candidates[np.argmax(np.abs(candidates @ normal))])
