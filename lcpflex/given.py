@@ -22,6 +22,7 @@ __all__ = [
     "nearest",
     "numbers",
     "one_of",
+    "point_of",
     "positive",
     "text",
     "unknown",
@@ -70,6 +71,16 @@ def array_of(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, n
     array = np.array(array, dtype=np.float64, order="C")
     array.setflags(write=False)
     return array
+
+
+def point_of(name: str, value: Any, n: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """A contiguous copy of a point (n,), which may hold NaN and infinity; raises :class:`ModelError`."""
+    given = numbers(value)
+    if given is None:
+        raise ModelError(f"{name} is {shown(value)}: expected {n} numbers")
+    if given.shape != (n,):
+        raise ModelError(f"{name} has shape {given.shape}: expected ({n},)")
+    return np.array(given, order="C")
 
 
 def whole_number(name: str, value: Any, low: int, high: float = math.inf, why: str = "") -> int:

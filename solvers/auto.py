@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
 from lcpflex.solvers.enumeration import Enumeration, farkas
 from lcpflex.solvers.friction import ContactProblem, aligned, from_copositive
@@ -106,10 +107,11 @@ class Auto:
 
         guess: the solution of a similar problem; its basis is tried first, matched by contact where problems have keys.
         """
+        check_guess(guess)
         if isinstance(problem, ContactProblem):
             return self._contact(problem, guess)
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)
         return first if _settled(first) else _descend(first, self._last_steps(problem))
 

@@ -22,6 +22,7 @@ import scipy.sparse.linalg
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.contact_sweeps import (
     BACK,
     FIRST_LOOK,
@@ -158,7 +159,10 @@ class BlockGaussSeidel:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
-        if isinstance(problem, ContactProblem) or (problem if isinstance(problem, Lcp) else problem.lcp()).symmetric:
+        if (
+            isinstance(problem, ContactProblem)
+            or (problem if isinstance(problem, Lcp) else posed(problem).lcp()).symmetric
+        ):
             return ""
         return (
             "an unsymmetric matrix does not tell which unknowns are one contact: expected a ContactProblem, or Lemke() "
@@ -167,13 +171,14 @@ class BlockGaussSeidel:
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Iterate, from the forces of the guess if there is one (matched by contact)."""
+        check_guess(guess)
         if isinstance(problem, Lcp):
             if reason := self.refuses(problem):
                 raise ModelError(reason)
             contacts = ContactProblem(problem.M, problem.q, np.zeros(problem.size))
             return self._iterate(_Iteration(contacts, guess, problem))
         if not isinstance(problem, ContactProblem):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
         return replace(self._iterate(_Iteration(problem, guess, None)), keys=problem.unknown_keys)
 
     def _iterate(self, run: _Iteration) -> Solution:

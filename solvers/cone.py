@@ -25,6 +25,8 @@ import scipy.sparse
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.given import flag, point_of
+from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.certificate import certifies_infeasibility, guarded_residual
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
@@ -85,7 +87,11 @@ class ConvexContactProblem:
             worst = float(np.abs(largest * (point - inner)).max(initial=0.0))
         if not np.isfinite(worst):
             return float("inf")
-        return float(guarded_residual(worst, size, np.abs(contact.free).max(initial=0.0))) if scaled else worst
+        return (
+            float(guarded_residual(worst, size, np.abs(contact.free).max(initial=0.0)))
+            if flag("scaled", scaled)
+            else worst
+        )
 
     def lift(self, z: npt.ArrayLike) -> float:
         """Largest v_N of the contacts that forces z (m,) press: 0 if Coulomb's law holds too; in the units of free."""
@@ -120,10 +126,7 @@ class ConvexContactProblem:
         return largest, terms
 
     def _point(self, z: npt.ArrayLike) -> FloatArray:
-        point = np.array(z, dtype=float, order="C")
-        if point.shape != (self.size,):
-            raise ModelError(f"z has shape {point.shape}: expected ({self.size},)")
-        return point
+        return point_of("z", z, self.size)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,12 +150,13 @@ class ConvexFriction:
         if isinstance(problem, ContactProblem):
             return ""
         return (
-            f"{type(problem).__name__} does not tell which unknowns are the normal and tangential forces of contacts: "
-            "pose a ContactProblem, whose friction this solver relaxes, or use Lemke()"
+            f"problem: {type(problem).__name__} does not tell which unknowns are the normal and tangential forces of "
+            "contacts, as is expected: pose a ContactProblem, whose friction this solver relaxes, or use Lemke()"
         )
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The forces of the relaxed model. A guess is ignored: interior points cannot start from one."""
+        check_guess(guess)
         if not isinstance(problem, ContactProblem):
             raise ModelError(self.refuses(problem))
         relaxed = ConvexContactProblem(problem)

@@ -15,6 +15,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import certifies_infeasibility, natural_residual
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
@@ -195,7 +196,7 @@ class Enumeration:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
-        size = problem.size if isinstance(problem, Lcp) else problem.lcp().size
+        size = problem.size if isinstance(problem, Lcp) else posed(problem).lcp().size
         if size <= LARGEST:
             return ""
         return f"the problem has {size} unknowns, 2^{size} active sets: enumeration goes up to {LARGEST}; use Auto()"
@@ -203,7 +204,8 @@ class Enumeration:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Try every active set; a guess makes no difference."""
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         if reason := self.refuses(problem):
             raise ModelError(reason)
         n = problem.size

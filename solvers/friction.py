@@ -19,9 +19,11 @@ import numpy.typing as npt
 import scipy.sparse
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import flag, point_of
+from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, check_finite, finite_array
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, as_array, check_finite, finite_array
 
 __all__ = [
     "ContactProblem",
@@ -199,12 +201,13 @@ class ContactProblem:
     def __post_init__(self) -> None:
         friction = finite_array("friction", self.friction, 1)
         if (friction < 0.0).any():
-            raise ModelError(f"friction is {friction}: expected coefficients >= 0")
+            raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
         free = finite_array("free", self.free, 1)
         n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
         delassus = self.delassus
         if delassus is not None:
-            delassus = finite_array("delassus", delassus, 2) if np.size(delassus) else np.zeros((0, 0))
+            delassus = as_array("delassus", delassus, 2) if n_normal else np.zeros((0, 0))
+            check_finite("delassus", delassus)
         factor = _read_factor(self.factor)
         if delassus is None and factor is None:
             raise ModelError("delassus is None: expected a matrix, or else its factor")
@@ -215,7 +218,7 @@ class ContactProblem:
                 f"{given} and free {free.shape}: expected {m} rows for {n_normal} contacts, "
                 f"{m - n_normal} of them with friction"
             )
-        keys = tuple(self.keys) or tuple(range(n_normal))
+        keys = keys_of(self.keys) or tuple(range(n_normal))
         if len(keys) != n_normal or len(set(keys)) != n_normal:
             raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n_normal}, one each")
         given_values = {"delassus": delassus, "free": free, "friction": friction, "keys": keys, "factor": factor}
@@ -261,6 +264,8 @@ class ContactProblem:
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
+        check_solver(solver)
+        check_guess(guess)
         keys, lcp = self.unknown_keys, self.lcp()
         found = solver.solve(lcp, aligned(guess, keys))
         if found.status is Status.NOT_UNIQUE:
@@ -297,14 +302,15 @@ class ContactProblem:
     def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:
         """z (n,) of :meth:`lcp` for forces lambda_N (n_N,), lambda_T (n_H,); xi_L from the velocity they cause."""
         tangent, normals = self.tangent, len(self.friction)
-        pressed, rubbed = np.asarray(lambda_normal, dtype=float), np.asarray(lambda_tangent, dtype=float)
+        pressed = point_of("lambda_normal", lambda_normal, normals)
+        rubbed = point_of("lambda_tangent", lambda_tangent, len(tangent))
         slip = self.velocity(np.concatenate([pressed, rubbed]))[normals:]
         edge = (self.friction * pressed)[tangent]
         return np.concatenate([pressed, rubbed + edge, np.maximum(-slip, 0.0)])
 
     def velocity(self, forces: npt.ArrayLike) -> FloatArray:
         """G @ forces + free (m,) for the forces [lambda_N, lambda_T] (m,)."""
-        x = np.asarray(forces, dtype=float)
+        x = point_of("forces", forces, len(self.free))
         product = self.delassus @ x if self.delassus is not None else self.factor @ (self.factor.T @ x)
         return np.asarray(product + self.free)
 
@@ -333,7 +339,7 @@ class ContactProblem:
             parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
         if not np.isfinite(parts).all():
             return float("inf")
-        return float(guarded_residual(*parts)) if scaled else worst
+        return float(guarded_residual(*parts)) if flag("scaled", scaled) else worst
 
     def _row_sizes(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`lcp`."""
@@ -361,10 +367,7 @@ class ContactProblem:
         return largest, terms
 
     def _point(self, z: npt.ArrayLike) -> FloatArray:
-        point = np.array(z, dtype=float, order="C")
-        if point.shape != (self.size,):
-            raise ModelError(f"z has shape {point.shape}: expected ({self.size},)")
-        return point
+        return point_of("z", z, self.size)
 
 
 def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | None:
@@ -385,12 +388,31 @@ def _as_dense(matrix: Any) -> FloatArray:
     return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
 
 
+def is_sparse(value: Any) -> bool:
+    """Whether it is a matrix of scipy.sparse."""
+    return bool(scipy.sparse.issparse(value))
+
+
+def keys_of(value: Any) -> tuple[Hashable, ...]:
+    """Names of contacts; raises ModelError for what is no sequence of names."""
+    try:
+        keys = tuple(value) if not isinstance(value, str | bytes) and hasattr(value, "__len__") else None
+        if keys is not None:
+            hash(keys)
+            return keys
+    except Exception:  # names without a hash, and sequences that are none
+        pass
+    raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
+
+
 def _read_factor(value: Any) -> Any:
     """A factor as a contiguous array or a CSR array of finite numbers; None stays None."""
     if value is None:
         return None
-    if hasattr(value, "tocsr"):
-        sparse = scipy.sparse.csr_array(value.tocsr(), dtype=float, copy=True)
+    if is_sparse(value):
+        if value.dtype.kind not in "iuf" or value.ndim != 2:
+            raise ModelError(f"factor is {shown(value)}: expected a matrix of real numbers")
+        sparse = scipy.sparse.csr_array(value, dtype=float, copy=True)
         sparse.sum_duplicates()
         check_finite("factor.data", sparse.data)
         return sparse

@@ -17,6 +17,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import in_range
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.lemke import lemke_workspace
 from lcpflex.solvers.pivoting import block_pivots
@@ -151,7 +152,8 @@ class GaussSeidel:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Iterate, from z of the guess if there is one."""
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         n = problem.size
         z = np.zeros(n)
         if guess is not None and guess.z.shape == (n,) and math.isfinite(float(guess.z.sum())):

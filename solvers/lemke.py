@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
@@ -337,7 +338,8 @@ class Lemke:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         n = problem.size
         M, q = problem.data
         table, basis = lemke_workspace(n)

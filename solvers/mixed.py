@@ -18,9 +18,11 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import flag, numbers, point_of
+from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, as_array, finite_array
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, finite_array
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
@@ -102,7 +104,7 @@ class BoxedLcp:
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
         """w = M z + q, shape (n,): positive at lower bounds, negative at upper ones, else zero."""
-        return np.asarray(self.M @ np.asarray(z, dtype=float) + self.q)
+        return np.asarray(self.M @ point_of("z", z, self.size) + self.q)
 
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
         """Natural-map residual of z (n,), ``max_i d_i |z_i - mid(lower_i, z_i - w_i / d_i, upper_i)|``.
@@ -110,9 +112,7 @@ class BoxedLcp:
         d_i is the largest |M_ij| of row i. Scaled and guarded as that of an :class:`Lcp`, with which it agrees where
         the bounds are 0 and inf. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
-        point = as_array("z", z, 1)
-        if point.shape != self.q.shape:
-            raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
+        point = point_of("z", z, self.size)
         if not self.size:
             return 0.0
         with np.errstate(all="ignore"):
@@ -128,7 +128,7 @@ class BoxedLcp:
             worst, largest = float(np.abs(off).max()), max(float(terms.max()), load)
         if not np.isfinite([worst, largest]).all() or not np.isfinite(off).all():
             return float("inf")
-        return float(guarded_residual(worst, largest, load)) if scaled else worst
+        return float(guarded_residual(worst, largest, load)) if flag("scaled", scaled) else worst
 
     def lcp(self) -> Lcp:
         """The LCP that :meth:`recover` leads back from."""
@@ -136,10 +136,13 @@ class BoxedLcp:
 
     def recover(self, x: npt.ArrayLike) -> FloatArray:
         """z (n,) from a solution x of :meth:`lcp`."""
-        return _reduce(self).recover(np.asarray(x, dtype=float))
+        reduction = _reduce(self)
+        return reduction.recover(point_of("x", x, reduction.lcp.size))
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
+        check_solver(solver)
+        check_guess(guess)
         return _solve_reduced(self, _reduce(self), solver, guess)
 
 
@@ -195,30 +198,42 @@ class MixedLcp:
 
 
 def _bound(name: str, value: npt.ArrayLike, n: int) -> FloatArray:
-    given = np.array(value, dtype=float)
+    given = numbers(value)
+    if given is None:
+        raise ModelError(f"{name} is {shown(value)}: expected ({n},) numbers, or one number")
     if given.shape not in ((), (n,)):
         raise ModelError(f"{name} has shape {given.shape}: expected ({n},) or one number")
     if np.isnan(given).any():
-        raise ModelError(f"{name} is {given}: expected numbers, -inf or inf")
+        raise ModelError(f"{name} is {shown(given)}: expected numbers, -inf or inf")
     return np.ascontiguousarray(np.broadcast_to(given, (n,)).copy())
 
 
 def _mask(value: npt.ArrayLike, n: int) -> npt.NDArray[np.bool_]:
-    given = np.asarray(value)
+    try:
+        given = np.asarray(value)
+    except Exception:  # ragged, endless, or an object of the user
+        given = np.zeros((), dtype=object)
+    if isinstance(value, np.ma.MaskedArray) or given.dtype.kind not in "biuf" or given.ndim != 1:
+        raise ModelError(f"free is {shown(value)}: expected a mask ({n},) or numbers from 0 to {n - 1}")
     if given.dtype == bool:
         if given.shape != (n,):
             raise ModelError(f"free has shape {given.shape}: expected a mask ({n},) or the numbers of unknowns")
         return given.copy()
-    numbers = given.astype(np.int64) if given.size else np.zeros(0, dtype=np.int64)
-    if given.ndim != 1 or (given.size and (given != numbers).any()) or ((numbers < 0) | (numbers >= n)).any():
-        raise ModelError(f"free is {value!r}: expected a mask ({n},) or numbers from 0 to {n - 1}")
+    rows = np.clip(given, -1.0, n).astype(np.int64) if np.isfinite(given).all() else np.full(given.shape, -1)
+    if (given != rows).any() or ((rows < 0) | (rows >= n)).any():
+        raise ModelError(f"free is {shown(value)}: expected a mask ({n},) or numbers from 0 to {n - 1}")
     mask = np.zeros(n, dtype=bool)
-    mask[numbers] = True
+    mask[rows] = True
     return mask
 
 
 def _reduce(problem: BoxedLcp) -> _Reduction:
     """Shift, mirror, add multipliers of upper bounds, eliminate free unknowns."""
+    with np.errstate(all="ignore"):  # what overflows is refused, or judged and found wrong
+        return _reduced(problem)
+
+
+def _reduced(problem: BoxedLcp) -> _Reduction:
     below, above = np.isfinite(problem.lower), np.isfinite(problem.upper)
     bounded, two_sided = below | above, below & above
     sign = np.where(bounded & ~below, -1.0, 1.0)

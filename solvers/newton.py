@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.pivoting import solve_active
 from lcpflex.solvers.problem import (
@@ -219,7 +220,8 @@ class MinMapNewton:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem, beginning from z of the guess if there is one."""
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         n = problem.size
         z = np.zeros(n)
         warm = guess is not None and guess.z.shape == (n,) and bool(np.isfinite(guess.z).all())

@@ -22,6 +22,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -352,7 +353,7 @@ class PrincipalPivoting:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why not: the matrix is not symmetric."""
-        lcp = problem if isinstance(problem, Lcp) else problem.lcp()
+        lcp = problem if isinstance(problem, Lcp) else posed(problem).lcp()
         return "" if lcp.symmetric else "M is not symmetric: principal pivoting needs M = M^T, Lemke takes every matrix"
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
@@ -361,7 +362,8 @@ class PrincipalPivoting:
         Raises ModelError if M is not symmetric.
         """
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         if not problem.symmetric:
             raise ModelError(self.refuses(problem))
         n = problem.size

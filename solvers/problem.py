@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, as_number, shown
-from lcpflex.given import numbers
+from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.certificate import (
     all_finite,
     certifies_infeasibility,
@@ -91,9 +91,7 @@ class Lcp:
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
-        M = as_array("M", self.M, 2) if len(q) else as_array("M", self.M, np.ndim(self.M))
-        if M.size == 0:
-            M = np.zeros((0, 0))
+        M = as_array("M", self.M, 2) if len(q) else _nothing("M", self.M)
         if M.shape != (len(q), len(q)):
             raise ModelError(f"M has shape {M.shape} and q shape {q.shape}: expected (n, n) and (n,)")
         if not all_finite(M, q):
@@ -129,7 +127,7 @@ class Lcp:
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
         """w = M z + q, shape (n,)."""
-        return np.asarray(self.M @ np.asarray(z, dtype=float) + self.q)
+        return np.asarray(self.M @ point_of("z", z, self.size) + self.q)
 
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
         """Natural-map residual of z (n,): dimensionless, or in the units of q if not scaled.
@@ -137,11 +135,9 @@ class Lcp:
         See :func:`lcpflex.solvers.certificate.natural_residual`. inf for a z that holds NaN or inf. Raises ModelError
         if z has another shape.
         """
-        point = np.array(z, dtype=float, order="C")
-        if point.shape != self.q.shape:
-            raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
+        point = point_of("z", z, self.size)
         M, q = self.data
-        if scaled:
+        if flag("scaled", scaled):
             return float(natural_residual(M, q, point, self.size))
         return float(residual_parts(M, q, point, self.size)[0])
 
@@ -217,7 +213,7 @@ def accept(
     if and only if the residual is within the tolerance; NOT_UNIQUE only if that holds for at least two ``solutions``
     that differ; INFEASIBLE only with a verified certificate u (n,) of an :class:`Lcp`.
     """
-    point = np.array(z, dtype=float, order="C")
+    point = as_array("z", z, 1)
     if type(problem) is Lcp and point.shape == problem.q.shape:
         w = np.empty(len(point))
         residual = judge(*problem.data, point, len(point), w)
@@ -281,6 +277,14 @@ def as_array(name: str, value: Any, dimensions: int) -> FloatArray:
     return array
 
 
+def _nothing(name: str, value: Any) -> FloatArray:
+    """The matrix of a problem without unknowns, however its emptiness was written."""
+    given = numbers(value)
+    if given is None or given.size:
+        raise ModelError(f"{name} is {shown(value)}: expected an empty matrix, since q is empty")
+    return np.zeros((0, 0))
+
+
 def check_finite(name: str, array: FloatArray) -> None:
     """Refuse NaN and infinity, saying where."""
     wrong = np.argwhere(~np.isfinite(array))
@@ -301,8 +305,9 @@ def _checked_factor(value: Any, M: FloatArray) -> FloatArray:
     J = finite_array("factor", value, 2)
     if J.shape[0] != len(M):
         raise ModelError(f"factor has shape {J.shape}: expected ({len(M)}, k), one row for each row of M")
-    difference = float(np.abs(J @ J.T - M).max(initial=0.0))
-    if difference > 1e-8 * float(np.abs(M).max(initial=0.0)):
+    with np.errstate(all="ignore"):
+        difference = float(np.abs(J @ J.T - M).max(initial=0.0))
+    if not difference <= 1e-8 * float(np.abs(M).max(initial=0.0)):
         raise ModelError(f"factor: factor @ factor.T differs from M by up to {difference:.3g}; expected M itself")
     J.flags.writeable = False
     return J

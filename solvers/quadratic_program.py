@@ -26,6 +26,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import certifies_infeasibility
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
 
@@ -69,7 +70,7 @@ class QuadraticProgram:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
-        lcp = problem if isinstance(problem, Lcp) else problem.lcp()
+        lcp = problem if isinstance(problem, Lcp) else posed(problem).lcp()
         if lcp.symmetric:
             return ""
         return (
@@ -80,7 +81,8 @@ class QuadraticProgram:
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem; a guess only starts those backends that can use one."""
         if not isinstance(problem, Lcp):
-            return problem.solve_by(self, guess)
+            return posed(problem).solve_by(self, guess)
+        check_guess(guess)
         if reason := self.refuses(problem):
             raise ModelError(reason)
         if not problem.size or (problem.q >= 0.0).all():

@@ -13,7 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import point_of
+from lcpflex.solvers.friction import keys_of
 from lcpflex.solvers.problem import finite_array
 
 __all__ = ["SpatialContactProblem"]
@@ -41,8 +43,8 @@ class SpatialContactProblem:
         if delassus.shape != (n, n) or free.shape != (n,):
             raise ModelError(f"delassus has shape {delassus.shape}, free {free.shape}: expected ({n}, {n}) and ({n},)")
         if (friction < 0.0).any():
-            raise ModelError(f"friction is {friction}: expected coefficients >= 0")
-        keys = tuple(self.keys) or tuple(range(len(friction)))
+            raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
+        keys = keys_of(self.keys) or tuple(range(len(friction)))
         if len(keys) != len(friction) or len(set(keys)) != len(friction):
             raise ModelError(f"keys has {len(keys)} entries: expected {len(friction)} different ones")
         for name, value in {"delassus": delassus, "free": free, "friction": friction, "keys": keys}.items():
@@ -58,9 +60,7 @@ class SpatialContactProblem:
 
         forces (3 k,) [N s]; the result is dimensionless, inf for NaN or inf. Raises ModelError for another shape.
         """
-        r = np.asarray(forces, dtype=float)
-        if r.shape != self.free.shape:
-            raise ModelError(f"forces has shape {r.shape}: expected {self.free.shape}")
+        r = point_of("forces", forces, self.size)
         if not np.isfinite(r).all():
             return float("inf")
         with np.errstate(all="ignore"):

@@ -1,0 +1,31 @@
+"""What the methods of problems and solvers are given: checked, so that each refusal names its argument."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lcpflex.errors import ModelError, shown
+from lcpflex.solvers.problem import PosedProblem, Solution
+
+__all__ = ["check_guess", "check_solver", "posed"]
+
+
+def posed(problem: Any) -> PosedProblem:
+    """A problem that an LCP solver takes by way of its :meth:`lcp`. Raises ModelError for anything else."""
+    ways = (getattr(problem, name, None) for name in ("lcp", "solve_by", "residual", "slack"))
+    if not isinstance(problem, type) and all(callable(way) for way in ways):
+        sound: PosedProblem = problem
+        return sound
+    raise ModelError(f"problem is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")
+
+
+def check_guess(guess: Any) -> None:
+    """Raise ModelError for a guess that is neither None nor a :class:`Solution`."""
+    if guess is not None and not isinstance(guess, Solution):
+        raise ModelError(f"guess is {shown(guess)}: expected the Solution of a similar problem, or None")
+
+
+def check_solver(solver: Any) -> None:
+    """Raise ModelError for what cannot solve an LCP."""
+    if isinstance(solver, type) or not callable(getattr(solver, "solve", None)):
+        raise ModelError(f"solver is {shown(solver)}: expected a solver such as Auto()")

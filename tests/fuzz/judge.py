@@ -1,0 +1,90 @@
+"""One call with one strange value: whether it ends in time, in a result or in an error that helps."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import resource
+import signal
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from numba.core.compiler_lock import global_compiler_lock
+
+import lcpflex as lf
+
+__all__ = ["Ending", "ending_of", "limited_memory"]
+
+SECONDS = 10.0
+LONGEST = 500  # characters of a message
+MEMORY = 3 * 2**30  # bytes beyond what the process has
+
+
+class TooLate(BaseException):
+    """The time of a call is over."""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a call ended: "result", "refused", or what is wrong with it."""
+
+    kind: str
+    said: str = ""
+
+
+def ending_of(call: Callable[[], Any], argument: str) -> Ending:
+    """How ``call`` ends, in which ``argument`` is strange."""
+    before = signal.signal(signal.SIGALRM, _alarm)
+    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    try:
+        with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+            warnings.simplefilter("error")
+            warnings.simplefilter("ignore", lf.ModelWarning)
+            result = call()
+    except lf.LcpflexError as error:
+        return _refusal(str(error), argument)
+    except TooLate:
+        return Ending("too late")
+    except MemoryError as error:
+        return Ending("memory", str(error)[:200])
+    except Exception as error:
+        return Ending("bare", f"{type(error).__name__}: {str(error)[:200]}")
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    return Ending("result", f"{type(result).__name__}")
+
+
+def _refusal(message: str, argument: str) -> Ending:
+    if len(message) > LONGEST:
+        return Ending("long", message[:100])
+    words = re.split(r"[^A-Za-z0-9]+", message.casefold())
+    named = all(part in words for part in argument.casefold().split("_") if part) or argument in message
+    if not named:
+        return Ending("unnamed", message)
+    if "expected" not in words:
+        return Ending("no expectation", message)
+    return Ending("refused", message)
+
+
+def _alarm(*_: Any) -> None:
+    if global_compiler_lock.is_locked():  # a kernel is compiled, once and for all: look again when that is over
+        signal.setitimer(signal.ITIMER_REAL, SECONDS)
+        return
+    raise TooLate
+
+
+@contextlib.contextmanager
+def limited_memory() -> Iterator[None]:
+    """No more than MEMORY beyond what is in use: what asks for more gets a MemoryError."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm", encoding="ascii") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
