@@ -3,8 +3,9 @@
 A problem that resembles the last one is nearly always solved by the basis of the last one, at the cost of one linear
 solve. Failing that, symmetric problems go to principal pivoting, others to Lemke's algorithm. What neither solves goes
 down a chain in which each method can do what those before it cannot: the copositive form of friction (Lemke's
-guarantee), Newton's method, enumeration of all active sets, and last the linear program that proves that
-there is no solution. Each answer is judged on the original data; the route tells who gave it.
+guarantee), Newton's method, the linear program that proves that there is no solution, and last enumeration of all
+active sets. Each answer is judged on the original data, proofs in exact arithmetic; the route tells who gave it, and
+who failed before.
 """
 
 from __future__ import annotations
@@ -18,22 +19,27 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
-from lcpflex.solvers.enumeration import Enumeration, farkas
+from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
+from lcpflex.solvers.enumeration import Enumeration
+from lcpflex.solvers.farkas import candidate
 from lcpflex.solvers.friction import ContactProblem, aligned, from_copositive
+from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lemke import Lemke, lemke
 from lcpflex.solvers.newton import MinMapNewton
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.principal_pivoting import PrincipalPivoting, principal_pivoting
 from lcpflex.solvers.problem import (
+    NEARLY,
     SOLVED,
     Lcp,
     LcpSolver,
     PosedProblem,
+    Problem,
     Solution,
     Status,
     accept,
     check_tolerance,
+    confirmed,
 )
 from lcpflex.solvers.tableau import EXTRA
 
@@ -43,8 +49,9 @@ FLIPS = 5  # exchanges after which a basis from elsewhere was no help
 TARGET = 1e-10  # residual of a solution
 MANY = 900  # unknowns from which Gauss-Seidel on the contacts is tried first
 TOO_MANY = 3000  # unknowns from which a dense matrix is not formed
+PROGRAM = "linear program of Farkas"
 
-Step = Callable[[], Solution | None]
+Step = tuple[str, Callable[[], Solution]]  # with its name in the route
 
 
 @kernel
@@ -113,14 +120,17 @@ class Auto:
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)
-        return first if _settled(first) else _descend(first, self._last_steps(problem))
+        return first if first.settled else _descend(problem, first, self._last_steps(problem), self.tolerance)
 
     def _first(self, problem: Lcp, guess: Solution | None) -> Solution:
         """By the basis of the guess, else by principal pivoting where M is symmetric, and by Lemke."""
         if not problem.symmetric:
             return Lemke(self.tolerance).solve(problem, guess)
         found = PrincipalPivoting(self.tolerance).solve(problem, guess)
-        return found if _settled(found) else _descend(found, [lambda: Lemke(self.tolerance).solve(problem)])
+        if found.settled:
+            return found
+        steps: list[Step] = [("lemke", lambda: Lemke(self.tolerance).solve(problem))]
+        return _descend(problem, found, steps, self.tolerance)
 
     def _contact(self, problem: ContactProblem, guess: Solution | None) -> Solution:
         """Contact with friction: by contacts if there are many, else as one LCP and its copositive form."""
@@ -129,24 +139,27 @@ class Auto:
         if problem.delassus is None or problem.size > MANY:
             swept = BlockGaussSeidel(self.tolerance).solve(problem, guess)
             if swept.solved or problem.size > TOO_MANY:
-                return swept
+                return swept if swept.solved else replace(swept, route=joined(swept))
         lcp = problem.lcp()
-        first = self._first(lcp, aligned(guess, keys))
-        if _settled(first):
-            return replace(first, keys=keys)
-        steps: list[Step] = [lambda: self._copositive(problem, lcp)]
-        if swept is None:
-            steps.append(lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess))
-        found = _descend(first, [*steps, *self._last_steps(lcp)])
+        found = self._first(lcp, aligned(guess, keys))
+        if not found.settled:
+            steps: list[Step] = []
+            if len(problem.tangent):
+                steps.append(("lemke on the copositive form", lambda: self._copositive(problem, lcp)))
+            if swept is None:
+                steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess)))
+            found = _descend(lcp, found, [*steps, *self._last_steps(lcp)], self.tolerance)
         if found.status is Status.NOT_UNIQUE:
             found = problem.told_apart(lcp, found, self.tolerance)
+        found = confirmed(problem, found)
+        if swept is not None:
+            iterations = swept.iterations + found.iterations
+            found = replace(found, route=f"{joined(swept)} > {found.route}", iterations=iterations)
         return replace(found, keys=keys)
 
-    def _copositive(self, problem: ContactProblem, lcp: Lcp) -> Solution | None:
+    def _copositive(self, problem: ContactProblem, lcp: Lcp) -> Solution:
         """Lemke on the form of friction for which its path ends in a solution whenever theory knows one."""
         tangent, normals = problem.tangent, len(problem.friction)
-        if not len(tangent):
-            return None
         found = Lemke(self.tolerance).solve(problem.copositive_lcp())
         z = np.zeros(lcp.size)
         from_copositive(found.z, *lcp.data, problem.friction, tangent, normals, len(tangent), z)
@@ -161,47 +174,40 @@ class Auto:
 
     def _last_steps(self, problem: Lcp) -> list[Step]:
         """What can be tried on any matrix, and the proof that there is nothing to be found."""
-        return [
-            lambda: MinMapNewton(self.tolerance).solve(problem),
-            lambda: self._infeasible(problem),
-            lambda: self._enumerated(problem),
+        enumeration = Enumeration(self.tolerance)
+        steps: list[Step] = [
+            ("min-map Newton", lambda: MinMapNewton(self.tolerance).solve(problem)),
+            (PROGRAM, lambda: self._infeasible(problem)),
         ]
+        if not enumeration.refuses(problem):
+            steps.append(("enumeration", lambda: enumeration.solve(problem)))
+        return steps
 
-    def _infeasible(self, problem: Lcp) -> Solution | None:
-        u = farkas(*problem.data)
-        if u is None:
-            return None
-        zero = np.zeros(problem.size)
-        return accept(problem, zero, tolerance=self.tolerance, route="linear program of Farkas", certificate=u)
-
-    def _enumerated(self, problem: Lcp) -> Solution | None:
-        solver = Enumeration(self.tolerance)
-        return None if solver.refuses(problem) else solver.solve(problem)
+    def _infeasible(self, problem: Lcp) -> Solution:
+        u = candidate(*problem.data)
+        return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route=PROGRAM, certificate=u)
 
 
-def _settled(solution: Solution) -> bool:
-    """Whether there is nothing more to be found out."""
-    return solution.solved or solution.status in (Status.INFEASIBLE, Status.NO_SOLUTION)
-
-
-def _descend(first: Solution, steps: list[Step]) -> Solution:
+def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: float) -> Solution:
     """One step after the other until one settles the problem; else the best point, and why the first method failed."""
-    best, routes, iterations = first, [first.route], first.iterations
-    for step in steps:
-        found = step()
-        if found is None:
-            continue
-        routes.append(found.route)
-        iterations += found.iterations
-        if _settled(found) or found.residual < best.residual:
+    best, tried = first, [first]
+    for name, step in steps:
+        found = guarded(name, problem, tolerance, step)
+        tried.append(found)
+        if found.settled or found.residual < best.residual:
             best = found
-        if _settled(found):
+        if found.settled:
             break
-    route = " > ".join(routes)
-    if _settled(best) or best.status is Status.INACCURATE:
+    route, iterations = joined(*tried), sum(found.iterations for found in tried)
+    if best.settled or best.status is Status.INACCURATE:
         return replace(best, route=route, iterations=iterations)
-    reason = f"{_words(first.status)}: nothing of {route} found a solution or proved that none is"
-    return replace(best, status=first.status, route=route, iterations=iterations, message=reason)
+    names = " > ".join(name.removesuffix(FAILED) for found in tried for name in found.route.split(" > "))
+    reasons = [f"{_words(first.status)}: nothing of {names} found a solution or proved that none is"]
+    reasons += [found.message for found in tried if ENDED in found.message]
+    if any(NEARLY in found.message for found in tried):
+        reasons.append(NEARLY)
+    message = "; ".join(dict.fromkeys(reasons))
+    return replace(best, status=first.status, route=route, iterations=iterations, message=message)
 
 
 def _words(status: Status) -> str:

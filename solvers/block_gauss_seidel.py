@@ -36,6 +36,7 @@ from lcpflex.solvers.contact_sweeps import (
     sweep_factor,
 )
 from lcpflex.solvers.friction import ContactProblem, aligned
+from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lemke import lemke_workspace
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_limit, check_tolerance
 
@@ -44,6 +45,7 @@ __all__ = ["BlockGaussSeidel"]
 PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
 CORRECTIONS = 6  # of the forces on fixed states
 REGULAR = 1e-9  # of their equations, relative to the diagonal: redundant contacts make them singular
+SWEPT = "block Gauss-Seidel"
 FINISHED = ", finished on its active set"
 FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
 
@@ -117,12 +119,16 @@ class _Iteration:
                 x = x - np.linalg.lstsq(matrix, matrix @ x + free, rcond=1e-12)[0]
             return np.asarray(x)
         J, Jx = self.J[unknown], self.J.T @ spread
-        weight = REGULAR * np.asarray(J.multiply(J).sum(axis=1)).ravel()
+        squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
+        weight = REGULAR * np.where(squares > 0.0, squares, 1.0)  # a contact of two fixed bodies has no equation at all
         k = self.J.shape[1]
         matrix = scipy.sparse.block_array(
             [[-scipy.sparse.eye_array(k), Jx], [J, scipy.sparse.diags_array(weight)]], format="csc"
         )
-        solve = scipy.sparse.linalg.splu(matrix).solve
+        try:
+            solve = scipy.sparse.linalg.splu(matrix).solve
+        except RuntimeError:  # exactly singular: go on sweeping
+            return x
         for _ in range(CORRECTIONS):  # each takes out what the regularisation left in
             x = x + solve(np.concatenate([np.zeros(k), -(J @ (Jx @ x) + free)]))[k:]
         return np.asarray(x)
@@ -183,7 +189,10 @@ class BlockGaussSeidel:
 
     def _iterate(self, run: _Iteration) -> Solution:
         """Compiled where the whole problem is known as an LCP of moderate size, else look by look."""
-        return self._by_looks(run) if run.lcp is None else self._compiled(run, run.lcp)
+        if run.lcp is None:
+            return guarded(SWEPT, run.problem, self.tolerance, lambda: self._by_looks(run))
+        lcp = run.lcp
+        return guarded(SWEPT, lcp, self.tolerance, lambda: self._compiled(run, lcp))
 
     def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
         problem, n = run.problem, lcp.size
@@ -194,14 +203,14 @@ class BlockGaussSeidel:
             z, np.empty(n), table, basis, self.tolerance, self.sweep_limit,
         )  # fmt: skip
         status, active = Status(code), None
-        route = "block Gauss-Seidel" + FINISHED * finished
+        route = SWEPT + FINISHED * finished
         if status is Status.SOLVED:
             active = basis[:n].copy()
         else:
             with np.errstate(all="ignore"):  # sweeps that ran away overflow: not finite, hence not solved
                 corrected = run.corrected()
             if lcp.residual(corrected) < lcp.residual(z):
-                z, route = corrected, "block Gauss-Seidel" + FINISHED
+                z, route = corrected, SWEPT + FINISHED
         return accept(
             lcp, z, tolerance=self.tolerance, status=status, iterations=sweeps, route=route, active=active
         )  # fmt: skip
@@ -211,7 +220,7 @@ class BlockGaussSeidel:
         load = float(np.abs(run.problem.free).max(initial=0.0))
         target, look, sweeps = 0.1 * self.tolerance * load, FIRST_LOOK, 0
         best, least = np.zeros(run.problem.size), run.problem.residual(np.zeros(run.problem.size))
-        route, status = "block Gauss-Seidel", Status.ITERATION_LIMIT
+        route, status = SWEPT, Status.ITERATION_LIMIT
         while least > self.tolerance and sweeps < self.sweep_limit:
             made, change = run.sweep(min(look, self.sweep_limit) - sweeps, target)
             sweeps, look = sweeps + made, 2 * look

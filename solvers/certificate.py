@@ -1,18 +1,17 @@
-"""What proves an answer: the natural-map residual of a point, and Farkas' vector of a problem without one.
+"""What proves an answer: the natural-map residual of a point.
 
-Every solver's claim is checked here on the original data, in plain sums that owe nothing to its algorithm.
+Every solver's claim is checked here on the original data, in plain sums that owe nothing to its algorithm. Proofs that
+there is no solution are those of :mod:`lcpflex.solvers.proofs`.
 """
 
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, kernel
 
 __all__ = [
     "all_finite",
-    "certifies_infeasibility",
     "guarded_residual",
     "is_symmetric",
     "judge",
@@ -155,21 +154,3 @@ def is_symmetric(M: FloatArray, n: int) -> bool:
             largest = max(largest, abs(M[i, j]))
             difference = max(difference, abs(M[i, j] - M[j, i]))
     return difference <= SYMMETRY * largest
-
-
-def certifies_infeasibility(M: FloatArray, q: FloatArray, u: npt.ArrayLike) -> bool:
-    """Whether u (n,) proves that no z >= 0 has w = M z + q >= 0: u >= 0, M^T u <= 0 and q.u < 0 (Farkas).
-
-    With w >= 0 one would have 0 <= u.w = z.(M^T u) + q.u < 0. Where rounding leaves M^T u slightly positive, the
-    statement is checked for every z with z_i <= 1e6 max|q| / max_j |M_ji|.
-    """
-    ray = np.array(u, dtype=float)
-    if ray.shape != q.shape or not np.isfinite(ray).all() or not ray.size or ray.max() <= 0.0:
-        return False
-    ray = np.maximum(ray, 0.0) / ray.max()
-    with np.errstate(all="ignore"):  # what overflows proves nothing: comparisons with NaN are false
-        gain = float(q @ ray)
-        excess = np.maximum(M.T @ ray, 0.0)
-        column = np.abs(M).max(axis=0)
-        size = np.divide(np.abs(q).max(), column, out=np.zeros_like(column), where=column > 0.0)
-        return gain + 1e6 * float(excess @ size) < -1e-8 * float(np.abs(q) @ ray)

@@ -27,9 +27,12 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.given import flag, point_of
 from lcpflex.solvers.arguments import check_guess
-from lcpflex.solvers.certificate import certifies_infeasibility, guarded_residual
+from lcpflex.solvers.certificate import guarded_residual
+from lcpflex.solvers.exact_systems import ExactSystem, relaxed_rows
 from lcpflex.solvers.friction import ContactProblem
+from lcpflex.solvers.guard import guarded, words_of
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.proofs import infeasibility
 from lcpflex.solvers.quadratic_program import equilibrium, polish
 
 __all__ = ["ConvexContactProblem", "ConvexFriction"]
@@ -100,6 +103,22 @@ class ConvexContactProblem:
         pressed = point[:normals] > PRESSED * np.abs(point).max(initial=0.0)
         return float(self.slack(point)[:normals][pressed].max(initial=0.0))
 
+    def on_edges(self, z: FloatArray) -> FloatArray:
+        """Forces z (m,) along the edges of the cones: lambda_N of contacts without friction, then both of each other.
+
+        lambda_N is the sum of both, lambda_T mu times their difference.
+        """
+        normals, tangent = len(self.contact.friction), self.contact.tangent
+        part = z[normals:] / self.contact.friction[tangent]
+        pressed = z[:normals][tangent]
+        smooth = z[:normals][self.contact.friction == 0.0]
+        return np.concatenate([smooth, 0.5 * (pressed + part), 0.5 * (pressed - part)])
+
+    def exact_system(self) -> ExactSystem:
+        """The law as an LCP in the unknowns of :meth:`on_edges`, without rounding."""
+        contact = self.contact
+        return relaxed_rows(contact.delassus, contact.factor, contact.free, contact.friction)
+
     def _projected(self, point: FloatArray) -> FloatArray:
         """The nearest point of the cones."""
         normals, tangent = len(self.contact.friction), self.contact.tangent
@@ -163,7 +182,7 @@ class ConvexFriction:
         if not problem.free.any():
             return self._judged(relaxed, np.zeros(relaxed.size), "free = 0", 0, "Solved")
         with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
-            return self._solve(relaxed)
+            return guarded("Clarabel", relaxed, self.tolerance, lambda: self._solve(relaxed))
 
     def _solve(self, relaxed: ConvexContactProblem) -> Solution:
         """Clarabel's point, polished and judged."""
@@ -176,7 +195,7 @@ class ConvexFriction:
         if relaxed.size > LARGEST:
             return self._judged(relaxed, program.forces(x), "Clarabel", iterations, said)
         M = program.matrix()
-        if said == "DualInfeasible" and certifies_infeasibility(*program.on_edges(M), program.turned(x)):
+        if said == "DualInfeasible" and infeasibility(relaxed, relaxed.on_edges(program.forces(x))) is not None:
             return self._judged(relaxed, nowhere, "Clarabel", iterations, UNBOUNDED)
         x, polished = self._polished(relaxed, program, M, x)
         route = "Clarabel, active set" if polished else "Clarabel"
@@ -285,10 +304,10 @@ class _Program:
             objective, bound = np.zeros(self.B.shape[1]), self.c
         try:
             found = clarabel.DefaultSolver(P, objective, A, bound, cones, settings).solve()
+        except (KeyboardInterrupt, SystemExit):
+            raise
         except BaseException as error:  # a panic in Rust is no Exception; what it says is passed on
-            if isinstance(error, (KeyboardInterrupt, SystemExit)):
-                raise
-            return np.full(m, np.nan), 0, f"{type(error).__name__} {error}"
+            return np.full(m, np.nan), 0, words_of(error)
         said = str(found.status)
         if self.B is not None and said == "PrimalInfeasible":  # the dual program is named from its own side
             said = "DualInfeasible"

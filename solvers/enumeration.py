@@ -2,24 +2,25 @@
 
 For each of the 2^n sets A of basic unknowns, z_A = -M_AA^-1 q_A and z = 0 elsewhere solves the problem if z >= 0 and
 w >= 0. If M_AA is singular and q_A lies outside its range, A gives nothing; if it lies inside, a linear program decides
-whether the solutions of M_AA z_A = -q_A hold one with z >= 0 and w >= 0 (then usually a continuum of them). Without
-any solution, a second linear program looks for the vector of Farkas. Source: Murty 1988, chapter 1.
+whether the solutions of M_AA z_A = -q_A hold one with z >= 0 and w >= 0 (then usually a continuum of them). Where none
+is found, the same is searched once more without rounding (:mod:`lcpflex.solvers.exact`), which proves that there is
+none, or finds one. Source: Murty 1988, chapter 1.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.certificate import certifies_infeasibility, natural_residual
+from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.proofs import exact_solution
 
-__all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace", "farkas"]
+__all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]
 
 LARGEST = 16  # unknowns: 65536 active sets
 KEPT = 64  # solutions told apart
@@ -221,7 +222,7 @@ class Enumeration:
                     points.append(z)
         tried = 1 << n
         if not points:
-            return self._without(problem, tried, undecided - programs)
+            return self._without(problem, tried)
         active = None
         if kept:
             active = (int(codes[0]) >> np.arange(n)) & 1
@@ -236,22 +237,23 @@ class Enumeration:
             solutions=several,
         )
 
-    def _without(self, problem: Lcp, tried: int, undecided: int) -> Solution:
-        """The result where no set gives a solution: why there is none, or what was left open."""
-        zero = np.zeros(problem.size)
-        message, status = "", Status.NO_SOLUTION
-        if undecided:
-            status = Status.NUMERICAL_FAILURE
-            message = f"no solution found, but {undecided} active sets with singular blocks were left undecided"
+    def _without(self, problem: Lcp, tried: int) -> Solution:
+        """The result where floats give no solution: the proof that there is none, or what was left open."""
+        proof, z = exact_solution(problem)
+        message = ""
+        if z is not None:
+            message = "a solution exists, but rounded to floats it leaves more than the tolerance; z is it"
+        elif proof is None:
+            message = "no active set gives a solution in floats, but the proof that none does was too much work"
         return accept(
             problem,
-            zero,
+            np.zeros(problem.size) if z is None else z,
             tolerance=self.tolerance,
-            status=status,
+            status=Status.NUMERICAL_FAILURE,
             iterations=tried,
             route="enumeration",
-            message=message,
-            certificate=farkas(*problem.data),
+            message=f"numerical failure: {message}" if message else "",
+            proof=proof,
         )
 
 
@@ -273,9 +275,12 @@ def _on_singular_block(problem: Lcp, code: int, tolerance: float) -> list[FloatA
     bound = 1e3 * max(1.0, float(np.abs(b).max()))
     points = []
     for sign in (1.0, -1.0):
-        program = linprog(
-            np.full(on.sum(), sign), A_ub=-A[~on], b_ub=b[~on], A_eq=A[on], b_eq=-b[on], bounds=(0.0, bound)
-        )
+        try:
+            program = linprog(
+                np.full(on.sum(), sign), A_ub=-A[~on], b_ub=b[~on], A_eq=A[on], b_eq=-b[on], bounds=(0.0, bound)
+            )
+        except (ValueError, RuntimeError, ArithmeticError):  # numbers too far apart for it; the exact search is not
+            return []
         if program.x is None:
             return []
         z = np.zeros(n)
@@ -283,40 +288,3 @@ def _on_singular_block(problem: Lcp, code: int, tolerance: float) -> list[FloatA
         if problem.residual(z) <= tolerance:
             points.append(z)
     return points
-
-
-def farkas(M: FloatArray, q: FloatArray) -> FloatArray | None:
-    """u (n,) with u >= 0, M^T u <= 0 and q.u < 0, which proves that no z >= 0 has M z + q >= 0; None if there is none.
-
-    M (n, n), q (n,). From the linear program min q.u subject to M^T u <= 0, 0 <= u <= 1 in scaled rows and columns;
-    returned only if :func:`certifies_infeasibility` holds, rounding included.
-    """
-    from scipy.optimize import linprog
-
-    if not len(q) or (q >= 0.0).all():
-        return None
-    row = np.maximum(np.abs(M).max(axis=1), np.abs(q))
-    row[row == 0.0] = 1.0
-    scaled = M / row[:, None]
-    column = np.abs(scaled).max(axis=0)
-    column[column == 0.0] = 1.0
-    columns = (scaled / column).T
-    options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    program = linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
-    if program.x is None or program.fun is None or not program.fun < 0.0:
-        return None
-    y = np.maximum(program.x, 0.0)
-    for candidate in (y, _onto_tight(columns, y)):
-        u: FloatArray = np.maximum(candidate, 0.0) / row
-        if certifies_infeasibility(M, q, u):
-            return u
-    return None
-
-
-def _onto_tight(columns: FloatArray, y: FloatArray) -> FloatArray:
-    """The nearest y with the same support that fulfils its tight constraints to rounding."""
-    support, tight = y > 1e-9, np.abs(columns @ y) <= 1e-7
-    corrected = y.copy()
-    block = columns[np.ix_(tight, support)]
-    corrected[support] -= np.linalg.lstsq(block, block @ y[support], rcond=1e-12)[0]
-    return corrected

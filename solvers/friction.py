@@ -23,7 +23,18 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, as_array, check_finite, finite_array
+from lcpflex.solvers.exact_systems import ExactSystem, contact_rows
+from lcpflex.solvers.problem import (
+    Lcp,
+    LcpSolver,
+    Solution,
+    Status,
+    accept,
+    as_array,
+    check_finite,
+    confirmed,
+    finite_array,
+)
 
 __all__ = [
     "ContactProblem",
@@ -249,17 +260,14 @@ class ContactProblem:
         """The Delassus matrix (m, m), multiplied out if only its factor is known."""
         if self.delassus is not None:
             return self.delassus
-        product = self.factor @ self.factor.T
-        return np.ascontiguousarray(_as_dense(product))
+        return np.ascontiguousarray(_as_dense(self.factor @ self.factor.T))
 
     def lcp(self) -> Lcp:
         """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
         tangent, normals, n = self.tangent, len(self.friction), self.size
         M, q = np.zeros((n, n)), np.zeros(n)
         assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
-        factor = None
-        if not len(tangent) and self.factor is not None:
-            factor = _as_dense(self.factor)
+        factor = None if len(tangent) or self.factor is None else _as_dense(self.factor)
         return Lcp(M, q, factor)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
@@ -270,7 +278,11 @@ class ContactProblem:
         found = solver.solve(lcp, aligned(guess, keys))
         if found.status is Status.NOT_UNIQUE:
             found = self.told_apart(lcp, found, getattr(solver, "tolerance", 1e-10))
-        return replace(found, keys=keys)
+        return replace(confirmed(self, found), keys=keys)
+
+    def exact_system(self) -> ExactSystem:
+        """:meth:`lcp` without the rounding of G_T mu, and of J J^T where only the factor is known."""
+        return contact_rows(self.delassus, self.factor, self.free, self.friction)
 
     def told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
         """Of several solutions those of different forces: xi_L of an open contact is any speed with xi_R >= 0."""

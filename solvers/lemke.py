@@ -59,6 +59,7 @@ TARGET = 1e-10  # residual at which the ladder of retries ends
 REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
 RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
 ATTEMPTS = 26
+BASIS = "basis of the guess"
 LATE = 10  # attempts after which only those go on that ended near a solution, each with another cover
 
 
@@ -343,6 +344,7 @@ class Lemke:
         n = problem.size
         M, q = problem.data
         table, basis = lemke_workspace(n)
+        route = "lemke"
         if guess is not None and guess.active is not None and guess.active.shape == (n,):
             z = np.zeros(n)
             basis[:n] = guess.active == 1
@@ -353,9 +355,10 @@ class Lemke:
                     z,
                     tolerance=self.tolerance,
                     iterations=solves,
-                    route="basis of the guess",
+                    route=BASIS,
                     active=basis[:n].copy(),
                 )
+            route = f"{BASIS} (failed) > lemke"
         limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
         code, pivots, residual = attempt(M, q, n, table, basis, 0, limit)
         z = table[n + CANDIDATE, :n]
@@ -369,7 +372,7 @@ class Lemke:
             tolerance=self.tolerance,
             status=status,
             iterations=pivots,
-            route="lemke",
+            route=route,
             active=basis[:n].copy() if status is Status.SOLVED else None,
             certificate=table[n + DIRECTION, :n].copy() if status is Status.RAY else None,
         )

@@ -22,7 +22,8 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, finite_array
+from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed, finite_array
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
@@ -140,10 +141,17 @@ class BoxedLcp:
         return reduction.recover(point_of("x", x, reduction.lcp.size))
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
+        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP.
+
+        ``proof`` is of :meth:`exact_system`.
+        """
         check_solver(solver)
         check_guess(guess)
         return _solve_reduced(self, _reduce(self), solver, guess)
+
+    def exact_system(self) -> ExactSystem:
+        """The conditions without rounding, unknowns [bounded ones, multipliers of second bounds, free ones]."""
+        return boxed_rows(self.M, self.q, self.lower, self.upper)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +203,10 @@ class MixedLcp:
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
         return self.boxed.solve_by(solver, guess)
+
+    def exact_system(self) -> ExactSystem:
+        """That of :attr:`boxed`."""
+        return self.boxed.exact_system()
 
 
 def _bound(name: str, value: npt.ArrayLike, n: int) -> FloatArray:
@@ -283,7 +295,10 @@ def _eliminated(MFF: FloatArray, MFB: FloatArray, qF: FloatArray) -> tuple[Float
     constrain x_B.
     """
     scale = np.sqrt(np.maximum(np.abs(MFF).max(axis=1, initial=0.0), np.finfo(float).tiny))
-    inverse = np.linalg.pinv(MFF / np.outer(scale, scale), rcond=DEPENDENT) / np.outer(scale, scale)
+    try:
+        inverse = np.linalg.pinv(MFF / np.outer(scale, scale), rcond=DEPENDENT) / np.outer(scale, scale)
+    except np.linalg.LinAlgError:  # numbers too far apart for the singular values: the LCP takes them as they are
+        return None, np.zeros(len(qF)), 0.0
     gain, offset = -inverse @ MFB, -inverse @ qF
     for _ in range(2):  # of the rounding of the inverse
         gain -= inverse @ (MFB + MFF @ gain)
@@ -316,6 +331,6 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
         active=found.active,
         solutions=tuple(reduction.recover(x) for x in found.solutions),
     )
-    if not judged.solved and found.status in (Status.INFEASIBLE, Status.NO_SOLUTION):
-        return replace(judged, status=found.status, certificate=found.certificate)
+    if not judged.solved and found.status in PROVED:
+        return confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
     return judged

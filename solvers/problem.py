@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,12 +18,13 @@ from lcpflex.errors import ModelError, as_number, shown
 from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.certificate import (
     all_finite,
-    certifies_infeasibility,
     is_symmetric,
     judge,
     natural_residual,
     residual_parts,
 )
+from lcpflex.solvers.exact_systems import ExactSystem, exact_rows
+from lcpflex.solvers.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
 
 __all__ = [
     "Lcp",
@@ -35,6 +36,7 @@ __all__ = [
     "accept",
     "check_limit",
     "check_tolerance",
+    "confirmed",
 ]
 
 
@@ -44,7 +46,8 @@ class Status(enum.IntEnum):
     SOLVED = 0
     """The residual, computed anew from the original M and q, is within the tolerance."""
     RAY = 1
-    """Lemke's path ended on a ray. For copositive-plus M (PSD included) no solution exists; else inconclusive."""
+    """Lemke's path ended on a ray. Without rounding, and for copositive-plus M (PSD included), that would mean that no
+    solution exists; it is not proved."""
     ITERATION_LIMIT = 2
     """The limit of pivots or iterations was reached first."""
     NUMERICAL_FAILURE = 3
@@ -52,12 +55,17 @@ class Status(enum.IntEnum):
     INACCURATE = 4
     """The residual is above the tolerance, by a factor of 1000 at most."""
     INFEASIBLE = 5
-    """No z >= 0 with w >= 0 exists: a certificate u >= 0, M^T u <= 0, q.u < 0 was verified and is returned."""
+    """No z >= 0 with w >= 0 exists: a certificate u >= 0, M^T u <= 0, q.u < 0 was verified in exact arithmetic."""
     NOT_UNIQUE = 6
     """Solved, and another solution is known: ``Solution.solutions`` holds them."""
     NO_SOLUTION = 7
-    """Every active set was tried and none gives a solution (exhaustive enumeration)."""
+    """Every active set was refuted in exact arithmetic (exhaustive search)."""
 
+
+PROVED = (Status.INFEASIBLE, Status.NO_SOLUTION)
+NEARLY = (
+    "nearly infeasible: a vector u fulfils M^T u <= 0 and q.u < 0 to rounding, but none is known that does so exactly"
+)
 
 # The same codes as plain integers, for kernels.
 SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3
@@ -129,6 +137,10 @@ class Lcp:
         """w = M z + q, shape (n,)."""
         return np.asarray(self.M @ point_of("z", z, self.size) + self.q)
 
+    def exact_system(self) -> ExactSystem:
+        """M and q in fractions."""
+        return exact_rows(self.M, self.q)
+
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
         """Natural-map residual of z (n,): dimensionless, or in the units of q if not scaled.
 
@@ -147,10 +159,11 @@ class Solution:
     """What a solver found: the point, and how far it can be trusted.
 
     z, w (n,): the point and w = M z + q. residual: that of the problem, scaled. iterations: pivots or iterations.
-    route: which algorithms were tried, the last of them gave the point. active (n,): which z are basic (0 or 1), None
-    if the solver has no basis; handing the solution back as the guess of a similar problem starts from there (z > 0
-    would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else None. keys: name
-    of each unknown, for guesses between problems with different contacts. solutions: all that are known, if several.
+    route: the algorithms tried, in order, failed ones marked. active (n,): which z are basic (0 or 1), None if the
+    solver has no basis; handing the solution back as the guess of a similar problem starts from there (z > 0
+    would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else None; proof: the
+    same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name of each unknown,
+    for guesses between problems with different contacts. solutions: all that are known, if several.
     """
 
     z: FloatArray
@@ -164,11 +177,17 @@ class Solution:
     certificate: FloatArray | None = None
     keys: tuple[Hashable, ...] | None = None
     solutions: tuple[FloatArray, ...] = ()
+    proof: tuple[int, ...] = ()
 
     @property
     def solved(self) -> bool:
         """Whether the status is SOLVED or NOT_UNIQUE."""
         return self.status is Status.SOLVED or self.status is Status.NOT_UNIQUE
+
+    @property
+    def settled(self) -> bool:
+        """Whether nothing more is to be found out: solved, or proved to have no solution."""
+        return self.solved or self.status in PROVED
 
 
 class LcpSolver(Protocol):
@@ -206,12 +225,14 @@ def accept(
     active: IntArray | None = None,
     certificate: FloatArray | None = None,
     solutions: tuple[FloatArray, ...] = (),
+    proof: Proof | None = None,
 ) -> Solution:
     """Judge a point on the original data: the one exit of every solver.
 
     z (n,): the point; status: what the algorithm believes; its word counts only for *why* it failed. SOLVED is granted
     if and only if the residual is within the tolerance; NOT_UNIQUE only if that holds for at least two ``solutions``
-    that differ; INFEASIBLE only with a verified certificate u (n,) of an :class:`Lcp`.
+    that differ; INFEASIBLE and NO_SOLUTION only with a ``proof`` about this problem, the former also where the
+    ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic.
     """
     point = as_array("z", z, 1)
     if type(problem) is Lcp and point.shape == problem.q.shape:
@@ -222,15 +243,19 @@ def accept(
         with np.errstate(all="ignore"):  # a point that is not finite has been judged already
             w = problem.slack(point)
     if residual <= tolerance:
-        judged = Status.SOLVED
-        certificate = None
+        judged, proof = Status.SOLVED, None
         if solutions and _differ(problem, solutions, tolerance):
             judged = Status.NOT_UNIQUE
     else:
-        judged, certificate = _why_not(problem, residual, tolerance, status, certificate)
-        if not message:
-            message = f"{judged.name.lower().replace('_', ' ')}: {_grounds(judged, residual, tolerance)}"
-    return Solution(point, w, judged, residual, iterations, route, message, active, certificate, None, solutions)
+        near = certificate is not None and type(problem) is Lcp and nearly_infeasible(*problem.data, certificate)
+        if proof is None and near:
+            proof = infeasibility(problem, certificate)
+        judged = _why_not(problem, residual, tolerance, status, proof)
+        if not message or judged in PROVED:
+            grounds = _grounds(judged, residual, tolerance) + (f"; {NEARLY}" if near and judged not in PROVED else "")
+            message = f"{judged.name.lower().replace('_', ' ')}: {grounds}"
+    u, vector = (None, ()) if proof is None or judged not in PROVED else (proof.certificate, proof.vector)
+    return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector)
 
 
 def _grounds(status: Status, residual: float, tolerance: float) -> str:
@@ -238,23 +263,36 @@ def _grounds(status: Status, residual: float, tolerance: float) -> str:
     if status is Status.INFEASIBLE:
         return "no z >= 0 has M z + q >= 0, as the certificate u proves: u >= 0, M^T u <= 0, q.u < 0"
     if status is Status.NO_SOLUTION:
-        return "none of all active sets is one"
+        return "each of all active sets was refuted in exact arithmetic"
     return f"residual {residual:.1e}, tolerance {tolerance:.1e}"
 
 
-def _why_not(
-    problem: Problem, residual: float, tolerance: float, status: Status, certificate: FloatArray | None
-) -> tuple[Status, FloatArray | None]:
-    """The status of a point that does not solve the problem, and the certificate if it holds."""
-    if isinstance(problem, Lcp) and certificate is not None and certifies_infeasibility(*problem.data, certificate):
-        return Status.INFEASIBLE, certificate
-    if status is Status.NO_SOLUTION:
-        return status, None
+def _why_not(problem: Problem, residual: float, tolerance: float, status: Status, proof: Proof | None) -> Status:
+    """The status of a point that does not solve the problem."""
+    if proof is not None and proof.problem is problem:
+        return Status.INFEASIBLE if proof.vector else Status.NO_SOLUTION
     if residual <= 1e3 * tolerance:
-        return Status.INACCURATE, None
+        return Status.INACCURATE
     if status in (Status.RAY, Status.ITERATION_LIMIT):
-        return status, None
-    return Status.NUMERICAL_FAILURE, None
+        return status
+    return Status.NUMERICAL_FAILURE
+
+
+def confirmed(problem: Problem, found: Solution) -> Solution:
+    """A proof about the LCP of ``problem`` as one about the problem, from whose numbers rounding has made the LCP.
+
+    Where it does not hold for the problem too, the status is NUMERICAL_FAILURE.
+    """
+    if found.status not in PROVED:
+        return found
+    if found.status is Status.INFEASIBLE:
+        proof = infeasibility(problem, found.certificate)
+    else:
+        proof = exact_solution(problem)[0]
+    if proof is not None and bool(proof.vector) == (found.status is Status.INFEASIBLE):
+        return replace(found, proof=proof.vector)
+    message = "numerical failure: the LCP made of the problem has no solution, but its rounding may be the reason"
+    return replace(found, status=Status.NUMERICAL_FAILURE, message=message, certificate=None, proof=())
 
 
 def _differ(problem: Problem, solutions: tuple[FloatArray, ...], tolerance: float) -> bool:

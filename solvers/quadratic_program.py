@@ -27,8 +27,9 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.certificate import certifies_infeasibility
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.proofs import Proof, infeasibility, nearly_infeasible
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 
@@ -88,7 +89,7 @@ class QuadraticProgram:
         if not problem.size or (problem.q >= 0.0).all():
             return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route="q >= 0")
         with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
-            return self._solve(problem, guess)
+            return guarded(self.backend, problem, self.tolerance, lambda: self._solve(problem, guess))
 
     def _solve(self, problem: Lcp, guess: Solution | None) -> Solution:
         """The backend's point on the scaled problem, polished and judged."""
@@ -102,7 +103,7 @@ class QuadraticProgram:
             return self._judged(problem, np.zeros(len(q)), self.backend, 0, reason)
         J = None if problem.factor is None else scale[:, None] * problem.factor
         start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
-        best, residual, route, iterations = np.zeros(len(q)), math.inf, self.backend, 0
+        best, residual, route, iterations, near = np.zeros(len(q)), math.inf, self.backend, 0, False
         for form in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
             answer = self._ask(M, q, form, _usable(start))
             iterations += answer.iterations
@@ -113,9 +114,13 @@ class QuadraticProgram:
                 if residual <= self.tolerance and how:
                     return self._judged(problem, best, route, iterations, answer.said)
             for ray in self._rays(M, q, answer):
-                if certifies_infeasibility(*problem.data, scale * ray):
-                    return self._judged(problem, best, route, iterations, answer.said, scale * ray)
-        return self._judged(problem, best, route, iterations, answer.said)
+                if nearly_infeasible(*problem.data, scale * ray):
+                    near = True
+                    proof = infeasibility(problem, scale * ray)
+                    if proof is not None:
+                        return self._judged(problem, best, route, iterations, answer.said, proof)
+        said = "; ".join(part for part in (answer.said, NEARLY * near) if part)
+        return self._judged(problem, best, route, iterations, said)
 
     def _judged(
         self,
@@ -124,7 +129,7 @@ class QuadraticProgram:
         route: str,
         iterations: int,
         said: str,
-        certificate: FloatArray | None = None,
+        proof: Proof | None = None,
     ) -> Solution:
         """The point, with the duality gap or what the backend said."""
         solved = problem.residual(z) <= self.tolerance
@@ -136,7 +141,7 @@ class QuadraticProgram:
             iterations=iterations,
             route=route,
             message=f"duality gap {duality_gap(problem, z):.1e}" if solved else said,
-            certificate=certificate,
+            proof=proof,
         )
 
     def _points(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[tuple[FloatArray, str]]:
@@ -187,8 +192,10 @@ class QuadraticProgram:
                 found = qpsolvers.solve_problem(
                     program, solver=self.backend, initvals=start, **SETTINGS.get(self.backend, {})
                 )
-            except Exception as error:  # each backend has exceptions of its own; what it says is passed on
-                return _Answer.none(n, f"{self.backend}: {type(error).__name__} {error}")
+            except (KeyboardInterrupt, SystemExit):
+                raise
+            except BaseException as error:  # each backend has its own, a panic in Rust is no Exception
+                return _Answer.none(n, f"{self.backend}: {words_of(error)}")
         extras = found.extras
         info = extras.get("info", None)
         said = extras.get("status", getattr(info, "status", "no solution found"))

@@ -10,6 +10,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
+from lcpflex.solvers.proofs import infeasibility
 from lcpflex.solvers.quadratic_program import QuadraticProgram, duality_gap, equilibrium, polish
 
 BACKENDS = sorted(qpsolvers.available_solvers)
@@ -79,14 +80,25 @@ class TestAnswers:
     @pytest.mark.parametrize("seed", range(6))
     def test_a_squeeze_among_other_contacts_is_proved(self, backend, known_factor, seed):
         rng = np.random.default_rng(seed)
-        J = rng.standard_normal((6, 9))
+        J = rng.integers(-64, 64, (6, 9)) / 32.0  # few digits, so that nothing here is rounded
         J = np.vstack([J, -0.5 * (J[0] + J[1])])
-        q = np.append(rng.standard_normal(6), 0.0)
-        q[6] = -0.5 * (q[0] + q[1]) - 0.1  # u = (1, 1, 0, ..., 2) has J^T u = 0 and q.u = -0.2
+        q = np.append(rng.integers(-64, 64, 6) / 32.0, 0.0)
+        q[6] = -0.5 * (q[0] + q[1]) - 0.125  # u = (1, 1, 0, ..., 2) has J^T u = 0 and q.u = -1/4
         solution = QuadraticProgram(backend).solve(Lcp(J @ J.T, q, J if known_factor else None))
         assert solution.status is Status.INFEASIBLE
         u = solution.certificate / solution.certificate.max()
         assert u == pytest.approx([0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 1.0], abs=1e-6)
+
+    def test_a_squeeze_to_rounding_is_none(self, backend, known_factor):
+        # As above, but rounded: forces of about 1e16 open all contacts.
+        J = np.random.default_rng(0).standard_normal((6, 9))
+        J = np.vstack([J, -0.5 * (J[0] + J[1])])
+        problem = Lcp(J @ J.T, -np.ones(7), J if known_factor else None)
+        solution = QuadraticProgram(backend).solve(problem)
+        assert not solution.settled
+        assert solution.certificate is None
+        assert "nearly infeasible" in solution.message
+        assert infeasibility(problem) is None
 
     def test_a_solution_is_a_usable_guess(self, backend, known_factor):
         problem, w = planted(3, known_factor)
@@ -256,7 +268,7 @@ class TestNothingIsBelieved:
         backend_says(fail)
         solution = QuadraticProgram().solve(self.problem)
         assert solution.status is Status.NUMERICAL_FAILURE
-        assert solution.message == "clarabel: ArithmeticError all is lost"
+        assert solution.message == "clarabel: ArithmeticError: all is lost"
 
     def test_a_false_proof_is_none(self, backend_says):
         ray = np.array([1.0, 1.0])
