@@ -1,19 +1,17 @@
 """Problems in files: the library's own npz records, LCPs as text, contact problems of FCLIB.
 
-An npz record holds, for i = 0 ... k-1, the plain arrays ``M_i`` (n, n), ``q_i`` (n,) and ``name_i`` (text). A contact
-problem adds ``A_i`` (Delassus matrix), ``b_i`` (free velocity), ``mu_i`` (friction), ``keys_i`` (JSON list) and, where
-it is known, ``factor_i``; its M and q are then those of :meth:`ContactProblem.lcp`. Nothing is pickled.
+An npz record holds, for i = 0 ... k-1, ``name_i`` (text) and the plain arrays of a problem, ``M_i`` (n, n) and ``q_i``
+(n,) of an LCP; those of the other kinds are told in :mod:`lcpflex.solvers.stored`. Nothing is pickled.
 FCLIB: Acary et al., "A collection of 3D frictional contact problems" (2014); its matrices are stored as in CSparse.
 """
 
 from __future__ import annotations
 
 import importlib
-import json
 import os
 import zipfile
 import zlib
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +24,7 @@ from lcpflex.errors import ModelError
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.spatial import SpatialContactProblem
+from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
 
 __all__ = ["Recorded", "load_fclib", "load_problems", "load_text_lcp", "save_problems"]
 
@@ -38,11 +37,11 @@ class Recorded:
     """A problem and the name under which it was stored."""
 
     name: str
-    problem: Lcp | ContactProblem
+    problem: AnyProblem
 
 
 def save_problems(
-    path: str | os.PathLike[str], problems: Sequence[Lcp | ContactProblem], names: Sequence[str] | None = None
+    path: str | os.PathLike[str], problems: Sequence[AnyProblem], names: Sequence[str] | None = None
 ) -> Path:
     """Write problems to an npz record and return its path, with ``.npz`` added where it was missing.
 
@@ -58,7 +57,7 @@ def save_problems(
         raise ModelError(f"names has {len(names)} entries: expected {len(problems)}, one for each problem")
     arrays: dict[str, Any] = {}
     for i, (problem, name) in enumerate(zip(problems, names, strict=True)):
-        arrays |= {f"{key}_{i}": value for key, value in _arrays(problem).items()}
+        arrays |= {f"{key}_{i}": value for key, value in arrays_of(problem).items()}
         arrays[f"name_{i}"] = np.array(str(name))
     part = target.with_name(f"{target.name}.{os.getpid()}.part")
     try:
@@ -69,30 +68,6 @@ def save_problems(
         part.unlink(missing_ok=True)
         raise ModelError(f"path: cannot write {str(target)!r}: {error}; expected a writable folder") from error
     return target
-
-
-def _arrays(problem: Lcp | ContactProblem) -> dict[str, Any]:
-    if isinstance(problem, Lcp):
-        known = {} if problem.factor is None else {"factor": problem.factor}
-        return {"M": problem.M, "q": problem.q, **known}
-    if not isinstance(problem, ContactProblem):
-        raise ModelError(f"problems holds {type(problem).__name__}: expected Lcp or ContactProblem")
-    lcp = problem.lcp()
-    arrays = {"M": lcp.M, "q": lcp.q, "A": problem.dense(), "b": problem.free, "mu": problem.friction}
-    try:
-        arrays["keys"] = np.array(json.dumps(problem.keys, default=_plain_number))
-    except TypeError as error:
-        raise ModelError(f"keys is {problem.keys!r}: expected names of text, numbers and tuples of them") from error
-    if problem.factor is not None:
-        dense = problem.factor.toarray() if hasattr(problem.factor, "toarray") else problem.factor
-        arrays["factor"] = np.asarray(dense)
-    return arrays
-
-
-def _plain_number(value: Any) -> Any:
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{type(value).__name__} is not stored")
 
 
 def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
@@ -111,7 +86,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
     except _DAMAGED as error:
         raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
     records: list[Recorded] = []
-    while any(f"{key}_{len(records)}" in arrays for key in ("M", "q", "A", "b", "mu")):
+    while any(f"{key}_{len(records)}" in arrays for key in MARKS):
         records.append(_record(name, arrays, len(records)))
     if not records and arrays:
         raise ModelError(f"{name}: no key M_0 among {sorted(arrays)[:8]}; expected M_0, q_0, ...")
@@ -119,44 +94,13 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
 
 
 def _record(file: str, arrays: dict[str, Any], i: int) -> Recorded:
-    contact = any(f"{key}_{i}" in arrays for key in ("A", "b", "mu"))
-    needed = ("A", "b", "mu") if contact else ("M", "q")
-    for key in needed:
-        if f"{key}_{i}" not in arrays:
-            raise ModelError(f"{file}: key {key}_{i} is missing; expected {', '.join(f'{k}_{i}' for k in needed)}")
-    name = str(arrays.get(f"name_{i}", f"problem {i}"))
-    values = {key: arrays[f"{key}_{i}"] for key in needed}
-    factor = arrays.get(f"factor_{i}")
+    end = f"_{i}"
+    own = {key.removesuffix(end): value for key, value in arrays.items() if key.endswith(end)}
     try:
-        if contact:
-            return Recorded(
-                name,
-                ContactProblem(
-                    values["A"], values["b"], values["mu"], keys=_keys(arrays.get(f"keys_{i}")), factor=factor
-                ),
-            )
-        return Recorded(name, Lcp(values["M"], values["q"], factor))
+        return Recorded(str(own.get("name", f"problem {i}")), problem_of(own, end))
     except ModelError as error:
-        raise ModelError(f"{file}: keys {', '.join(f'{k}_{i}' for k in needed)}: {error}") from error
-
-
-def _keys(text: Any) -> tuple[Hashable, ...]:
-    """Names of contacts from their JSON list, in which tuples have become lists."""
-    if text is None:
-        return ()
-    try:
-        listed = json.loads(str(text))
-    except ValueError as error:
-        raise ModelError(f"keys is {str(text)[:40]!r}: expected a JSON list") from error
-    if not isinstance(listed, list):
-        raise ModelError(f"keys is {str(text)[:40]!r}: expected a JSON list")
-    return tuple(_hashable(key) for key in listed)
-
-
-def _hashable(key: Any) -> Hashable:
-    if isinstance(key, dict):
-        raise ModelError("keys holds an object: expected text, numbers and lists of them")
-    return tuple(_hashable(part) for part in key) if isinstance(key, list) else key
+        present = ", ".join(key + end for key in own if key != "name")
+        raise ModelError(f"{file}: keys {present}: {error}") from error
 
 
 def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:

@@ -6,7 +6,8 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
-from lcpflex.solvers.cone import ConvexContactProblem, ConvexFriction
+from lcpflex.solvers.cone import ConvexFriction
+from lcpflex.solvers.relaxation import ConvexContactProblem
 
 
 def mass_point(mu: float, slide: float, factor: bool) -> ContactProblem:
