@@ -20,9 +20,10 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
+from lcpflex.solvers.contact_forms import from_copositive
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.farkas import candidate
-from lcpflex.solvers.friction import ContactProblem, aligned, from_copositive
+from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lemke import Lemke, lemke
 from lcpflex.solvers.newton import MinMapNewton

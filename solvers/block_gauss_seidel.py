@@ -38,7 +38,7 @@ from lcpflex.solvers.contact_sweeps import (
 from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lemke import lemke_workspace
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_limit, check_tolerance
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_limit, check_tolerance, restored
 
 __all__ = ["BlockGaussSeidel"]
 
@@ -181,11 +181,18 @@ class BlockGaussSeidel:
         if isinstance(problem, Lcp):
             if reason := self.refuses(problem):
                 raise ModelError(reason)
+            if problem.balanced()[1] is not None:
+                return problem.solve_by(self, guess)
             contacts = ContactProblem(problem.M, problem.q, np.zeros(problem.size))
             return self._iterate(_Iteration(contacts, guess, problem))
         if not isinstance(problem, ContactProblem):
             return posed(problem).solve_by(self, guess)
-        return replace(self._iterate(_Iteration(problem, guess, None)), keys=problem.unknown_keys)
+        keys, units = problem.unknown_keys, problem.unknown_units
+        guess = aligned(guess, keys)
+        if guess is not None and guess.z.shape == units.d.shape:
+            guess = replace(guess, z=units.inward(guess.z))
+        found = self._iterate(_Iteration(problem.balanced(), guess, None))
+        return replace(restored(problem, found, units, self.tolerance), keys=keys)
 
     def _iterate(self, run: _Iteration) -> Solution:
         """Compiled where the whole problem is known as an LCP of moderate size, else look by look."""

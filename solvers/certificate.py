@@ -18,6 +18,8 @@ __all__ = [
     "natural_residual",
     "residual_parts",
     "row_parts",
+    "strict_residual",
+    "weigh",
 ]
 
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
@@ -97,8 +99,8 @@ def guarded_residual(worst: float, size: float, load: float) -> float:
 
 
 @kernel
-def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> float:
-    """w = M z + q, and the residual as :func:`natural_residual` gives it.
+def weigh(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> tuple[float, float]:
+    """w = M z + q, and its two sizes: the residual of :func:`natural_residual`, and the same relative to |q| alone.
 
     M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
     """
@@ -116,7 +118,24 @@ def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) ->
             finite = False
         worst = max(worst, abs(min(lifted, slack)))
         size = max(size, terms)
-    return guarded_residual(worst, size, load) if finite else np.inf
+    if not finite:
+        return np.inf, np.inf
+    return guarded_residual(worst, size, load), strict_residual(worst, load)
+
+
+@kernel
+def strict_residual(worst: float, load: float) -> float:
+    """The natural-map residual ``worst`` relative to the load |q|, whatever terms cancel: 0 for a solution."""
+    if worst == 0.0:
+        return 0.0
+    return worst / load if load > 0.0 else np.inf
+
+
+@kernel
+def judge(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) -> float:
+    """w = M z + q, and the residual as :func:`natural_residual` gives it. Arrays as in :func:`weigh`."""
+    residual, _ = weigh(M, q, z, n, w)
+    return residual
 
 
 @kernel

@@ -1,40 +1,33 @@
-"""Contact with Coulomb friction as a complementarity problem, in two forms, and the data it is made of.
+"""Contact with Coulomb friction: the data that such a problem is made of, its LCP forms and its residual.
 
 Contact velocities (or accelerations) are v = G lambda + free, rows ordered [normals; tangents of frictional contacts].
-
-* Three unknowns a frictional contact, lambda_N, lambda_R = lambda_T + mu lambda_N, xi_L (Glocker & Studer 2005): small,
-  but its matrix is not copositive: Lemke's path may end on a ray although a solution exists.
-* Four unknowns, lambda_N, beta_+, beta_-, sigma (Stewart & Trinkle 1996; Anitescu & Potra 1997): copositive, so that a
-  solution exists and Lemke finds it whenever q.v >= 0 for every v that solves the problem with q = 0.
+The forms are those of :mod:`lcpflex.solvers.contact_forms`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.exact_systems import ExactSystem, contact_rows
-from lcpflex.solvers.problem import (
-    Lcp,
-    LcpSolver,
-    Solution,
-    Status,
-    accept,
-    as_array,
-    check_finite,
-    confirmed,
-    finite_array,
+from lcpflex.solvers.arrays import as_array, check_finite, finite_array
+from lcpflex.solvers.balance import Units, contact_units, unknown_units
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.contact_forms import (
+    assemble_copositive_lcp,
+    assemble_friction_lcp,
+    split_friction_solution,
 )
+from lcpflex.solvers.exact_systems import ExactSystem, contact_rows
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
 
 __all__ = [
     "ContactProblem",
@@ -46,135 +39,6 @@ __all__ = [
 
 APART = 1e-6  # relative distance of two solutions
 BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
-
-
-@kernel
-def assemble_friction_lcp(
-    G: FloatArray,
-    free: FloatArray,
-    mu: FloatArray,
-    tangent: IntArray,
-    n_normal: int,
-    n_tangent: int,
-    M: FloatArray,
-    q: FloatArray,
-) -> int:
-    """The LCP of planar Coulomb contact with three unknowns a frictional contact and one a frictionless contact.
-
-    G (cap, cap): Delassus matrix, the leading block of order n_normal + n_tangent, normals first; free (cap,):
-    velocity or acceleration of the contacts without contact forces; mu (>= n_normal,): friction coefficients [-];
-    tangent (>= n_tangent,): row j of the tangents belongs to normal contact tangent[j]. Out: M (cap', cap') and
-    q (cap',), of which the leading n = n_normal + 2 n_tangent are written; n is returned. Unknowns
-    [lambda_N, lambda_R, xi_L] with lambda_R = lambda_T + mu lambda_N and the tangential velocity xi_R - xi_L
-    (Glocker & Studer 2005).
-    """
-    n = n_normal + 2 * n_tangent
-    m = n_normal + n_tangent
-    for i in range(m):
-        for j in range(m):
-            M[i, j] = G[i, j]
-        for k in range(n_tangent):
-            j = tangent[k]
-            M[i, j] -= G[i, n_normal + k] * mu[j]
-            M[i, m + k] = 0.0
-        q[i] = free[i]
-    for k in range(n_tangent):
-        for j in range(n):
-            M[m + k, j] = 0.0
-        M[n_normal + k, m + k] = 1.0
-        M[m + k, n_normal + k] = -1.0
-        M[m + k, tangent[k]] = 2.0 * mu[tangent[k]]
-        q[m + k] = 0.0
-    return n
-
-
-@kernel
-def assemble_copositive_lcp(
-    M: FloatArray,
-    q: FloatArray,
-    mu: FloatArray,
-    tangent: IntArray,
-    n_normal: int,
-    n_tangent: int,
-    M4: FloatArray,
-    q4: FloatArray,
-) -> int:
-    """The four-unknown form from the three-unknown one, M and q of :func:`assemble_friction_lcp`.
-
-    Out: M4 (cap'', cap''), q4 (cap'',), of which the leading n = n_normal + 3 n_tangent are written; n is returned.
-    Unknowns [lambda_N, beta_+, beta_-, sigma] with lambda_T = beta_+ - beta_- (Stewart & Trinkle 1996).
-    """
-    m = n_normal + n_tangent
-    n = n_normal + 3 * n_tangent
-    for i in range(n):
-        for j in range(n):
-            M4[i, j] = 0.0
-        q4[i] = 0.0
-    for i in range(m):
-        q4[i] = q[i]
-        for j in range(m):
-            M4[i, j] = M[i, j]
-        for k in range(n_tangent):
-            M4[i, tangent[k]] += M[i, n_normal + k] * mu[tangent[k]]
-            M4[i, m + k] = -M[i, n_normal + k]
-    for k in range(n_tangent):
-        plus, minus, sigma = n_normal + k, m + k, m + n_tangent + k
-        q4[minus] = -q4[plus]
-        for j in range(m + n_tangent):
-            M4[minus, j] = -M4[plus, j]
-        M4[plus, sigma] = 1.0
-        M4[minus, sigma] = 1.0
-        M4[sigma, tangent[k]] = mu[tangent[k]]
-        M4[sigma, plus] = -1.0
-        M4[sigma, minus] = -1.0
-    return n
-
-
-@kernel
-def from_copositive(
-    z4: FloatArray,
-    M: FloatArray,
-    q: FloatArray,
-    mu: FloatArray,
-    tangent: IntArray,
-    n_normal: int,
-    n_tangent: int,
-    z: FloatArray,
-) -> None:
-    """z (cap',) of the three-unknown form M, q from a solution z4 of :func:`assemble_copositive_lcp`."""
-    m = n_normal + n_tangent
-    for i in range(n_normal):
-        z[i] = z4[i]
-    for k in range(n_tangent):
-        z[n_normal + k] = max(z4[n_normal + k] - z4[m + k] + mu[tangent[k]] * z4[tangent[k]], 0.0)
-        z[m + k] = 0.0
-    for k in range(n_tangent):
-        slip = q[n_normal + k]
-        for j in range(m):
-            slip += M[n_normal + k, j] * z[j]
-        z[m + k] = max(-slip, 0.0)
-
-
-@kernel
-def split_friction_solution(
-    z: FloatArray,
-    mu: FloatArray,
-    tangent: IntArray,
-    n_normal: int,
-    n_tangent: int,
-    lambda_normal: FloatArray,
-    lambda_tangent: FloatArray,
-) -> None:
-    """Contact forces (or impulses) from the unknowns of :func:`assemble_friction_lcp`.
-
-    Out: lambda_normal (>= n_normal,) and lambda_tangent (>= n_tangent,) = lambda_R - mu lambda_N, kept inside
-    the cone |lambda_T| <= mu lambda_N, which rounding may leave.
-    """
-    for i in range(n_normal):
-        lambda_normal[i] = z[i]
-    for k in range(n_tangent):
-        bound = mu[tangent[k]] * z[tangent[k]]
-        lambda_tangent[k] = min(max(z[n_normal + k] - bound, -bound), bound)
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +72,7 @@ class ContactProblem:
     friction: FloatArray
     keys: tuple[Hashable, ...] = ()
     factor: Any = None
+    _units: list[FloatArray] = field(default_factory=list, init=False, repr=False, compare=False)  # once asked for
 
     def __post_init__(self) -> None:
         friction = finite_array("friction", self.friction, 1)
@@ -242,6 +107,49 @@ class ContactProblem:
         return np.flatnonzero(self.friction).astype(np.int64)
 
     @property
+    def units(self) -> FloatArray:
+        """(n_N,) d_k = 1 / sqrt(max(G_NN, G_TT)) of each contact: see :mod:`lcpflex.solvers.balance`."""
+        if not self._units:
+            tangent, normals = self.tangent, len(self.friction)
+            if self.delassus is not None:
+                diagonal = np.diag(self.delassus)
+            else:
+                squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
+                diagonal = np.asarray(squares.sum(axis=1)).ravel()
+            own = np.array(diagonal[:normals])
+            own[tangent] = np.maximum(own[tangent], diagonal[normals:])
+            own = np.maximum(own, 0.0)
+            contact_units(own, normals)
+            self._units.append(own)
+        return self._units[0]
+
+    @property
+    def row_units(self) -> FloatArray:
+        """(m,) :attr:`units` of the contact of each row."""
+        return np.concatenate([self.units, self.units[self.tangent]])
+
+    @property
+    def unknown_units(self) -> Units:
+        """The units of the unknowns of :meth:`lcp`, those of force for a force, their inverse for a slip."""
+        d, tangent = np.empty(self.size), self.tangent
+        unknown_units(self.units, tangent, len(self.friction), len(tangent), d)
+        return Units.of(d, self.free)
+
+    def balanced(self) -> ContactProblem:
+        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
+
+        With D the diagonal matrix of :attr:`row_units`: D G D and D free, friction as it is.
+        """
+        d, load = self.row_units, self.unknown_units.load
+        factor = self.factor
+        if factor is not None:
+            factor = scipy.sparse.diags_array(d) @ factor if hasattr(factor, "tocsr") else factor * d[:, None]
+        delassus = None if self.delassus is None else self.delassus * np.outer(d, d)
+        alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
+        alike._units[:] = [np.ones(len(self.friction))]
+        return alike
+
+    @property
     def size(self) -> int:
         """Number n_N + 2 n_H of unknowns of :meth:`lcp`."""
         return 2 * len(self.free) - len(self.friction)
@@ -268,7 +176,7 @@ class ContactProblem:
         M, q = np.zeros((n, n)), np.zeros(n)
         assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
         factor = None if len(tangent) or self.factor is None else _as_dense(self.factor)
-        return Lcp(M, q, factor)
+        return Lcp(M, q, factor).measured_in(self.unknown_units.d)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
@@ -301,7 +209,8 @@ class ContactProblem:
         n = normals + 3 * len(tangent)
         M4, q4 = np.zeros((n, n)), np.zeros(n)
         assemble_copositive_lcp(M, q, self.friction, tangent, normals, len(tangent), M4, q4)
-        return Lcp(M4, q4)
+        forces, slip = np.split(self.unknown_units.d, [len(self.free)])
+        return Lcp(M4, q4).measured_in(np.concatenate([forces, forces[normals:], slip]))
 
     def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
         """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
@@ -336,22 +245,35 @@ class ContactProblem:
         return np.concatenate([velocity[:normals], velocity[normals:] + left, 2.0 * edge - right])
 
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
-        """Natural-map residual of z (n,), that of :meth:`lcp`; no more than BLOCK rows of its matrix are ever formed.
+        """Natural-map residual of z (n,), that of :meth:`lcp`: dimensionless and the same in any units if scaled.
 
-        inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        Else in the units of ``free``. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        """
+        if flag("scaled", scaled):
+            return self.residuals(z)[0]
+        worst, _, _ = self._residual_parts(self._point(z))
+        return worst
+
+    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
+        """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`.
+
+        Of :meth:`balanced`: relative to the terms that cancel in the velocities, and to the free velocity alone.
         """
         point = self._point(z)
+        worst, size, load = self.balanced()._residual_parts(self.unknown_units.inward(point))
+        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def _residual_parts(self, point: FloatArray) -> tuple[float, float, float]:
+        """Absolute residual, size of its terms, max |free|; no more than BLOCK rows of the matrix at a time."""
         if not np.isfinite(point).all():
-            return float("inf")
+            return np.inf, np.inf, np.inf
         with np.errstate(all="ignore"):
             w = self.slack(point)
             largest, terms = self._row_sizes(point)
             worst = float(np.abs(np.minimum(largest * point, w)).max(initial=0.0))
             size = float(terms.max(initial=0.0))
             parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
-        if not np.isfinite(parts).all():
-            return float("inf")
-        return float(guarded_residual(*parts)) if flag("scaled", scaled) else worst
+        return parts if np.isfinite(parts).all() else (np.inf, np.inf, np.inf)
 
     def _row_sizes(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`lcp`."""

@@ -151,9 +151,9 @@ class GaussSeidel:
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Iterate, from z of the guess if there is one."""
-        if not isinstance(problem, Lcp):
-            return posed(problem).solve_by(self, guess)
         check_guess(guess)
+        if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
+            return posed(problem).solve_by(self, guess)
         n = problem.size
         z = np.zeros(n)
         if guess is not None and guess.z.shape == (n,) and math.isfinite(float(guess.z.sum())):

@@ -338,9 +338,9 @@ class Lemke:
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
-        if not isinstance(problem, Lcp):
-            return posed(problem).solve_by(self, guess)
         check_guess(guess)
+        if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
+            return posed(problem).solve_by(self, guess)
         n = problem.size
         M, q = problem.data
         table, basis = lemke_workspace(n)

@@ -21,9 +21,10 @@ from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
+from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
-from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed, finite_array
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 

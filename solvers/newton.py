@@ -219,9 +219,9 @@ class MinMapNewton:
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem, beginning from z of the guess if there is one."""
-        if not isinstance(problem, Lcp):
-            return posed(problem).solve_by(self, guess)
         check_guess(guess)
+        if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
+            return posed(problem).solve_by(self, guess)
         n = problem.size
         z = np.zeros(n)
         warm = guess is not None and guess.z.shape == (n,) and bool(np.isfinite(guess.z).all())

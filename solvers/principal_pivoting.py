@@ -361,9 +361,9 @@ class PrincipalPivoting:
 
         Raises ModelError if M is not symmetric.
         """
-        if not isinstance(problem, Lcp):
-            return posed(problem).solve_by(self, guess)
         check_guess(guess)
+        if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
+            return posed(problem).solve_by(self, guess)
         if not problem.symmetric:
             raise ModelError(self.refuses(problem))
         n = problem.size

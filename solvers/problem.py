@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-import enum
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
@@ -15,16 +15,18 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, as_number, shown
-from lcpflex.given import flag, numbers, point_of
+from lcpflex.given import flag, point_of
+from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
+from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import (
     all_finite,
     is_symmetric,
-    judge,
-    natural_residual,
     residual_parts,
+    weigh,
 )
 from lcpflex.solvers.exact_systems import ExactSystem, exact_rows
 from lcpflex.solvers.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
+from lcpflex.solvers.status import Status
 
 __all__ = [
     "Lcp",
@@ -37,30 +39,8 @@ __all__ = [
     "check_limit",
     "check_tolerance",
     "confirmed",
+    "restored",
 ]
-
-
-class Status(enum.IntEnum):
-    """What is known about the point a solver returns."""
-
-    SOLVED = 0
-    """The residual, computed anew from the original M and q, is within the tolerance."""
-    RAY = 1
-    """Lemke's path ended on a ray. Without rounding, and for copositive-plus M (PSD included), that would mean that no
-    solution exists; it is not proved."""
-    ITERATION_LIMIT = 2
-    """The limit of pivots or iterations was reached first."""
-    NUMERICAL_FAILURE = 3
-    """The algorithm ended, but its point does not pass the residual test."""
-    INACCURATE = 4
-    """The residual is above the tolerance, by a factor of 1000 at most."""
-    INFEASIBLE = 5
-    """No z >= 0 with w >= 0 exists: a certificate u >= 0, M^T u <= 0, q.u < 0 was verified in exact arithmetic."""
-    NOT_UNIQUE = 6
-    """Solved, and another solution is known: ``Solution.solutions`` holds them."""
-    NO_SOLUTION = 7
-    """Every active set was refuted in exact arithmetic (exhaustive search)."""
-
 
 PROVED = (Status.INFEASIBLE, Status.NO_SOLUTION)
 NEARLY = (
@@ -96,10 +76,11 @@ class Lcp:
     # What M and q show read-only: kernels would be compiled a second time for read-only arrays.
     data: tuple[FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
     _symmetric: list[bool] = field(default_factory=list, init=False, repr=False, compare=False)  # once it is known
+    _units: list[Any] = field(default_factory=list, init=False, repr=False, compare=False)  # once they are known
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
-        M = as_array("M", self.M, 2) if len(q) else _nothing("M", self.M)
+        M = as_array("M", self.M, 2) if len(q) else nothing("M", self.M)
         if M.shape != (len(q), len(q)):
             raise ModelError(f"M has shape {M.shape} and q shape {q.shape}: expected (n, n) and (n,)")
         if not all_finite(M, q):
@@ -126,6 +107,66 @@ class Lcp:
             self._symmetric.append(self.factor is not None or bool(is_symmetric(self.data[0], self.size)))
         return self._symmetric[0]
 
+    def measured_in(self, units: FloatArray) -> Lcp:
+        """This problem, whose unknowns are to be measured in these units (n,): see :meth:`balanced`. Set once."""
+        self._units[:] = [np.ascontiguousarray(units), "given"]
+        return self
+
+    def balanced(self) -> tuple[Lcp, Units | None]:
+        """The problem in units in which its unknowns are alike, and those: z / d, d M d, d q.
+
+        Residuals are measured in it, and it is what algorithms solve: both are then the same in any units. The problem
+        itself and None where one unit will do. See :mod:`lcpflex.solvers.balance`.
+        """
+        if not self._units:
+            d = np.empty(self.size)
+            self._units[:] = [d if lcp_units(self.data[0], self.size, d) else None, "guessed"]
+        if isinstance(self._units[-1], str):
+            self._units[:] = [*self._in_units(self._units[0]), self._units[1] == "guessed" and not self.symmetric]
+        scaled, units, _ = self._units
+        return (self, None) if scaled is None else (scaled, units)
+
+    def residuals(self, z: FloatArray) -> tuple[float, float]:
+        """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`.
+
+        Where units were guessed from the diagonal of an unsymmetric M, which tells little of its rows, the larger ones
+        of :meth:`balanced` and of the problem as it is.
+        """
+        alike, units = self.balanced()
+        w = np.empty(self.size)
+        sizes = weigh(*alike.data, z if units is None else units.inward(z), self.size, w)
+        if units is not None and self._units[2]:
+            raw = weigh(*self.data, z, self.size, w)
+            return max(sizes[0], raw[0]), max(sizes[1], raw[1])
+        return sizes
+
+    def _in_units(self, d: FloatArray | None) -> tuple[Lcp | None, Units | None]:
+        """The problem in units d; None where those are one, or it overflows."""
+        if d is None:
+            return None, None
+        units = Units.of(d, self.data[1])
+        M, q = np.empty((self.size, self.size)), np.empty(self.size)
+        in_units(*self.data, *units, self.size, M, q)
+        if not all_finite(M, q):
+            return None, None
+        scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None])
+        scaled._units[:] = [None, None, False]
+        scaled._symmetric[:] = self._symmetric
+        return scaled, units
+
+    def lcp(self) -> Lcp:
+        """The problem itself, as of those that are only posed as one."""
+        return self
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """What ``solver`` makes of :meth:`balanced`, as a certified solution of this problem."""
+        scaled, units = self.balanced()
+        if units is None:
+            return solver.solve(scaled, guess)
+        if guess is not None and guess.z.shape == units.d.shape:
+            guess = replace(guess, z=units.inward(guess.z))
+        return restored(self, solver.solve(scaled, guess), units, getattr(solver, "tolerance", 1e-10))
+
     @property
     def matrix_class(self) -> str:
         """What is cheap to know of M: "positive semidefinite" (a factor is known), "symmetric" or "general"."""
@@ -144,26 +185,27 @@ class Lcp:
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
         """Natural-map residual of z (n,): dimensionless, or in the units of q if not scaled.
 
-        See :func:`lcpflex.solvers.certificate.natural_residual`. inf for a z that holds NaN or inf. Raises ModelError
-        if z has another shape.
+        See :func:`lcpflex.solvers.certificate.natural_residual`; scaled, it is that of :meth:`balanced`, the same in
+        any units. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
         point = point_of("z", z, self.size)
-        M, q = self.data
-        if flag("scaled", scaled):
-            return float(natural_residual(M, q, point, self.size))
-        return float(residual_parts(M, q, point, self.size)[0])
+        if not flag("scaled", scaled):
+            return float(residual_parts(*self.data, point, self.size)[0])
+        return self.residuals(point)[0]
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
     """What a solver found: the point, and how far it can be trusted.
 
-    z, w (n,): the point and w = M z + q. residual: that of the problem, scaled. iterations: pivots or iterations.
-    route: the algorithms tried, in order, failed ones marked. active (n,): which z are basic (0 or 1), None if the
-    solver has no basis; handing the solution back as the guess of a similar problem starts from there (z > 0
-    would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else None; proof: the
-    same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name of each unknown,
-    for guesses between problems with different contacts. solutions: all that are known, if several.
+    z, w (n,): the point and w = M z + q. residual: that of the problem, scaled, relative to the terms that cancel in w
+    (what rounding allows); strict: the same relative to the load alone, which for contacts is the velocity that they
+    would have without their forces (what a user cares about): larger, by far where contacts are wedged. iterations:
+    pivots or iterations. route: the algorithms tried, in order, failed ones marked. active (n,): which z are basic (0
+    or 1), None if the solver has no basis; handing the solution back as the guess of a similar problem starts from
+    there (z > 0 would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else
+    None; proof: the same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name
+    of each unknown, for guesses between problems with different contacts. solutions: all that are known, if several.
     """
 
     z: FloatArray
@@ -178,6 +220,7 @@ class Solution:
     keys: tuple[Hashable, ...] | None = None
     solutions: tuple[FloatArray, ...] = ()
     proof: tuple[int, ...] = ()
+    strict: float = math.nan
 
     @property
     def solved(self) -> bool:
@@ -235,13 +278,7 @@ def accept(
     ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic.
     """
     point = as_array("z", z, 1)
-    if type(problem) is Lcp and point.shape == problem.q.shape:
-        w = np.empty(len(point))
-        residual = judge(*problem.data, point, len(point), w)
-    else:
-        residual = problem.residual(point)
-        with np.errstate(all="ignore"):  # a point that is not finite has been judged already
-            w = problem.slack(point)
+    w, residual, strict = _judged(problem, point)
     if residual <= tolerance:
         judged, proof = Status.SOLVED, None
         if solutions and _differ(problem, solutions, tolerance):
@@ -255,7 +292,41 @@ def accept(
             grounds = _grounds(judged, residual, tolerance) + (f"; {NEARLY}" if near and judged not in PROVED else "")
             message = f"{judged.name.lower().replace('_', ' ')}: {grounds}"
     u, vector = (None, ()) if proof is None or judged not in PROVED else (proof.certificate, proof.vector)
-    return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector)
+    return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict)
+
+
+def restored(problem: Problem, found: Solution, units: Units, tolerance: float) -> Solution:
+    """A solution of the same problem in other units, brought to those of ``problem`` and judged there."""
+    told = accept(
+        problem,
+        units.outward(found.z),
+        tolerance=tolerance,
+        status=found.status,
+        iterations=found.iterations,
+        route=found.route,
+        message="" if found.settled else found.message,
+        active=found.active,
+        certificate=None if found.certificate is None else found.certificate * units.d,
+        solutions=tuple(units.outward(one) for one in found.solutions),
+    )
+    return replace(told, keys=found.keys)
+
+
+def _judged(problem: Problem, point: FloatArray) -> tuple[FloatArray, float, float]:
+    """w, and the residual in its two sizes; NaN for the second where a problem does not tell it."""
+    if type(problem) is Lcp and point.shape == problem.q.shape:
+        w = np.empty(len(point))
+        if problem.balanced()[1] is None:
+            return w, *weigh(*problem.data, point, len(point), w)
+        sizes = problem.residuals(point)
+        weigh(*problem.data, point, len(point), w)
+        return w, *sizes
+    with np.errstate(all="ignore"):
+        if hasattr(problem, "residuals"):
+            residual, strict = problem.residuals(point)
+        else:
+            residual, strict = problem.residual(point), math.nan
+        return problem.slack(point), residual, strict
 
 
 def _grounds(status: Status, residual: float, tolerance: float) -> str:
@@ -299,43 +370,6 @@ def _differ(problem: Problem, solutions: tuple[FloatArray, ...], tolerance: floa
     """Whether at least two of the points are solutions, and not the same one."""
     good = [z for z in solutions if problem.residual(z) <= tolerance]
     return any(np.abs(z - good[0]).max() > 1e-6 * max(np.abs(z).max(), np.abs(good[0]).max()) for z in good[1:])
-
-
-def as_array(name: str, value: Any, dimensions: int) -> FloatArray:
-    """A contiguous copy of an argument as numbers; refuses other dimensions."""
-    given = numbers(value)
-    if given is None:
-        raise ModelError(f"{name} is {shown(value)}: expected numbers")
-    try:
-        array = np.array(given, order="C")
-    except MemoryError:
-        raise ModelError(f"{name} has shape {given.shape}: expected no more than fits into memory") from None
-    if array.ndim != dimensions:
-        raise ModelError(f"{name} has shape {array.shape}: expected {dimensions} dimension(s)")
-    return array
-
-
-def _nothing(name: str, value: Any) -> FloatArray:
-    """The matrix of a problem without unknowns, however its emptiness was written."""
-    given = numbers(value)
-    if given is None or given.size:
-        raise ModelError(f"{name} is {shown(value)}: expected an empty matrix, since q is empty")
-    return np.zeros((0, 0))
-
-
-def check_finite(name: str, array: FloatArray) -> None:
-    """Refuse NaN and infinity, saying where."""
-    wrong = np.argwhere(~np.isfinite(array))
-    if len(wrong):
-        place = tuple(int(k) for k in wrong[0])
-        raise ModelError(f"{name}[{', '.join(map(str, place))}] is {array[place]}: expected a finite number")
-
-
-def finite_array(name: str, value: Any, dimensions: int) -> FloatArray:
-    """A contiguous copy of an argument; refuses other dimensions and NaN or inf."""
-    array = as_array(name, value, dimensions)
-    check_finite(name, array)
-    return array
 
 
 def _checked_factor(value: Any, M: FloatArray) -> FloatArray:

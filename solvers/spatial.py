@@ -15,8 +15,8 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import point_of
+from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.friction import keys_of
-from lcpflex.solvers.problem import finite_array
 
 __all__ = ["SpatialContactProblem"]
 

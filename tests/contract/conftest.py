@@ -61,9 +61,47 @@ def measure():
     return natural_residual
 
 
-def natural_residual(problem, z):
-    """max |min(d z, w)| / max(|q| + |M||z|), above 1e-6 |q| relative to |q|; inf for NaN."""
+def own_units(problem, lcp):
+    """Units of the unknowns by the definition, in plain numpy: contacts by their diagonal, others by that of M."""
+    if isinstance(problem, ContactProblem):
+        G, n, tangent = problem.dense(), len(problem.friction), np.flatnonzero(problem.friction)
+        D = np.diag(G)[:n].copy()
+        D[tangent] = np.maximum(D[tangent], np.diag(G)[n:])
+        D = np.where(1e-13 * D.max(initial=0.0) < D, D, D.max(initial=0.0))
+        s = 1.0 / np.sqrt(np.where(D > 0.0, D, 1.0))
+        return np.concatenate([s, s[tangent], 1.0 / s[tangent]])
+    A = np.maximum(np.abs(lcp.M), np.abs(lcp.M.T))
+    diagonal = np.diag(A)
+    if diagonal.min(initial=1.0) > 1e-200 and diagonal.max(initial=1.0) <= 16.0 * diagonal.min(initial=1.0) < 1e200:
+        return np.ones(len(A))
+    with np.errstate(all="ignore"):
+        d = np.where(diagonal > 0.0, np.clip(1.0 / np.sqrt(diagonal), 1e-150, 1e150), 0.0)
+        while (d == 0.0).any():
+            shared = (A * d).max(axis=1)
+            new = (d == 0.0) & (shared > 0.0)
+            if not new.any():
+                d[d == 0.0] = d.max() if d.any() else 1.0
+            d[new] = np.clip(1.0 / shared[new], 1e-150, 1e150)
+        for _ in range(4):
+            for i in range(len(d)):
+                peak = d[i] * (A[i] * d).max()
+                d[i] /= np.sqrt(peak) if 4.0 < peak < np.inf else 1.0
+    return d
+
+
+def natural_residual(problem, z, units=None):
+    """max |min(d z, w)| / max(|q| + |M||z|), above 1e-6 |q| relative to |q|; inf for NaN. In units of the unknowns.
+
+    Where those are guessed and M is unsymmetric the larger one of that and of the same in the units given.
+    """
     M, q, z = np.asarray(problem.M), np.asarray(problem.q), np.asarray(z)
+    if units is None:
+        units = own_units(problem, problem)
+        if np.abs(M - M.T).max(initial=0.0) > 1e-10 * np.abs(M).max(initial=0.0) and (units != 1.0).any():
+            return max(natural_residual(problem, z, units), natural_residual(problem, z, np.ones(len(z))))
+    load = np.abs(q).max(initial=0.0) or 1.0
+    with np.errstate(all="ignore"):
+        M, q, z = M * units * units[:, None], q / load * units, z / load / units
     if not np.isfinite(z).all():
         return np.inf
     if not len(z):
@@ -89,7 +127,8 @@ def faults():
 def find_faults(example, solution):
     """Compare an answer with what is known, by a measure and a check of certificates of their own."""
     lcp, found = example.lcp, []
-    residual = natural_residual(lcp, solution.z) if len(solution.z) == lcp.size else np.inf
+    units = own_units(example.problem, lcp) if isinstance(example.problem, ContactProblem) else None
+    residual = natural_residual(lcp, solution.z, units) if len(solution.z) == lcp.size else np.inf
     if solution.solved != (solution.residual <= TOLERANCE) or (solution.solved and residual > 1.001 * TOLERANCE):
         found.append(f"{solution.status.name}, residual {solution.residual:.1e} said and {residual:.1e} found")
     if solution.solved and example.outcome in (Status.INFEASIBLE, Status.NO_SOLUTION):
@@ -97,7 +136,7 @@ def find_faults(example, solution):
     if solution.status in (Status.INFEASIBLE, Status.NO_SOLUTION) and example.solvable:
         found.append(f"{solution.status.name}, but there is a solution")
     if solution.status is Status.NOT_UNIQUE:
-        others = [z for z in solution.solutions if natural_residual(lcp, z) <= 1.001 * TOLERANCE]
+        others = [z for z in solution.solutions if natural_residual(lcp, z, units) <= 1.001 * TOLERANCE]
         if not any((z != others[0]).any() for z in others):
             found.append("NOT_UNIQUE without two solutions")
         if example.unique == "z":
@@ -163,7 +202,8 @@ def try_solver(solver, problem, guess=None):
         lcp = problem.lcp() if isinstance(problem, ContactProblem) else problem
         assert isinstance(lcp, Lcp)
         assert solution.solved == (solution.residual <= TOLERANCE)
-        assert not solution.solved or natural_residual(lcp, solution.z) <= 1.001 * TOLERANCE
+        units = own_units(problem, lcp) if isinstance(problem, ContactProblem) else None
+        assert not solution.solved or natural_residual(lcp, solution.z, units) <= 1.001 * TOLERANCE
     return solution
 
 

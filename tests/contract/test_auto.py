@@ -83,14 +83,24 @@ class TestWhoSolvesWhat:
         assert solution.z == pytest.approx(np.eye(n)[0], abs=1e-13)
 
     def test_friction_in_a_wedge_goes_to_the_copositive_form(self):
-        # One body of one degree of freedom: v_N = 2 v_T, so t = 1 - 2 p sticks for every p >= 1/4.
-        problem = ContactProblem([[8.0, 4.0], [4.0, 2.0]], [-4.0, -2.0], [2.0])
+        # One body, wedged between five contacts of high friction.
+        J = [[-3, -4, 3], [3, 4, -1], [-1, -2, 3], [3, -1, -2], [-2, -1, 3]]
+        J += [[4, -3, -1], [3, -2, 3], [-3, 0, 2], [-2, -4, 2], [4, -2, 4]]
+        W = np.array(J, dtype=float)
+        free = [-2.0, 2.0, -2.0, -8.0, 2.0, -14.0, -10.0, 6.0, -4.0, -12.0]
+        problem = ContactProblem(W @ W.T, free, np.full(5, 5.0))
         assert Lemke().solve(problem).status is Status.RAY
         solution = Auto().solve(problem)
-        (normal,), (tangential,) = problem.forces(solution.z)
         assert solution.solved
         assert solution.route == "lemke (failed) > lemke on the copositive form"
         assert solution.keys == problem.unknown_keys
+
+    def test_one_contact_wedged(self):
+        # One body of one degree of freedom: v_N = 2 v_T, so t = 1 - 2 p sticks for every p >= 1/4.
+        problem = ContactProblem([[8.0, 4.0], [4.0, 2.0]], [-4.0, -2.0], [2.0])
+        solution = Auto().solve(problem)
+        (normal,), (tangential,) = problem.forces(solution.z)
+        assert solution.solved
         assert normal >= 0.25 - 1e-12
         assert tangential == pytest.approx(1.0 - 2.0 * normal, abs=1e-12)
 

@@ -8,12 +8,12 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Enumeration, Lemke, Status, accept
+from lcpflex.solvers.contact_forms import from_copositive
 from lcpflex.solvers.friction import (
     BLOCK,
     aligned,
     assemble_copositive_lcp,
     assemble_friction_lcp,
-    from_copositive,
     split_friction_solution,
 )
 

@@ -106,7 +106,7 @@ def test_answer_is_one_of_all(seed):
 
 
 def test_work_larger_than_the_problem_changes_nothing():
-    problem = box_on_floor(3, 0.4, (1.0, -0.1, 0.2)).lcp()
+    problem, _ = box_on_floor(3, 0.4, (1.0, -0.1, 0.2)).lcp().balanced()  # what the kernel is given
     n = problem.size
     reference = Lemke().solve(problem)
     M, q, z = np.full((n + 5, n + 5), np.nan), np.full(n + 5, np.nan), np.full(n + 5, np.nan)

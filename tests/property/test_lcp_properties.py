@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, QuadraticProgram, Status
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.friction import from_copositive
+from lcpflex.solvers.contact_forms import from_copositive
 from lcpflex.solvers.principal_pivoting import PrincipalPivoting
 
 SIZES = st.integers(1, 8)

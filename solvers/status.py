@@ -1,0 +1,29 @@
+"""What is known about the point that a solver returns."""
+
+from __future__ import annotations
+
+import enum
+
+__all__ = ["Status"]
+
+
+class Status(enum.IntEnum):
+    """What is known about the point a solver returns."""
+
+    SOLVED = 0
+    """The residual, computed anew from the original M and q, is within the tolerance."""
+    RAY = 1
+    """Lemke's path ended on a ray. Without rounding, and for copositive-plus M (PSD included), that would mean that no
+    solution exists; it is not proved."""
+    ITERATION_LIMIT = 2
+    """The limit of pivots or iterations was reached first."""
+    NUMERICAL_FAILURE = 3
+    """The algorithm ended, but its point does not pass the residual test."""
+    INACCURATE = 4
+    """The residual is above the tolerance, by a factor of 1000 at most."""
+    INFEASIBLE = 5
+    """No z >= 0 with w >= 0 exists: a certificate u >= 0, M^T u <= 0, q.u < 0 was verified in exact arithmetic."""
+    NOT_UNIQUE = 6
+    """Solved, and another solution is known: ``Solution.solutions`` holds them."""
+    NO_SOLUTION = 7
+    """Every active set was refuted in exact arithmetic (exhaustive search)."""
