@@ -44,33 +44,41 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
 
     None for Auto and Lemke, which are compiled in, as long as nobody watches.
     """
+    ours = isinstance(solver, (Auto, Lemke))
     if watch is None:
-        return {} if isinstance(solver, (Auto, Lemke)) else {solve_lcp: _python_solve(solver)}
-    solve = solve_lcp if isinstance(solver, (Auto, Lemke)) else _python_solve(solver)
+        return {} if ours else {solve_lcp: PythonSolve(solver)}
+    return {solve_lcp: Watched(solve_lcp if ours else PythonSolve(solver), watch)}
 
-    def watched(work: Workspace) -> int:
-        status = solve(work)
-        watch(work)
+
+class Watched:
+    """A way to solve the problem in the work memory, and somebody who is told of each one."""
+
+    def __init__(self, solve: Callable[[Workspace], int], watch: Watch) -> None:
+        self._solve, self._watch = solve, watch
+
+    def __call__(self, work: Workspace) -> int:
+        """0, or why it was not solved."""
+        status = self._solve(work)
+        self._watch(work)
         return status
 
-    return {solve_lcp: watched}
 
+class PythonSolve:
+    """A solver behind the interface of the kernel; one of the library gets contacts, and its last answer as guess."""
 
-def _python_solve(solver: LcpSolver) -> Callable[[Workspace], int]:
-    """``solver`` behind the interface of the kernel; one of the library gets contacts, and its last answer as guess."""
-    ours = hasattr(solver, "refuses")
-    last: list[Solution] = []
+    def __init__(self, solver: LcpSolver) -> None:
+        self._solver = solver
+        self._last: Solution | None = None
 
-    def solve(work: Workspace) -> int:
-        if ours:
-            solution = solver.solve(posed_problem(work), last[0] if last else None)
-            last[:] = [solution] if solution.solved else []
+    def __call__(self, work: Workspace) -> int:
+        """0, or why it was not solved."""
+        if hasattr(self._solver, "refuses"):
+            solution = self._solver.solve(posed_problem(work), self._last)
+            self._last = solution if solution.solved else None
         else:
-            solution = solver.solve(posed_lcp(work))
+            solution = self._solver.solve(posed_lcp(work))
         _put(work, solution)
         return 0 if solution.solved else int(solution.status)
-
-    return solve
 
 
 def _put(work: Workspace, solution: Solution) -> None:

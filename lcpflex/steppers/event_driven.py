@@ -113,8 +113,8 @@ class EventDrivenRun:
         self._memory.clock[GENTLEST] = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.laws.memory.worst
-        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
-        self._advance = link(advance, hooks)
+        self._solving = solver_hooks(stepper.solver, system.watch)
+        self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
     def time(self) -> float:

@@ -114,9 +114,8 @@ class MasslessBoundaryScheme:
         self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
-        hooks = {**system.hooks, **solver_hooks(stepper.solver, system.watch)}
-        self._advance = link(advance, hooks)
-        self._own_solver = bool(solver_hooks(stepper.solver, system.watch))
+        self._solving = solver_hooks(stepper.solver, system.watch)
+        self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
     def step(self) -> float:
@@ -158,7 +157,7 @@ class MasslessBoundaryScheme:
 
     def sampling(self, total: int) -> Sampling | None:
         """What measures the error of some of ``total`` steps; None where an own solver would see it."""
-        return None if self._own_solver else Sampling(self, total)
+        return None if self._solving else Sampling(self, total)
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""

@@ -104,8 +104,8 @@ class MoreauJeanScheme:
         self._rescue = Rescue(solver, settings.tolerance)
         self._average()
         self._several = SeveralMotions()
-        self._advance = link(advance, {**system.hooks, **solver_hooks(solver, system.watch)})
-        self._own_solver = bool(solver_hooks(solver, system.watch))
+        self._solving = solver_hooks(solver, system.watch)
+        self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
     def step(self) -> float:
@@ -160,7 +160,7 @@ class MoreauJeanScheme:
 
     def sampling(self, total: int) -> Sampling | None:
         """What measures the error of some of ``total`` steps; None where an own solver would see it."""
-        return None if self._own_solver else Sampling(self, total)
+        return None if self._solving else Sampling(self, total)
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""

@@ -153,7 +153,8 @@ class ControlledMoreauJean:
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
         self._several = SeveralMotions()
-        self._advance = link(advance_adaptive, {**system.hooks, **solver_hooks(solver, system.watch)})
+        self._solving = solver_hooks(solver, system.watch)
+        self._advance = link(advance_adaptive, {**system.hooks, **self._solving})
 
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them; see ``advance_adaptive``."""

@@ -11,7 +11,7 @@ __all__ = ["Pace", "stopped_note"]
 
 MOSTLY = 0.5  # part of the steps at the shortest length from which the result warns
 NOTICED = 1e-3  # of the velocity threshold: slower ones are drift
-WINDOW = 500  # steps of which that is asked at a time, at least
+WINDOW = 500  # steps of which that is asked at a time, or one more
 
 
 class Pace:
@@ -21,6 +21,11 @@ class Pace:
         self._shortest = shortest
         self._seen = (0.0, 0.0, 0.0)  # time, steps, and those of them at the shortest length
         self._stuck: float | None = None  # since when [s]
+
+    @property
+    def due(self) -> int:
+        """Steps after which a few hundred are judged: always the same ones, however many are made at a time."""
+        return int(self._seen[1]) + WINDOW
 
     def look(self, clock: FloatArray) -> None:
         """Take the clock of a run into account."""

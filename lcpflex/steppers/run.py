@@ -68,10 +68,17 @@ class Records:
         deep = [] if self.indentation is None else swallowed(system.model, system.names, self.indentation)
         return [*self.found_wrong, *self._passages.clauses(), *deep]
 
+    def merge(self) -> None:
+        """Make one page of all, which a file holds in few pieces."""
+        if len(self._pages) > 1:
+            names = (*FIELDS, "spots")
+            self._pages = [{name: np.concatenate([page[name] for page in self._pages]) for name in names}]
+
     def collected(self) -> dict[str, FloatArray]:
         """All records so far, one array a field."""
         self.empty()
-        return {name: np.concatenate([page[name] for page in self._pages]) for name in (*FIELDS, "spots")}
+        self.merge()
+        return dict(self._pages[0])
 
     def energy_scale(self) -> float:
         """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""

@@ -65,6 +65,10 @@ class StiffRun(SmoothRun):
         self._warn()
         return message
 
+    def begin_again(self) -> None:
+        """Make the integrator whose state is about to be put back."""
+        self._start(None)
+
     def _begin(self) -> str:
         """Take note of the start and store it."""
         message, _ = self._note()

@@ -145,14 +145,13 @@ class FixedRun(SmoothRun):
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps, some of them sampled; empty, or why the run cannot go on."""
-        while (
-            before := max(int(min(self._sampling.ahead - 1.0, 2.0**60)) - self.steps, 0)
-        ) + Sampling.steps <= n_steps:
+        last = self.steps + n_steps
+        while self._sampling.ahead - 1.0 < last:  # made as a whole, be these steps fewer
+            before = int(self._sampling.ahead) - 1 - self.steps
             message = super().advance(before) or self._sampling.sample(lambda: self.time, super().advance)
             if message or self.finished:
                 return message
-            n_steps -= before + Sampling.steps
-        return super().advance(n_steps)
+        return super().advance(max(last - self.steps, 0))
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""

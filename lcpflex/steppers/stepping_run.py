@@ -181,18 +181,24 @@ class FixedRun:
         return message
 
     def _loop(self, n_steps: int, stride: int) -> str:
-        """Make steps, some of them sampled; empty where all went well, else why the run cannot go on."""
-        while (
-            self._sampling
-            and (before := max(self._sampling.ahead - 1.0 - self.steps, 0.0)) <= n_steps - self._sampling.steps
-        ):
-            message = self._steps(int(before), stride) or self._sampling.sample(
+        """Make steps, some of them sampled; empty where all went well, else why the run cannot go on.
+
+        A sample that begins among these steps is made as a whole, be they fewer: which steps are sampled, and with it
+        the result, must not depend on how many are made at a time.
+        """
+        last = self.steps + n_steps
+        left = self._phases[0][1] - int(self.scheme.clock[MADE])  # steps of this length
+        while self._sampling and self._sampling.ahead - 1.0 < last:
+            before = int(self._sampling.ahead) - 1 - self.steps
+            if before < 0 or before + self._sampling.steps > left:  # the last, shorter step is not sampled
+                break
+            message = self._steps(before, stride) or self._sampling.sample(
                 lambda: self.time, lambda count: self._steps(count, stride)
             )
             if message:
                 return message
-            n_steps -= int(before) + self._sampling.steps
-        return self._steps(n_steps, stride)
+            left -= before + self._sampling.steps
+        return self._steps(max(last - self.steps, 0), stride)
 
     def _steps(self, n_steps: int, stride: int) -> str:
         clock = self.scheme.clock
@@ -245,16 +251,15 @@ class AdaptiveRun:
 
     def advance(self, n_steps: int) -> str:
         """Make about ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
-        target = self.steps + n_steps
+        clock, target = self.scheme.clock, self.steps + n_steps
         try:
             while True:
-                status = self.scheme.loop(self._limits, target)
+                status = self.scheme.loop(self._limits, min(target, self._pace.due))
                 message = "" if status == DONE else _remedied(self.scheme, status, self.time)
-                if message or status == DONE:
+                self._pace.look(clock)
+                if message or (status == DONE and (self.steps >= target or self.finished)):
                     return message
         finally:  # of an interrupted run, too
-            clock = self.scheme.clock
-            self._pace.look(clock)
             self.records.warnings[:] = [*self.scheme.remarks(), *self._pace.warnings(clock)]
             self.records.notes[:] = stopped_note(self._limits, clock)
 
