@@ -58,6 +58,7 @@ _HOME = {
     "Torque": "lcpflex.loads",
     "TorsionSpring": "lcpflex.loads",
     "simulate": "lcpflex.simulate",
+    "resume": "lcpflex.resuming",
     "EnergyGrowth": "lcpflex.energy",
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
@@ -158,6 +159,7 @@ __all__ = [
     "free_interface",
     "matrices_from_files",
     "residual_compliance",
+    "resume",
     "simulate",
     "sub_regional",
     "unreduced",
@@ -225,6 +227,7 @@ if TYPE_CHECKING:
     from lcpflex.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.recorder import RecordProblems
     from lcpflex.result import Result
+    from lcpflex.resuming import resume
     from lcpflex.scene import Scene
     from lcpflex.simulate import simulate
     from lcpflex.slots import Slot, SlotParts

@@ -24,18 +24,34 @@ class Packed:
     _type: Any
 
     def __init__(self, values: Any) -> None:
+        self._pack(type(values).__name__, dict(zip(values._fields, values, strict=True)))
+
+    def _pack(self, label: str, values: dict[str, Any]) -> None:
         from lcpflex.packed_type import PackedType
 
+        self._label = label
         fields: list[tuple[str, Any]] = []
         words: list[int] = []
-        for name, value in zip(values._fields, values, strict=True):
+        for name, value in values.items():
             kept = value if isinstance(value, np.ndarray) else pack(value)
             setattr(self, name, kept)
             fields.append((name, _type_of(kept)))
             words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
         self._memory = np.array(words, dtype=np.int64)
         self._address = int(self._memory.ctypes.data)
-        self._type = PackedType(type(values).__name__, tuple(fields))
+        self._type = PackedType(label, tuple(fields))
+
+    @property
+    def label(self) -> str:
+        """Name of the named tuple."""
+        return self._label
+
+    def with_parts(self, parts: dict[str, Any]) -> Packed:
+        """Another one like this, some of its arrays and packed tuples replaced."""
+        own = {name: value for name, value in vars(self).items() if not name.startswith("_")}
+        other = object.__new__(Packed)
+        other._pack(self._label, own | parts)
+        return other
 
 
 def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:

@@ -3,65 +3,42 @@
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.axial_loads import with_axial_loads
+from lcpflex.checkpoint import Checkpoints
 from lcpflex.contact.impact_laws import Newton
 from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
 from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
+from lcpflex.initial_state import started_from
 from lcpflex.kept_depth import kept_depths
 from lcpflex.rebound import rebounds
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
+from lcpflex.run_setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.stated_error import stated_errors
 from lcpflex.steppers.law_run import friction_warnings
 from lcpflex.stopwatch import Stopwatch
 from lcpflex.unseen_loads import unseen_loads
 
 if TYPE_CHECKING:
+    from lcpflex.checkpoint import Checkpoint
     from lcpflex.scene import Compiled, Scene
-    from lcpflex.steppers.run import Records
     from lcpflex.steppers.system import System
     from lcpflex.user_system import UserSystem
 
-__all__ = ["simulate"]
+__all__ = ["Stepper", "carry_out", "simulate"]
 
 INSTANTS = 1000  # stored when no interval is asked for
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
 NAMED = 8  # closed contacts that an error names
-
-
-class Run(Protocol):
-    """A stepper at work on a system."""
-
-    records: Records
-
-    @property
-    def time(self) -> float: ...
-    @property
-    def steps(self) -> int: ...
-    @property
-    def finished(self) -> bool: ...
-    @property
-    def touching(self) -> list[int]: ...
-    @property
-    def events(self) -> list[tuple[float, str, int, float]]: ...
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on."""
-
-
-class Stepper(Protocol):
-    """A time-integration scheme: a frozen value with its numbers."""
-
-    def start(self, system: System, duration: float, interval: float) -> Run:
-        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
 
 
 def simulate(
@@ -74,6 +51,9 @@ def simulate(
     project: bool = False,
     energy_growth: EnergyGrowth = EnergyGrowth.WARN,
     record_problems: RecordProblems | None = None,
+    initial: Result | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
+    every: float = 60.0,
 ) -> Result:
     """Advance ``scene`` over ``duration`` [s] with ``stepper``.
 
@@ -96,6 +76,17 @@ def simulate(
         Whether contact impulses that create energy end the run, make a warning (default), or are accepted.
     record_problems
         Write contact problems of the run to a file, for ``lcpflex cross-check`` and :func:`lcpflex.solvers.replay`.
+    initial
+        Start from the last state of this result, of the same bodies, instead of that of the scene: from its positions
+        and velocities alone. Time begins at 0 again; what the stepper remembered beside is not carried over, and the
+        notes of the result say what that is. To go on with a run bit for bit, use ``checkpoint``.
+    checkpoint
+        A file from which :func:`lcpflex.resume` goes on with this run, bit for bit, after the process was killed: npz,
+        never unpickled, always whole. Written at the start, at the end, at Ctrl-C, and in between.
+    every
+        Time between checkpoints in seconds of the clock on the wall; at most that much work is lost. It is stretched,
+        with a warning, where writing would take more than 2 % of the time: a checkpoint holds all that was recorded
+        so far, and is as large.
 
     Returns
     -------
@@ -117,39 +108,54 @@ def simulate(
         raise ModelError(
             f"energy_growth: {energy_growth!r} was given, expected one of {', '.join(map(str, EnergyGrowth))}"
         )
-    from lcpflex.dynamics.time_structure import for_system, with_instants
-    from lcpflex.steppers.own_laws import with_own_functions
+    source = compiled_for(scene, stepper, project)
+    notes: tuple[str, ...] = ()
+    if initial is not None:
+        source, notes = started_from(source, initial, stepper)
+    records_problems = record_problems is not None
+    options = Options(duration, interval, project, energy_growth, notes, every, records_problems)
+    keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
+    if keeper is not None:
+        keeper.refuse_others()
+    return carry_out(set_up(source, stepper, options, record_problems), progress, keeper)
 
-    indents = getattr(stepper, "indents", None)  # of contacts that the stepper gives a force law
-    system, compiled, names = _system(scene, project, indents, getattr(stepper, "gives_way", False))
-    if system.probe is not None:
-        system = replace(system, model=for_system(system.model, system.probe, duration))
-    if compiled is not None:
-        known = (*compiled.callbacks, *compiled.functions)
-        start = compiled.state(0.0, system.q, system.u)
-        system = replace(system, model=with_instants(system.model, known, start, duration))
-    _check_solver(stepper, system)
-    recorder = None
-    if record_problems is not None:
-        recorder = Recorder(record_problems, names)
-        system = replace(system, watch=recorder.watch)
+
+def carry_out(
+    setup: Setup, progress: bool | None = None, keeper: Checkpoints | None = None, kept: Checkpoint | None = None
+) -> Result:
+    """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it.
+
+    Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
+    """
+    stepper, system, compiled, names = setup.stepper, setup.system, setup.compiled, setup.names
+    options, recorder = setup.options, setup.recorder
     clock = Stopwatch()
-    run: Run = with_own_functions(stepper.start(system, duration, interval), system.functions)
-    if energy_growth is EnergyGrowth.ERROR:
+    run = setup.run()
+    if options.energy_growth is EnergyGrowth.ERROR:
         run = _WithoutGrowth(run, _growth_cause(stepper, system))
-    # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
-    message, cause = _guarded(run, 1 if system.hooks else 0)
+    spent = (0.0, 0.0)
+    message: str = ""
+    cause: Exception | None = None
+    if kept is not None:
+        spent = kept.restore(setup, run)
+    else:  # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
+        message, cause = _guarded(run, 1 if system.hooks else 0)
     clock.started()
+    if keeper is not None:
+        keeper.begin(setup, run, clock, spent, kept is not None)
     interrupted = False
     if not message:
         try:
-            message, cause = _advance_all(run, duration, progress)
+            message, cause = _advance_all(run, options.duration, progress, keeper)
         except KeyboardInterrupt:
             interrupted = True
-    timing = clock.ended()
+    if keeper is not None:
+        keeper.end(interrupted or not message)
+    computing, loading = clock.ended()
+    timing = (spent[0] + computing, spent[1] + loading)
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
-    result = _collect(run, system, compiled, names, duration, stepper, timing, note, complete, energy_growth)
+    result = _collect(run, system, compiled, names, options, stepper, timing, note, complete)
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
     result = with_axial_loads(result)
     if system.calls is not None:
@@ -187,38 +193,6 @@ def _save_problems(recorder: Recorder, result: Result) -> Result:
     return result
 
 
-def _system(
-    scene: Scene | UserSystem, project: bool, indents: Callable[[str], bool] | None, gives_way: bool
-) -> tuple[System, Compiled | None, tuple[str, ...]]:
-    """The system that a stepper takes, what the scene was compiled to, and the names of the declared contacts."""
-    from lcpflex.scene import Scene
-    from lcpflex.user_system import UserSystem
-
-    if isinstance(scene, UserSystem):
-        return scene.system(project=project, indents=indents), None, tuple(scene.names)
-    if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
-    compiled = scene.compiled(project, indents, gives_way)
-    return compiled.system(), compiled, compiled.layout.contacts
-
-
-def _check_solver(stepper: Stepper, system: System) -> None:
-    """Refuse a solver that cannot solve what the scene may come to pose."""
-    from lcpflex.solvers.quadratic_program import QuadraticProgram
-
-    solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
-    if other := getattr(solver, "model", ""):
-        raise ModelError(
-            f"solver: {solver!r} was given, expected one of Coulomb's law such as Auto(): "
-            f"it solves another model ({other})"
-        )
-    if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
-        raise ModelError(
-            f"solver: {solver!r} was given for contacts with friction (up to {friction.max():g}), expected Lemke(): "
-            "a quadratic program solves frictionless contact only"
-        )
-
-
 def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
     """``run.advance``: why it stopped, empty if it did not, and what a function or solver of the user raised."""
     try:
@@ -229,22 +203,29 @@ def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
         return f"{type(error).__name__}: {error}", error
 
 
-def _advance_all(run: Run, duration: float, progress: bool | None) -> tuple[str, Exception | None]:
+def _advance_all(
+    run: Run, duration: float, progress: bool | None, keeper: Checkpoints | None
+) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
     from tqdm import tqdm
 
     # disable=None: shown on a terminal only
     bar: Any = tqdm(
-        total=duration, unit="s", delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
+        total=duration, initial=run.time, unit="s", delay=0.0 if progress else 2.0,
+        disable=None if progress is None else not progress,
         bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]",
     )  # fmt: skip
     chunk = 16
     with bar:
         while not run.finished:
             began = time.perf_counter()
+            if keeper is not None:
+                keeper.chunk_begins()
             message, cause = _guarded(run, chunk)
             if message:
                 return message, cause
+            if keeper is not None:
+                keeper.chunk_ends()
             bar.update(run.time - bar.n)
             spent = time.perf_counter() - began
             chunk = max(1, min(2 * chunk, int(chunk * CHUNK_SECONDS / max(spent, 1e-9))))
@@ -256,12 +237,11 @@ def _collect(
     system: System,
     compiled: Compiled | None,
     names: tuple[str, ...],
-    duration: float,
+    options: Options,
     stepper: Stepper,
     timing: tuple[float, float],
     message: str,
     complete: bool,
-    energy_growth: EnergyGrowth,
 ) -> Result:
     """Everything that the run has stored, as a result."""
     data = run.records.collected()
@@ -304,7 +284,7 @@ def _collect(
             *(compiled.warnings if compiled is not None else ()),
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
-            *energy_warnings(energies, run.records.tape.gain, complete, energy_growth, run.steps, growth),
+            *energy_warnings(energies, run.records.tape.gain, complete, options.energy_growth, run.steps, growth),
         ),
         complete=complete,
         message=message,
@@ -312,13 +292,13 @@ def _collect(
         wall_time=timing[0],
         compile_time=timing[1],
         stepper=repr(stepper),
-        duration=duration,
+        duration=options.duration,
         compiled=compiled,
         contact_names=names,
         by_law=run.records.by_law,
         crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
-        notes=(*(compiled.notes if compiled is not None else ()), *run.records.notes),
+        notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
         place_error=place_error,
         speed_error=speed_error,
     )

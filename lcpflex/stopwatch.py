@@ -36,13 +36,16 @@ class Stopwatch:
         now = time.perf_counter()
         self._loading, self._began, self._compiling = now - self._began, now, 0.0
 
+    def so_far(self) -> tuple[float, float]:
+        """Time of computing since it began, and of compiling or loading [s]."""
+        return time.perf_counter() - self._began - self._compiling, self._loading + self._compiling
+
     def ended(self) -> tuple[float, float]:
         """Time of computing, and of compiling or loading [s]."""
         from numba.core import event
 
         event.unregister("numba:compile", self._listener)
-        computing = time.perf_counter() - self._began - self._compiling
-        return computing, self._loading + self._compiling
+        return self.so_far()
 
     def _compile_begins(self) -> None:
         if self._depth == 0:

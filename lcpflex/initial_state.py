@@ -1,0 +1,90 @@
+"""Starting a run from the last state of a result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.errors import ModelError
+from lcpflex.result import Result
+
+if TYPE_CHECKING:
+    from lcpflex.run_setup import Stepper
+    from lcpflex.scene import Compiled
+    from lcpflex.user_system import UserSystem
+
+__all__ = ["started_from"]
+
+# what steppers remember from step to step beside positions and velocities, by the name of their class
+REMEMBERED = {
+    "GeneralizedAlpha": "its recursive acceleration begins anew, as that of the first step",
+    "EventDriven": "its index sets and its step length are chosen anew",
+    "MasslessBoundary": "the velocities of its static modes begin at 0",
+    "Smooth": "",
+    "MoreauJean": "",
+}
+
+
+def started_from(
+    source: Compiled | UserSystem, initial: Result, stepper: Stepper
+) -> tuple[Compiled | UserSystem, tuple[str, ...]]:
+    """``source`` at the last state of ``initial``, and notes of what is not carried over.
+
+    Raises ModelError for what is no result, holds no instant, or is of other coordinates.
+    """
+    from lcpflex.scene import Compiled
+
+    if not isinstance(initial, Result):
+        raise ModelError(f"initial: {initial!r:.100} was given, expected a Result, as simulate() returns it")
+    if not len(initial.times):
+        raise ModelError("initial: a Result without an instant was given, expected one with a last state")
+    q, u = np.array(initial.q[-1]), np.array(initial.u[-1])
+    if not (np.isfinite(q).all() and np.isfinite(u).all()):
+        raise ModelError("initial: the last state of the Result is not finite, expected finite numbers")
+    ours, theirs = _coordinates(source), _coordinates(initial.compiled, len(q))
+    if ours != theirs:
+        raise ModelError(
+            f"initial: a Result with the coordinates {_listed(theirs)} was given, expected those of the scene, "
+            f"{_listed(ours)}"
+        )
+    if isinstance(source, Compiled):
+        q.setflags(write=False)
+        u.setflags(write=False)
+    return replace(source, q=q, u=u), tuple(_notes(source, initial, stepper))
+
+
+def _coordinates(source: Any, count: int | None = None) -> tuple[tuple[str, int], ...]:
+    """Names of the bodies with how many coordinates each has; of a user's own system, how many there are."""
+    layout = getattr(source, "layout", None)
+    if layout is None:
+        return (("q", len(source.q) if count is None else count),)
+    return tuple(zip(layout.bodies, np.diff(source.model.bodies.dof).tolist(), strict=True))
+
+
+def _listed(coordinates: tuple[tuple[str, int], ...]) -> str:
+    words = ", ".join(f"{name} ({count})" for name, count in coordinates[:4])
+    return words + (f" and {len(coordinates) - 4} more bodies" if len(coordinates) > 4 else "")
+
+
+def _notes(source: Any, initial: Result, stepper: Stepper) -> list[str]:
+    """That the run began there, and what is not carried over."""
+    lost = [REMEMBERED.get(type(stepper).__name__, "what it remembers from step to step begins anew")]
+    integrator = getattr(stepper, "integrator", None)
+    adaptive = getattr(stepper, "adaptive", None) is not None
+    if adaptive or (integrator is not None and not hasattr(integrator, "step")):
+        lost.append("the length of its steps is chosen anew")
+    closed = initial.state[-1] != 0
+    if closed.any():
+        named = ", ".join(name for name, shut in zip(initial.contact_names, closed, strict=True) if shut)
+        lost.append(
+            f"contacts that are closed ({named:.80}) count as closed anew: what they remember of their impact and of "
+            "where they are held is lost"
+        )
+    lost = [words for words in lost if words]
+    kept = "; ".join(lost) if lost else "its stepper remembers nothing else, and goes on as without a break"
+    return [
+        f"the run began from the last state of a result, at t = {float(initial.times[-1]):.9g} s there, and its time, "
+        f"with loads and drives in time, at 0: of positions and velocities alone; {kept}"
+    ]

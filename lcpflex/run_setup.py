@@ -1,0 +1,144 @@
+"""What a run is made of before it begins: a system, a stepper, a duration, and what is asked for beside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
+
+from lcpflex.energy import EnergyGrowth
+from lcpflex.errors import ModelError
+from lcpflex.recorder import Recorder, RecordProblems
+
+if TYPE_CHECKING:
+    from lcpflex.scene import Compiled, Scene
+    from lcpflex.steppers.run import Records
+    from lcpflex.steppers.system import System
+    from lcpflex.user_system import UserSystem
+
+__all__ = ["Run", "Setup", "Stepper", "compiled_for", "set_up"]
+
+
+class Run(Protocol):
+    """A stepper at work on a system."""
+
+    records: Records
+
+    @property
+    def time(self) -> float: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def finished(self) -> bool: ...
+    @property
+    def touching(self) -> list[int]: ...
+    @property
+    def events(self) -> list[tuple[float, str, int, float]]: ...
+    def advance(self, n_steps: int) -> str:
+        """Make up to n_steps steps; empty, or why the run cannot go on."""
+
+
+class Stepper(Protocol):
+    """A time-integration scheme: a frozen value with its numbers."""
+
+    def start(self, system: System, duration: float, interval: float) -> Run:
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What is asked of a run beside its scene and stepper; a checkpoint holds it as it is."""
+
+    duration: float  # [s]
+    interval: float  # between stored instants [s]
+    project: bool
+    energy_growth: EnergyGrowth
+    notes: tuple[str, ...] = ()  # on the start, for the result
+    every: float = 0.0  # between checkpoints [s]
+    records_problems: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """A run before it begins."""
+
+    options: Options
+    stepper: Stepper
+    system: System
+    source: Compiled | UserSystem
+    names: tuple[str, ...]  # of the declared contacts
+    recorder: Recorder | None
+
+    @property
+    def compiled(self) -> Compiled | None:
+        """What the scene was compiled to; None for a user's own system."""
+        from lcpflex.user_system import UserSystem
+
+        return None if isinstance(self.source, UserSystem) else self.source
+
+    def run(self) -> Run:
+        """The run at its start."""
+        from lcpflex.steppers.own_laws import with_own_functions
+
+        run = self.stepper.start(self.system, self.options.duration, self.options.interval)
+        started: Run = with_own_functions(run, self.system.functions)
+        return started
+
+
+def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> Compiled | UserSystem:
+    """``scene`` compiled for ``stepper``; a user's own system as it is."""
+    from lcpflex.scene import Scene
+    from lcpflex.user_system import UserSystem
+
+    if isinstance(scene, UserSystem):
+        return scene
+    if not isinstance(scene, Scene):
+        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
+    return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False))
+
+
+def set_up(
+    source: Compiled | UserSystem, stepper: Stepper, options: Options, record_problems: RecordProblems | None
+) -> Setup:
+    """Everything that a run needs, of a compiled scene or of a user's own system."""
+    from lcpflex.dynamics.time_structure import for_system, with_instants
+    from lcpflex.user_system import UserSystem
+
+    if isinstance(source, UserSystem):
+        system, names = source.system(project=options.project, indents=_indents(stepper)), tuple(source.names)
+    else:
+        system, names = source.system(), source.layout.contacts
+        known = (*source.callbacks, *source.functions)
+        start = source.state(0.0, system.q, system.u)
+        system = replace(system, model=with_instants(system.model, known, start, options.duration))
+    if system.probe is not None:
+        system = replace(system, model=for_system(system.model, system.probe, options.duration))
+    _check_solver(stepper, system)
+    recorder = None
+    if record_problems is not None:
+        recorder = Recorder(record_problems, names)
+        system = replace(system, watch=recorder.watch)
+    return Setup(options, stepper, system, source, names, recorder)
+
+
+def _indents(stepper: Stepper) -> Callable[[str], bool] | None:
+    """Which contacts the stepper gives a force law."""
+    indents: Callable[[str], bool] | None = getattr(stepper, "indents", None)
+    return indents
+
+
+def _check_solver(stepper: Stepper, system: System) -> None:
+    """Refuse a solver that cannot solve what the scene may come to pose."""
+    from lcpflex.solvers.quadratic_program import QuadraticProgram
+
+    solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
+    if other := getattr(solver, "model", ""):
+        raise ModelError(
+            f"solver: {solver!r} was given, expected one of Coulomb's law such as Auto(): "
+            f"it solves another model ({other})"
+        )
+    if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
+        raise ModelError(
+            f"solver: {solver!r} was given for contacts with friction (up to {friction.max():g}), expected Lemke(): "
+            "a quadratic program solves frictionless contact only"
+        )

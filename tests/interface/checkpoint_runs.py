@@ -1,0 +1,114 @@
+"""Runs that are broken off and resumed, and the comparison of their results to the bit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import BDF
+
+import lcpflex as lf
+
+LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
+ADAPTIVE = lf.AdaptiveStep(rtol=1e-4, atol=1e-6, shortest=1e-6)
+TIMINGS = ("wall_time", "compile_time", "python_time")
+
+
+def thrown(law: Any = None) -> lf.Scene:
+    """A disc and a box are thrown onto the ground; ``law``: of the disc."""
+    scene = lf.Scene(gravity=(0.0, -10.0))
+    ball = scene.add(
+        lf.Disc(radius=0.1, mass=1.0), name="ball", position=(0.0, 0.13), velocity=(1.0, 0.0), angular_velocity=3.0
+    )
+    box = scene.add(lf.Box(0.3, 0.1, mass=1.0), name="box", position=(0.5, 0.11), angle=0.3)
+    ground = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    if law is None:
+        scene.contact_all(friction=0.3, restitution=0.5)
+    else:
+        scene.contact(ball.surface(), ground, friction=0.3, law=law)
+        scene.contact(box.surface(), ground, friction=0.3, restitution=0.5)
+    return scene
+
+
+def heap() -> lf.Scene:
+    """More discs than the first tables hold contacts."""
+    scene = lf.Scene()
+    for k in range(12):
+        scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.05 * (k % 3) + 0.01 * k, 0.101 + 0.201 * k))
+    scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    scene.ground.half_plane((-0.3, 0.0), (1.0, 0.0))
+    scene.contact_all(friction=0.3, restitution=0.2)
+    return scene
+
+
+def beam() -> lf.Scene:
+    """A soft beam falls on the ground with one end."""
+    scene = lf.Scene()
+    reduced = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=10).reduce(modes=4)
+    body = scene.add(reduced, angle=0.3, position=(0.0, 0.02), angular_velocity=1.0)
+    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    return scene
+
+
+def pushed(most: float = 20.0) -> lf.Scene:
+    """A box on the ground under a Python force."""
+    scene = thrown()
+    scene.load(lf.Force(scene.body("box").point("center"), lambda t: (most * math.sin(60.0 * t), 0.0)))
+    return scene
+
+
+def own_system(stiffness: float = 2.0) -> lf.UserSystem:
+    return lf.UserSystem(
+        q=[0.05, 0.0],
+        u=[0.0, 1.0],
+        mass=np.eye(2),
+        force=lambda t, q, u: np.array([-9.81 + math.sin(50.0 * t), -stiffness * q[1]]),
+        gaps=lambda q: np.array([q[0]]),
+        normals=lambda q: np.array([[1.0], [0.0]]),
+        tangents=np.array([[0.0], [1.0]]),
+        friction=0.3,
+        restitution=0.6,
+    )
+
+
+Build = Callable[[], "lf.Scene | lf.UserSystem"]
+RUNS: dict[str, tuple[Build, float, Any]] = {
+    "moreau": (heap, 0.1, lf.MoreauJean(1e-3)),
+    "moreau by law": (lambda: thrown(LAW), 0.1, lf.MoreauJean(5e-4)),
+    "moreau adaptive": (thrown, 0.2, lf.MoreauJean(1e-4, adaptive=ADAPTIVE)),
+    "moreau, a solver in Python": (thrown, 0.1, lf.MoreauJean(2e-3, solver=lf.solvers.GaussSeidel())),
+    "alpha": (heap, 0.1, lf.GeneralizedAlpha(1e-3)),
+    "alpha adaptive": (thrown, 0.15, lf.GeneralizedAlpha(1e-4, adaptive=ADAPTIVE)),
+    "event-driven": (thrown, 0.3, lf.EventDriven()),
+    "event-driven by law": (lambda: thrown(LAW), 0.1, lf.EventDriven()),
+    "massless": (beam, 0.01, lf.MasslessBoundary(step=1e-5)),
+    "smooth": (thrown, 0.1, lf.Smooth(LAW)),
+    "stiff": (thrown, 0.3, lf.Smooth(LAW, integrator=lf.Stiff())),
+    "stiff, BDF": (thrown, 0.3, lf.Smooth(LAW, integrator=lf.Stiff(method=BDF))),
+    "verlet": (thrown, 0.1, lf.Smooth(LAW, integrator=lf.Verlet(5e-4))),
+    "python force": (pushed, 0.05, lf.MoreauJean(1e-3)),
+    "own system": (own_system, 0.3, lf.MoreauJean(1e-3)),
+    "own system, event-driven": (own_system, 0.3, lf.EventDriven()),
+}
+
+
+def values_of(value: Any, name: str = "result") -> Iterator[tuple[str, Any]]:
+    """All numbers and texts of a result but its timings, by their names."""
+    if is_dataclass(value):
+        for field in fields(value):
+            if field.name not in (*TIMINGS, "compiled"):
+                yield from values_of(getattr(value, field.name), f"{name}.{field.name}")
+    else:
+        yield name, value
+
+
+def assert_same_bits(one: lf.Result, other: lf.Result) -> None:
+    for (name, a), (_, b) in zip(values_of(one), values_of(other), strict=True):
+        if isinstance(a, np.ndarray):
+            assert a.dtype == b.dtype, name
+            np.testing.assert_array_equal(a, b, err_msg=name)
+        else:
+            assert a == b, name
