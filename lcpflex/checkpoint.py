@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, in_range, writable_path
+from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.frozen import Arrays, Unkept, freeze, thaw
 from lcpflex.run_stamp import described
 from lcpflex.written import whole_file
@@ -64,6 +64,16 @@ class Checkpoint:
         """Whether the run had come to its end."""
         return bool(self.structure["at"][0] >= self.structure["at"][1])
 
+    def check(self) -> None:
+        """Raise ValueError or KeyError where an entry that is read as it is has another form."""
+        texts = [self.structure["made"], self.structure["missing"], self.structure["stamp"]["functions"]]
+        texts.append({"stepper": self.structure["stamp"]["stepper"]})
+        if not all(isinstance(one, dict) and all(isinstance(text, str) for text in one.values()) for one in texts):
+            raise ValueError("other entries than expected")
+        at, duration = self.structure["at"]
+        if not 0.0 <= float(at) <= float(duration):
+            raise ValueError("a time that cannot be")
+
     def thawed(self, name: str, live: Any = None) -> Any:
         """An entry of the structure."""
         try:
@@ -92,8 +102,8 @@ def _no_checkpoint(path: str, error: Exception) -> ModelError:
     words = str(error)
     short = words if len(words) <= 120 else words[:117] + "..."
     return ModelError(
-        f"path: {path!r} is no complete checkpoint of lcpflex ({type(error).__name__}: {short}), expected a file that "
-        "simulate(..., checkpoint=path) wrote"
+        f"path: {shown(path)} is no complete checkpoint of lcpflex ({type(error).__name__}: {short}), expected a file "
+        "that simulate(..., checkpoint=path) wrote"
     )
 
 
@@ -107,20 +117,25 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
             found = str(file["format"])[:60] if "format" in file else "no such entry"
             if found != FORMAT:
                 raise ModelError(f"path: {target!r} has the format {found!r}, expected {FORMAT!r}")
+            entries = [] if file.zip is None else file.zip.infolist()
+            if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
+                raise ValueError("it is compressed, and may be larger than it looks")
             structure = json.loads(str(file["structure"]))
             arrays = {name: file[name] for name in file.files if name not in ("format", "structure")}
-            return Checkpoint(str(target), {name: structure[name] for name in NAMES}, arrays)
+            kept = Checkpoint(str(target), {name: structure[name] for name in ENTRIES}, arrays)
+            kept.check()
+            return kept
     except ModelError:
         raise
     except OSError as error:
-        raise ModelError(f"path: cannot read {str(path)!r}: {error.strerror or error}") from error
+        raise ModelError(f"path: cannot read {shown(str(path))}: {error.strerror or error}") from error
     except DAMAGED as error:
         if isinstance(error, TypeError) and not isinstance(path, str | os.PathLike):
-            raise ModelError(f"path: {path!r} was given, expected the name of a file") from None
+            raise ModelError(f"path: {shown(path)} was given, expected the name of a file") from None
         raise _no_checkpoint(str(path), error) from error
 
 
-NAMES = ("made", "options", "scene", "stepper", "missing", "stamp", "run", "recorder", "calls", "spent", "at")
+ENTRIES = ("made", "options", "scene", "stepper", "missing", "stamp", "run", "recorder", "calls", "spent", "at")
 
 
 class Checkpoints:
@@ -233,7 +248,7 @@ class Checkpoints:
             }
         except Unkept as error:
             raise ModelError(
-                f"stepper: {setup.stepper!r:.100} was given, expected one of lcpflex: of others no checkpoint can be "
+                f"stepper: {shown(setup.stepper)} was given, expected one of lcpflex: of others no checkpoint can be "
                 f"made ({error})"
             ) from error
         with whole_file("checkpoint", self._path) as part, part.open("wb") as file:
@@ -248,6 +263,6 @@ def _say(words: str) -> None:
 def given_again(missing: Mapping[str, str], path: str, what: str) -> ModelError:
     """What to raise where the scene or the stepper has to be given again."""
     return ModelError(
-        f"{what}: none was given, and {path!r} holds none: {missing[what]}; expected lf.resume(path, {what}=...) with "
-        "the one that the run began with"
+        f"{what}: none was given, and {shown(path)} holds none: {missing[what]}; expected lf.resume(path, {what}=...) "
+        "with the one that the run began with"
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.result import Result
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def started_from(
     from lcpflex.scene import Compiled
 
     if not isinstance(initial, Result):
-        raise ModelError(f"initial: {initial!r:.100} was given, expected a Result, as simulate() returns it")
+        raise ModelError(f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it")
     if not len(initial.times):
         raise ModelError("initial: a Result without an instant was given, expected one with a last state")
     q, u = np.array(initial.q[-1]), np.array(initial.u[-1])

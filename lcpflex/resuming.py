@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.dynamics.time_structure import with_signals
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.frozen import Arrays
 from lcpflex.run_setup import Options, Stepper, compiled_for, set_up
 from lcpflex.run_stamp import difference, functions_of, made, plain, scene_node, stepper_node
@@ -72,7 +72,7 @@ def resume(
         raise kept.damaged(ValueError("other entries than expected"))
     if options.records_problems != (record_problems is not None):
         wanted = "RecordProblems(path, ...), as the run began with" if options.records_problems else "None"
-        raise ModelError(f"record_problems: {record_problems!r} was given, expected {wanted}")
+        raise ModelError(f"record_problems: {shown(record_problems)} was given, expected {wanted}")
     source = _source(kept, scene, given, options)
     setup = set_up(source, given, replace(options, notes=(*options.notes, *notes)), record_problems)
     return carry_out(setup, progress, Checkpoints(path, options.every), kept)
@@ -86,7 +86,7 @@ def _versions(kept: Checkpoint) -> tuple[str, ...]:
     if (was["lcpflex"], was["sources"]) != (now["lcpflex"], now["sources"]):
         sources = ", of other sources" if was["lcpflex"] == now["lcpflex"] else ""
         raise ModelError(
-            f"path: {kept.path!r} was written by lcpflex {was['lcpflex']!s:.40}{sources}, expected "
+            f"path: {shown(kept.path)} was written by lcpflex {was['lcpflex']!s:.40}{sources}, expected "
             f"{now['lcpflex']}, which is running: what a run remembers may be another thing there"
         )
     others = [f"{name} {now[name]} after {was[name]!s:.20}" for name in now if was[name] != now[name]]
@@ -101,7 +101,10 @@ def _stepper(kept: Checkpoint, given: Stepper | None) -> Any:
     if given is None:
         if "stepper" in missing:
             raise given_again(missing, kept.path, "stepper")
-        return kept.thawed("stepper")
+        found = kept.thawed("stepper")
+        if not is_dataclass(found) or isinstance(found, type):
+            raise kept.damaged(ValueError("other entries than expected"))
+        return replace(found)  # its numbers are checked as any others
     arrays: Arrays = {}
     node, why = stepper_node(given, arrays)
     if why or "stepper" in missing:

@@ -7,6 +7,7 @@ import re
 import sys
 import types
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
 from importlib import metadata
@@ -120,9 +121,12 @@ def _digest(value: Any, digest: Any, depth: int) -> None:
         for constant in value.co_consts:
             _digest(constant, digest, depth + 1)
     elif isinstance(value, types.FunctionType) and depth < 8:
-        cells = [cell.cell_contents for cell in value.__closure__ or ()]
+        cells = value.__closure__ or ()
         for part in (value.__code__, *(value.__defaults__ or ()), *cells):
             _digest(part, digest, depth + 1)
+    elif isinstance(value, types.CellType):
+        with suppress(ValueError):  # empty
+            _digest(value.cell_contents, digest, depth)
     elif isinstance(value, partial) and depth < 8:
         for part in (value.func, *value.args, *sorted(value.keywords.items())):
             _digest(part, digest, depth + 1)
