@@ -17,6 +17,7 @@ from lcpflex.studies.command_line import called, in_file, load_named
 from lcpflex.studies.commands_chart import add_chart
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.commands_stability import add_stability
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from lcpflex.gallery import Case
@@ -307,7 +308,8 @@ def _checked_folder(folder: Path) -> Path:
 
 def _save_figure(figure: Any, path: Path) -> None:
     try:
-        figure.savefig(path, dpi=150)
+        with whole_file("path", path) as part:
+            figure.savefig(part, dpi=150)
     except (OSError, ValueError) as error:
         raise ModelError(f"path: cannot write {str(path)!r}: {error}") from error
 

@@ -26,7 +26,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError
+from lcpflex.written import whole_file
 
 __all__ = ["read", "write"]
 
@@ -42,22 +43,10 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
     The file is written beside its final name and then put in its place, so that a full disk leaves an older file
     untouched and no half-written one. Raises ModelError with the path and the reason.
     """
-    target = writable_path("path", path)
     arrays: Arrays = {}
     structure = json.dumps(_encode(value, "", arrays))
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        try:
-            with part.open("wb") as file:
-                np.savez_compressed(file, format=np.array(FORMAT), structure=np.array(structure), **arrays)  # type: ignore[arg-type]
-                file.flush()
-                os.fsync(file.fileno())
-            part.replace(target)
-        except BaseException:
-            part.unlink(missing_ok=True)
-            raise
-    except OSError as error:
-        raise ModelError(f"path: cannot write {str(target)!r}: {error.strerror or error}") from error
+    with whole_file("path", path) as part, part.open("wb") as file:
+        np.savez_compressed(file, format=np.array(FORMAT), structure=np.array(structure), **arrays)  # type: ignore[arg-type]
     return Path(path)
 
 

@@ -18,6 +18,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, writable_path
 from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -102,18 +103,16 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
         words = f"t = {result.times[record]:.4f} s, {slower}"
         axes.text(0.0, 1.01, words, transform=axes.transAxes, va="bottom", fontsize="medium")
 
-    try:
+    with whole_file("path", target) as part:
         if ending == ".gif":
-            _write_gif(target, canvas, axes, records, fps, paint)
+            _write_gif(part, canvas, axes, records, fps, paint)
         else:
             writer = animation.FFMpegWriter(fps=fps)  # type: ignore[arg-type]
-            with writer.saving(figure, str(target), dpi=80):
+            with writer.saving(figure, str(part), dpi=80):
                 for record in records:
                     with _passing(axes):
                         paint(int(record))
                         writer.grab_frame()
-    except OSError as error:
-        raise ModelError(f"path: cannot write {str(target)!r}: {error.strerror or error}") from error
     return target
 
 

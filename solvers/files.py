@@ -25,6 +25,7 @@ from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.spatial import SpatialContactProblem
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
+from lcpflex.written import whole_file
 
 __all__ = ["Recorded", "load_fclib", "load_problems", "load_text_lcp", "save_problems"]
 
@@ -59,14 +60,8 @@ def save_problems(
     for i, (problem, name) in enumerate(zip(problems, names, strict=True)):
         arrays |= {f"{key}_{i}": value for key, value in arrays_of(problem).items()}
         arrays[f"name_{i}"] = np.array(str(name))
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as stream:  # not of tempfile, whose files nobody else may read
-            np.savez_compressed(stream, **arrays)
-        os.replace(part, target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise ModelError(f"path: cannot write {str(target)!r}: {error}; expected a writable folder") from error
+    with whole_file("path", target) as part, part.open("wb") as stream:
+        np.savez_compressed(stream, **arrays)
     return target
 
 

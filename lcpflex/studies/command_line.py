@@ -12,6 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lcpflex.errors import LcpflexError, ModelError, writable_path
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -193,7 +194,8 @@ def shown(request: argparse.Namespace, study: Study, success: bool) -> int:
         study.csv(request.csv)
         print(f"\ntable: {request.csv.resolve()}")
     if request.output is not None:
-        study.plot().savefig(request.output, dpi=150)
+        with whole_file("output", request.output) as part:
+            study.plot().savefig(part, dpi=150)
         print(f"\nchart: {request.output.resolve()}")
     if not study.complete:
         print("lcpflex: interrupted", file=sys.stderr)

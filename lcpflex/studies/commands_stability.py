@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, writable_path
+from lcpflex.written import whole_file
 
 __all__ = ["add_stability"]
 
@@ -83,7 +84,8 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     if request.csv is not None:
         print(f"\ncells: {found.csv(request.csv).resolve()}")
     if request.plot is not None:
-        found.plot().savefig(request.plot, dpi=150)
+        with whole_file("plot", request.plot) as part:
+            found.plot().savefig(part, dpi=150)
         print(f"\nmap: {request.plot.resolve()}")
     if not found.complete:
         print("lcpflex: interrupted", file=sys.stderr)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.errors import writable_path
 from lcpflex.studies.trial import brief
 from lcpflex.summary import with_unit
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -243,7 +244,7 @@ class RightSize:
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
         columns = ("coordinates", "steps", "wall_time")
         marks = ("within", "chosen", "reference", "full", "failure")
-        with target.open("w", newline="", encoding="utf-8") as file:
+        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow([*bodies, *columns, *(f"error of {name}" for name in outputs), *marks])
             for run in self.runs:

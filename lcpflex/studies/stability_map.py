@@ -17,6 +17,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, writable_path
 from lcpflex.solvers.comparison import as_markdown
 from lcpflex.studies.outcome import Outcome
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,7 +96,7 @@ class StabilityMap:
     def csv(self, path: str | os.PathLike[str]) -> Path:
         """Write one line a cell: method, the values of the axes, outcome, message, seconds."""
         target = writable_path("path", path)
-        with target.open("w", newline="", encoding="utf-8") as file:
+        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(("method", *self.axes, "outcome", "message", "seconds"))
             for place, values in self._cells():

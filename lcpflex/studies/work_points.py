@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from lcpflex.errors import ModelError, in_range, writable_path
 from lcpflex.studies.outputs import Output, scale_text
 from lcpflex.summary import with_unit
+from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -208,7 +209,7 @@ class WorkPrecision:
         target = writable_path("path", path)
         names = tuple(dict.fromkeys(output.name for study in self.studies for output in study.outputs))
         columns = ("scene", "method", "stepper", "steps", "wall_time", "fastest", "slowest", "repeats")
-        with target.open("w", newline="", encoding="utf-8") as file:
+        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             errors = [column for name in names for column in (f"error of {name}", f"reference error of {name}")]
             writer.writerow([*columns, *errors, "failure", "refused"])

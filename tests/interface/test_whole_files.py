@@ -1,0 +1,85 @@
+"""A file is written as a whole or not at all: a disk that is full leaves what was there, and nothing half."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.__main__ import _save_figure
+from lcpflex.solvers.files import save_problems
+from lcpflex.written import whole_file
+
+
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """No file may become larger than 1 kB: what is beyond fails as on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.fixture(scope="module")
+def result() -> lf.Result:
+    scene = lf.Scene()
+    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.11), velocity=(1.0, 0.0))
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    return lf.simulate(scene, 0.1, lf.MoreauJean(1e-3))
+
+
+def problems(path: Path) -> None:
+    random = np.random.default_rng(1)
+    save_problems(path, [lf.solvers.Lcp(np.eye(20), random.standard_normal(20)) for _ in range(9)])
+
+
+WRITERS: dict[str, Callable[[lf.Result, Path], Any]] = {
+    "film.gif": lambda result, path: result.animate(path),
+    "result.npz": lambda result, path: result.save(path),
+    "problems.npz": lambda result, path: problems(path),
+    "figure.png": lambda result, path: _save_figure(result.plot(), path),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_full_disk_leaves_nothing_half(name: str, result: lf.Result, tmp_path: Path) -> None:
+    path = tmp_path / name
+    for before in (None, b"older"):
+        if before is not None:
+            path.write_bytes(before)
+        with full_disk(), pytest.raises(lf.ModelError, match=r"^path: cannot write"):
+            WRITERS[name](result, path)
+        assert [entry.name for entry in tmp_path.iterdir()] == ([] if before is None else [name])
+        assert before is None or path.read_bytes() == before
+    WRITERS[name](result, path)
+    assert path.stat().st_size > 1000
+    assert [entry.name for entry in tmp_path.iterdir()] == [name]
+
+
+def test_what_breaks_off_leaves_nothing_half(tmp_path: Path) -> None:
+    path = tmp_path / "numbers.txt"
+
+    def broken_off(error: type[BaseException]) -> None:
+        with whole_file("path", path) as part:
+            part.write_text("half")
+            raise error
+
+    for error in (ValueError, KeyboardInterrupt):
+        with pytest.raises(error):
+            broken_off(error)
+        assert not list(tmp_path.iterdir())
+    with whole_file("path", path) as part:
+        assert part.parent == tmp_path
+        assert part.suffix == ".txt"
+        part.write_text("whole")
+    assert path.read_text() == "whole"
+    with pytest.raises(lf.ModelError, match=r"^output: .*no folder"), whole_file("output", tmp_path / "a" / "b.txt"):
+        pass
