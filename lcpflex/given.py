@@ -100,7 +100,7 @@ def positive(name: str, value: Any) -> float:
 
 def flag(name: str, value: Any) -> bool:
     """``value`` as a bool if it is True or False, of Python or numpy, or the number 1 or 0."""
-    if isinstance(value, bool | np.bool_):
+    if isinstance(value, bool | np.bool_) or (type(value) is np.ndarray and not value.ndim and value.dtype.kind == "b"):
         return bool(value)
     number = as_number(value)
     if number not in (0.0, 1.0):

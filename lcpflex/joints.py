@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,9 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
-from lcpflex.errors import ModelError, in_range
-from lcpflex.loads import Motion, check_motion
+from lcpflex.errors import ModelError
+from lcpflex.loads import Motion, checked_motion
+from lcpflex.options import is_number, keep_number
 
 __all__ = [
     "Distance",
@@ -59,9 +59,10 @@ def _check(joint: Any) -> None:
         raise ModelError(f"{owner}: name: {joint.name!r} was given, expected a text")
 
 
-def _checked_angle(joint: Any) -> None:
+def _keep_angle(joint: Any) -> None:
+    """Keep the rest angle as a float, unless it is None."""
     if joint.angle is not None:
-        in_range(f"{type(joint).__name__}: angle", joint.angle, -math.inf, math.inf)
+        keep_number(joint, "angle", -math.inf, math.inf, label=f"{type(joint).__name__}: angle")
 
 
 def _unit(owner: str, axis: npt.ArrayLike) -> tuple[float, float]:
@@ -105,7 +106,7 @@ class Weld:
 
     def __post_init__(self) -> None:
         _check(self)
-        _checked_angle(self)
+        _keep_angle(self)
 
     def form(self) -> JointForm:
         """For the kernels."""
@@ -129,7 +130,7 @@ class Prismatic:
 
     def __post_init__(self) -> None:
         _check(self)
-        _checked_angle(self)
+        _keep_angle(self)
         object.__setattr__(self, "axis", _unit("Prismatic", self.axis))
 
     def form(self) -> JointForm:
@@ -174,14 +175,14 @@ class Distance:
 
     def __post_init__(self) -> None:
         _check(self)
-        if isinstance(self.length, Real):
-            in_range("Distance: length", self.length, 0.0, math.inf, open_ends=True)
+        if is_number(self.length):
+            keep_number(self, "length", 0.0, math.inf, open_ends=True, label="Distance: length")
         elif self.length is not None:
-            check_motion("Distance: length", self.length)
+            checked_motion("Distance: length", self.length)
 
     def form(self) -> JointForm:
         """For the kernels."""
-        if self.length is None or isinstance(self.length, Real):
+        if self.length is None or isinstance(self.length, float):
             return JointForm(DISTANCE, ("m",), length=self.length)
         return JointForm(DISTANCE, ("m",), motion=self.length)
 
@@ -204,8 +205,8 @@ class DrivenAngle:
 
     def __post_init__(self) -> None:
         _check(self)
-        _checked_angle(self)
-        check_motion("DrivenAngle: motion", self.motion)
+        _keep_angle(self)
+        object.__setattr__(self, "motion", checked_motion("DrivenAngle: motion", self.motion))
 
     def form(self) -> JointForm:
         """For the kernels."""
@@ -230,7 +231,7 @@ class DrivenDisplacement:
     def __post_init__(self) -> None:
         _check(self)
         object.__setattr__(self, "axis", _unit("DrivenDisplacement", self.axis))
-        check_motion("DrivenDisplacement: motion", self.motion)
+        object.__setattr__(self, "motion", checked_motion("DrivenDisplacement: motion", self.motion))
 
     def form(self) -> JointForm:
         """For the kernels."""

@@ -27,7 +27,6 @@ import inspect
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
+from lcpflex.options import is_number, keep_flag, keep_number
 
 __all__ = [
     "Force",
@@ -49,7 +49,7 @@ __all__ = [
     "Table",
     "Torque",
     "TorsionSpring",
-    "check_motion",
+    "checked_motion",
     "takes_state",
 ]
 
@@ -70,7 +70,7 @@ class Harmonic:
 
     def __post_init__(self) -> None:
         for name in ("amplitude", "omega", "phase", "mean"):
-            in_range(f"Harmonic: {name}", getattr(self, name), -math.inf, math.inf)
+            keep_number(self, name, -math.inf, math.inf, label=f"Harmonic: {name}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +152,7 @@ class Function:
         breaks.setflags(write=False)
         object.__setattr__(self, "breaks", breaks)
         if self.shortest is not None:
-            in_range("Function: shortest", self.shortest, 0.0, math.inf, open_ends=True)
+            keep_number(self, "shortest", 0.0, math.inf, open_ends=True, label="Function: shortest")
 
     def __call__(self, *arguments: Any) -> Any:
         """What the function returns."""
@@ -163,14 +163,15 @@ Motion = float | Harmonic | Table | Callable[[float], Any]
 Signal = float | Harmonic | Table | Callable[..., Any]
 
 
-def check_motion(name: str, value: object) -> None:
-    """Raise ModelError unless ``value`` is a function of time."""
-    if isinstance(value, Real):
-        in_range(name, value, -math.inf, math.inf)
-    elif not (isinstance(value, (Harmonic, Table)) or callable(value)):
+def checked_motion(name: str, value: Any) -> Any:
+    """``value`` if it is a function of time, a number as a float; raises ModelError for anything else."""
+    if is_number(value):
+        return in_range(name, value, -math.inf, math.inf)
+    if not (isinstance(value, (Harmonic, Table)) or callable(value)):
         raise ModelError(
             f"{name}: {value!r} was given, expected a number, Harmonic, Table or a Python function of the time"
         )
+    return value
 
 
 def takes_state(function: Callable[..., Any]) -> bool:
@@ -190,11 +191,10 @@ def _check_spring(spring: Any, rest: str) -> None:
     """Points, coefficients >= 0 and the rest length or angle."""
     owner = type(spring).__name__
     check_pair(owner, spring.P, spring.Q)
-    in_range(f"{owner}: stiffness", spring.stiffness, 0.0, math.inf)
-    in_range(f"{owner}: damping", spring.damping, 0.0, math.inf)
-    value = getattr(spring, rest)
-    if value is not None:
-        in_range(f"{owner}: {rest}", value, 0.0 if rest == "length" else -math.inf, math.inf)
+    keep_number(spring, "stiffness", 0.0, math.inf, label=f"{owner}: stiffness")
+    keep_number(spring, "damping", 0.0, math.inf, label=f"{owner}: damping")
+    if getattr(spring, rest) is not None:
+        keep_number(spring, rest, 0.0 if rest == "length" else -math.inf, math.inf, label=f"{owner}: {rest}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,8 +248,7 @@ class Force:
 
     def __post_init__(self) -> None:
         _check_loaded(self)
-        if not isinstance(self.follower, bool):
-            raise ModelError(f"Force: follower: {self.follower!r} was given, expected True or False")
+        keep_flag(self, "follower", label="Force: follower")
         if callable(self.value):
             return
         try:
@@ -258,9 +257,8 @@ class Force:
             raise ModelError(
                 f"Force: value: {self.value!r} was given, expected a pair (fx, fy) or a Python function of the time"
             ) from None
-        check_motion("Force: value[0]", x)
-        check_motion("Force: value[1]", y)
-        object.__setattr__(self, "value", (x, y))
+        pair = (checked_motion("Force: value[0]", x), checked_motion("Force: value[1]", y))
+        object.__setattr__(self, "value", pair)
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,7 +274,7 @@ class Torque:
 
     def __post_init__(self) -> None:
         _check_loaded(self)
-        check_motion("Torque: value", self.value)
+        object.__setattr__(self, "value", checked_motion("Torque: value", self.value))
 
 
 def _check_loaded(load: Any) -> None:

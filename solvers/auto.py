@@ -39,8 +39,8 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_tolerance,
     confirmed,
+    keep_tolerance,
 )
 from lcpflex.solvers.tableau import EXTRA
 
@@ -104,7 +104,7 @@ class Auto:
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
+        keep_tolerance(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""

@@ -38,7 +38,7 @@ from lcpflex.solvers.contact_sweeps import (
 from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lemke import lemke_workspace
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_limit, check_tolerance, restored
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, keep_limit, keep_tolerance, restored
 
 __all__ = ["BlockGaussSeidel"]
 
@@ -160,8 +160,8 @@ class BlockGaussSeidel:
     sweep_limit: int = 20_000
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
-        check_limit("sweep_limit", self.sweep_limit)
+        keep_tolerance(self)
+        keep_limit(self, "sweep_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

@@ -33,7 +33,7 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_tolerance,
+    keep_tolerance,
 )
 from lcpflex.solvers.proofs import infeasibility
 from lcpflex.solvers.quadratic_program import equilibrium, polish
@@ -62,7 +62,7 @@ class ConvexFriction:
     model: ClassVar[str] = "convex relaxation"
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
+        keep_tolerance(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

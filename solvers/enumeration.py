@@ -17,7 +17,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
 from lcpflex.solvers.proofs import exact_solution
 
 __all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]
@@ -193,7 +193,7 @@ class Enumeration:
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
+        keep_tolerance(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import in_range
+from lcpflex.options import keep_number
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.lemke import lemke_workspace
@@ -30,8 +30,8 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_limit,
-    check_tolerance,
+    keep_limit,
+    keep_tolerance,
 )
 
 __all__ = ["GaussSeidel", "projected_gauss_seidel"]
@@ -141,9 +141,9 @@ class GaussSeidel:
     sweep_limit: int = 2000
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
-        check_limit("sweep_limit", self.sweep_limit)
-        in_range("relaxation", self.relaxation, 0.0, 2.0, open_ends=True)
+        keep_tolerance(self)
+        keep_limit(self, "sweep_limit")
+        keep_number(self, "relaxation", 0.0, 2.0, open_ends=True)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""

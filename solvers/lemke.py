@@ -31,8 +31,8 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_limit,
-    check_tolerance,
+    keep_limit,
+    keep_tolerance,
 )
 from lcpflex.solvers.tableau import (
     CANDIDATE,
@@ -329,8 +329,8 @@ class Lemke:
     pivot_limit: int | None = None
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
-        check_limit("pivot_limit", self.pivot_limit)
+        keep_tolerance(self)
+        keep_limit(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: Lemke's algorithm takes every problem."""

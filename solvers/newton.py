@@ -26,8 +26,8 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_limit,
-    check_tolerance,
+    keep_limit,
+    keep_tolerance,
 )
 
 __all__ = ["MinMapNewton", "min_map_newton", "newton_workspace"]
@@ -210,8 +210,8 @@ class MinMapNewton:
     iteration_limit: int | None = None
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
-        check_limit("iteration_limit", self.iteration_limit)
+        keep_tolerance(self)
+        keep_limit(self, "iteration_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""

@@ -34,8 +34,8 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    check_limit,
-    check_tolerance,
+    keep_limit,
+    keep_tolerance,
 )
 
 __all__ = [
@@ -348,8 +348,8 @@ class PrincipalPivoting:
     pivot_limit: int | None = None
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
-        check_limit("pivot_limit", self.pivot_limit)
+        keep_tolerance(self)
+        keep_limit(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why not: the matrix is not symmetric."""

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, as_number, shown
 from lcpflex.given import flag, point_of
+from lcpflex.options import is_number
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import (
@@ -40,6 +41,8 @@ __all__ = [
     "check_tolerance",
     "confirmed",
     "restored",
+    "keep_limit",
+    "keep_tolerance",
 ]
 
 PROVED = (Status.INFEASIBLE, Status.NO_SOLUTION)
@@ -395,3 +398,17 @@ def check_limit(name: str, limit: int | None) -> None:
     """A limit of pivots or iterations: a positive integer, or None for the solver's own."""
     if limit is not None and not (isinstance(limit, int) and not isinstance(limit, bool) and 0 < limit < 2**62):
         raise ModelError(f"{name} is {shown(limit)}: expected a positive integer or None")
+
+
+def keep_tolerance(solver: Any) -> None:
+    """Keep the tolerance of a frozen solver as the float that kernels are compiled for; see ``check_tolerance``."""
+    check_tolerance(solver.tolerance)
+    object.__setattr__(solver, "tolerance", float(solver.tolerance))
+
+
+def keep_limit(solver: Any, name: str) -> None:
+    """Keep a limit of a frozen solver as the int that kernels are compiled for, or None; see ``check_limit``."""
+    limit = getattr(solver, name)
+    if isinstance(limit, np.integer | np.ndarray) and is_number(limit) and limit == int(limit):
+        object.__setattr__(solver, name, int(limit))
+    check_limit(name, getattr(solver, name))

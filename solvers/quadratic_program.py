@@ -28,7 +28,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.guard import guarded, words_of
-from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
 from lcpflex.solvers.proofs import Proof, infeasibility, nearly_infeasible
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
@@ -62,7 +62,7 @@ class QuadraticProgram:
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        check_tolerance(self.tolerance)
+        keep_tolerance(self)
         import qpsolvers
 
         if self.backend not in qpsolvers.available_solvers:

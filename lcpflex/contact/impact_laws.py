@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from lcpflex.errors import ModelError
+from lcpflex.options import keep_flag
 
 __all__ = ["ENERGETIC", "NEWTON", "POISSON", "Energetic", "ImpactLaw", "Newton", "Poisson"]
 
@@ -30,7 +30,7 @@ class Newton:
     code: ClassVar[int] = NEWTON
 
     def __post_init__(self) -> None:
-        _check(self)
+        keep_flag(self, "sequential")
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Poisson:
     code: ClassVar[int] = POISSON
 
     def __post_init__(self) -> None:
-        _check(self)
+        keep_flag(self, "sequential")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +69,7 @@ class Energetic:
     code: ClassVar[int] = ENERGETIC
 
     def __post_init__(self) -> None:
-        _check(self)
+        keep_flag(self, "sequential")
 
 
 ImpactLaw: TypeAlias = Newton | Poisson | Energetic
-
-
-def _check(law: ImpactLaw) -> None:
-    if not isinstance(law.sequential, bool):
-        raise ModelError(f"sequential: {law.sequential!r} was given, expected True or False")

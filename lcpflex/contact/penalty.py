@@ -17,7 +17,7 @@ from lcpflex.contact.laws.layout import (
     TANH,
     LawRow,
 )
-from lcpflex.errors import in_range
+from lcpflex.options import keep_number
 
 __all__ = ["Penalty"]
 
@@ -58,10 +58,10 @@ class Penalty:
     slip_speed: float = 1e-3
 
     def __post_init__(self) -> None:
-        in_range("stiffness", self.stiffness, 0.0, math.inf, open_ends=True)
-        in_range("exponent", self.exponent, 1.0, math.inf)
-        in_range("damping", self.damping, 0.0, math.inf)
-        in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
+        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
+        keep_number(self, "exponent", 1.0, math.inf)
+        keep_number(self, "damping", 0.0, math.inf)
+        keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
 
     def row(self) -> LawRow:
         """The law as kernels take it."""

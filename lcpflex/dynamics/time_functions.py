@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from numbers import Real
 from typing import Any, Protocol
 
 import numpy as np
@@ -310,8 +309,8 @@ class SignalTable:
             self._coefficients.extend(tuple(float(c) for c in row) for row in coefficients)
             self._put(PIECES, first, len(self._breaks))
             return len(self._kind) - 1
-        if isinstance(value, Real):
-            value = Harmonic(0.0, 0.0, 0.0, float(value))
+        if isinstance(value, float):
+            value = Harmonic(0.0, 0.0, 0.0, value)
         assert isinstance(value, Harmonic)
         self._breaks.append(0.0)  # breaks and coefficients share their offsets
         self._coefficients.append((value.mean, value.amplitude, value.omega, value.phase))

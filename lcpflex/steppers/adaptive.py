@@ -24,8 +24,8 @@ from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, in_range
 from lcpflex.model import Model
+from lcpflex.options import keep_at_least, keep_number
 from lcpflex.packed import pack
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
@@ -105,16 +105,13 @@ class AdaptiveStep:
     velocity_threshold: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("rtol", self.rtol, 0.0, 1.0)
-        in_range("atol", self.atol, 0.0, math.inf, open_ends=True)
-        in_range("shortest", self.shortest, 0.0, math.inf, open_ends=True)
+        keep_number(self, "rtol", 0.0, 1.0)
+        keep_number(self, "atol", 0.0, math.inf, open_ends=True)
+        keep_number(self, "shortest", 0.0, math.inf, open_ends=True)
         if self.velocity_threshold is not None:
-            in_range("velocity_threshold", self.velocity_threshold, 0.0, math.inf)
-        given = self.longest is not None
-        if given and not (isinstance(self.longest, (int, float)) and self.longest >= self.shortest):
-            raise ModelError(
-                f"longest: {self.longest!r} was given, expected at least shortest = {self.shortest!r} (seconds)"
-            )
+            keep_number(self, "velocity_threshold", 0.0, math.inf)
+        if self.longest is not None:
+            keep_at_least(self, "longest", self.shortest, f"at least shortest = {self.shortest!r} (seconds)")
 
     def limit(self, duration: float) -> float:
         """The longest step [s] of a run over ``duration`` [s]."""
@@ -124,7 +121,7 @@ class AdaptiveStep:
         """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         # never 0: an instant is stored once, however many steps from it are rejected
         apart = max(interval, 4.0 * math.ulp(duration))
-        threshold = -1.0 if self.velocity_threshold is None else float(self.velocity_threshold)
+        threshold = -1.0 if self.velocity_threshold is None else self.velocity_threshold
         return Limits(duration, apart, self.rtol, self.atol, self.shortest, self.limit(duration), threshold)
 
 

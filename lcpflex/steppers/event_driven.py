@@ -16,8 +16,9 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 from lcpflex.linking import link
+from lcpflex.options import keep_at_least, keep_number
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
@@ -327,11 +328,10 @@ class EventDriven:
 
     def __post_init__(self) -> None:
         for name in ("rtol", "atol", "gap_tolerance", "velocity_threshold", "most_events", "solver_tolerance"):
-            in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
-        if not (isinstance(self.max_step, (int, float)) and self.max_step > 0.0):
-            raise ModelError(f"max_step: {self.max_step!r} was given, expected a number > 0 (seconds)")
+            keep_number(self, name, 0.0, math.inf, open_ends=True)
+        keep_at_least(self, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)
         if self.first_step is not None:
-            in_range("first_step", self.first_step, 0.0, math.inf, open_ends=True)
+            keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
             raise ModelError(f"impact: {self.impact!r} was given, expected Newton(), Poisson() or Energetic()")
         if not hasattr(self.solver, "solve"):

@@ -29,9 +29,10 @@ import numpy as np
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
+from lcpflex.options import keep_number
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -258,10 +259,10 @@ class GeneralizedAlpha:
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        in_range("step", self.step, 0.0, math.inf, open_ends=True)
-        in_range("rho_inf", self.rho_inf, 0.0, 1.0)
+        keep_number(self, "step", 0.0, math.inf, open_ends=True)
+        keep_number(self, "rho_inf", 0.0, 1.0)
         for name in ("gap_tolerance", "velocity_threshold", "solver_tolerance"):
-            in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True)
+            keep_number(self, name, 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
         if not hasattr(self.solver, "solve"):

@@ -39,9 +39,10 @@ from lcpflex.dynamics.static_modes import (
     with_static_modes,
 )
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
+from lcpflex.options import keep_flag, keep_number
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
@@ -282,14 +283,13 @@ class MasslessBoundary:
 
     def __post_init__(self) -> None:
         if self.step is not None:
-            in_range("step", self.step, 0.0, math.inf, open_ends=True)
+            keep_number(self, "step", 0.0, math.inf, open_ends=True)
         if self.dynamic_modes is not None:
-            whole_number("dynamic_modes", self.dynamic_modes, 0)
-        if not isinstance(self.substeps, bool):
-            raise ModelError(f"substeps: {self.substeps!r} was given, expected True or False")
-        in_range("safety", self.safety, 1e-3, 1.0)
-        in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
-        in_range("solver_tolerance", self.solver_tolerance, 0.0, math.inf, open_ends=True)
+            object.__setattr__(self, "dynamic_modes", whole_number("dynamic_modes", self.dynamic_modes, 0))
+        keep_flag(self, "substeps")
+        keep_number(self, "safety", 1e-3, 1.0)
+        keep_number(self, "gap_tolerance", 0.0, math.inf)
+        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         object.__setattr__(self, "compliance", checked_compliance(self.compliance))
         if not hasattr(self.solver, "solve"):
             raise ModelError(

@@ -22,9 +22,10 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
+from lcpflex.options import keep_flag, keep_number
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -218,11 +219,12 @@ class MoreauJean:
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        in_range("step", self.step, 0.0, math.inf, open_ends=True)
-        in_range("theta", self.theta, 0.5, 1.0)
-        in_range("activation", self.activation, 0.0, 1.0)
-        in_range("gap_tolerance", self.gap_tolerance, 0.0, math.inf)
-        in_range("solver_tolerance", self.solver_tolerance, 0.0, math.inf, open_ends=True)
+        keep_number(self, "step", 0.0, math.inf, open_ends=True)
+        keep_number(self, "theta", 0.5, 1.0)
+        keep_number(self, "activation", 0.0, 1.0)
+        keep_number(self, "gap_tolerance", 0.0, math.inf)
+        keep_flag(self, "projection")
+        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
         if not hasattr(self.solver, "solve"):

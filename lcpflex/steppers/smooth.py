@@ -17,7 +17,8 @@ from typing import Any
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.layout import LawRow
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
+from lcpflex.options import keep_at_least, keep_number
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.smooth_explicit import SmoothSettings
 from lcpflex.steppers.smooth_run import FixedRun, SmoothRun
@@ -51,9 +52,9 @@ class ExplicitRungeKutta:
     first_step: float | None = None
 
     def __post_init__(self) -> None:
-        _check_tolerances(self.rtol, self.atol, self.max_step)
+        _keep_tolerances(self)
         if self.first_step is not None:
-            in_range("first_step", self.first_step, 0.0, math.inf, open_ends=True)
+            keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ class Stiff:
     def __post_init__(self) -> None:
         from scipy.integrate import BDF, Radau
 
-        _check_tolerances(self.rtol, self.atol, self.max_step)
+        _keep_tolerances(self)
         if self.method not in (None, Radau, BDF):
             raise ModelError(f"method: {self.method!r} was given, expected scipy.integrate.Radau or BDF")
 
@@ -112,7 +113,7 @@ class Verlet:
     step: float
 
     def __post_init__(self) -> None:
-        in_range("step", self.step, 0.0, math.inf, open_ends=True)
+        keep_number(self, "step", 0.0, math.inf, open_ends=True)
 
 
 Integrator = ExplicitRungeKutta | Stiff | Verlet
@@ -211,9 +212,8 @@ class Smooth:
         return chosen
 
 
-def _check_tolerances(rtol: float, atol: float, max_step: float) -> None:
-    """Raise ModelError where one is out of its range."""
-    in_range("rtol", rtol, 0.0, math.inf, open_ends=True)
-    in_range("atol", atol, 0.0, math.inf, open_ends=True)
-    if not (isinstance(max_step, (int, float)) and max_step > 0.0):
-        raise ModelError(f"max_step: {max_step!r} was given, expected a number > 0 (seconds)")
+def _keep_tolerances(integrator: ExplicitRungeKutta | Stiff) -> None:
+    """Keep them as floats; raise ModelError where one is out of its range."""
+    keep_number(integrator, "rtol", 0.0, math.inf, open_ends=True)
+    keep_number(integrator, "atol", 0.0, math.inf, open_ends=True)
+    keep_at_least(integrator, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)

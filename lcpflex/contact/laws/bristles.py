@@ -18,8 +18,13 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.contact.laws.layout import BRISTLE, LUGRE
-from lcpflex.contact.laws.static_friction import check_static_friction, slip_of, static_coefficient
-from lcpflex.errors import in_range
+from lcpflex.contact.laws.static_friction import (
+    check_static_friction,
+    keep_static_friction,
+    slip_of,
+    static_coefficient,
+)
+from lcpflex.options import keep_number
 
 __all__ = ["Bristle", "LuGre"]
 
@@ -61,11 +66,11 @@ class LuGre:
     static_friction: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("stiffness", self.stiffness, 0.0, math.inf, open_ends=True)
-        in_range("damping", self.damping, 0.0, math.inf)
-        in_range("viscous", self.viscous, 0.0, math.inf)
-        in_range("stribeck_speed", self.stribeck_speed, 0.0, math.inf, open_ends=True)
-        check_static_friction(self.static_friction)
+        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
+        keep_number(self, "damping", 0.0, math.inf)
+        keep_number(self, "viscous", 0.0, math.inf)
+        keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
+        keep_static_friction(self)
 
     @property
     def kind(self) -> int:
@@ -152,14 +157,14 @@ class Bristle:
     direction_speed: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("stiffness", self.stiffness, 0.0, math.inf, open_ends=True)
-        in_range("damping", self.damping, 0.0, math.inf, open_ends=True)
-        in_range("viscous", self.viscous, 0.0, math.inf)
-        in_range("stribeck_speed", self.stribeck_speed, 0.0, math.inf, open_ends=True)
-        check_static_friction(self.static_friction)
-        in_range("dwell_time", self.dwell_time, 0.0, math.inf, open_ends=True)
+        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
+        keep_number(self, "damping", 0.0, math.inf, open_ends=True)
+        keep_number(self, "viscous", 0.0, math.inf)
+        keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
+        keep_static_friction(self)
+        keep_number(self, "dwell_time", 0.0, math.inf, open_ends=True)
         if self.direction_speed is not None:
-            in_range("direction_speed", self.direction_speed, 0.0, math.inf, open_ends=True)
+            keep_number(self, "direction_speed", 0.0, math.inf, open_ends=True)
 
     @property
     def kind(self) -> int:

@@ -24,7 +24,7 @@ from lcpflex.contact.laws.layout import (
     ElasticLaw,
 )
 from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
-from lcpflex.errors import in_range
+from lcpflex.options import keep_number
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
 
@@ -34,10 +34,10 @@ def plain(values: Any) -> Any:
     return float(values) if np.ndim(values) == 0 else values
 
 
-def check_mass(mass: float | None) -> None:
-    """Raise ModelError for a mass that is none."""
-    if mass is not None:
-        in_range("mass", mass, 0.0, math.inf, open_ends=True)
+def keep_mass(law: Any) -> None:
+    """Keep the mass of a law as a float, unless it is None; raise ModelError for a mass that is none."""
+    if law.mass is not None:
+        keep_number(law, "mass", 0.0, math.inf, open_ends=True)
 
 
 def strengths(values: ArrayLike) -> Any:
@@ -90,8 +90,8 @@ class KelvinVoigt(Speedless):
     mass: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("restitution", self.restitution, 0.0, 1.0)
-        check_mass(self.mass)
+        keep_number(self, "restitution", 0.0, 1.0)
+        keep_mass(self)
 
     @property
     def kind(self) -> int:
@@ -145,8 +145,8 @@ class Tsuji(Speedless):
     mass: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("restitution", self.restitution, 0.0, 1.0)
-        check_mass(self.mass)
+        keep_number(self, "restitution", 0.0, 1.0)
+        keep_mass(self)
 
     @property
     def kind(self) -> int:
@@ -192,7 +192,7 @@ class KuwabaraKono(Speedless):
     relaxation: float
 
     def __post_init__(self) -> None:
-        in_range("relaxation", self.relaxation, 0.0, math.inf)
+        keep_number(self, "relaxation", 0.0, math.inf)
 
     @property
     def kind(self) -> int:
@@ -241,8 +241,8 @@ class Ristow(Speedless):
     mass: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("rate", self.rate, 0.0, math.inf)
-        check_mass(self.mass)
+        keep_number(self, "rate", 0.0, math.inf)
+        keep_mass(self)
 
     @property
     def kind(self) -> int:
@@ -293,9 +293,9 @@ class Jankowski(Speedless):
     mass: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("restitution", self.restitution, 0.0, 1.0)
+        keep_number(self, "restitution", 0.0, 1.0)
         fractions(self.restitution, zero=False)
-        check_mass(self.mass)
+        keep_mass(self)
 
     @property
     def kind(self) -> int:
@@ -347,7 +347,7 @@ class PermanentIndentation(Speedless):
     restitution: float
 
     def __post_init__(self) -> None:
-        in_range("restitution", self.restitution, 0.0, 1.0)
+        keep_number(self, "restitution", 0.0, 1.0)
         fractions(self.restitution, zero=False)
 
     @property

@@ -16,7 +16,8 @@ from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import LIU, PERSSON, POWER
 from lcpflex.contact.laws.line_contact import check_pair
-from lcpflex.errors import ModelError, ModelWarning, in_range
+from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.options import keep_number
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
 
@@ -52,8 +53,8 @@ class LankaraniNikraveshCylinder(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
-        in_range("exponent", self.exponent, 1.0, 1.5)
+        check_pair(self)
+        keep_number(self, "exponent", 1.0, 1.5)
 
     @property
     def kind(self) -> int:
@@ -63,7 +64,7 @@ class LankaraniNikraveshCylinder(ElasticFace):
     @property
     def parameters(self) -> tuple[float, ...]:
         """K, n."""
-        return 4.0 / 3.0 * self.pair.contact_modulus * math.sqrt(self.pair.effective_radius), float(self.exponent)
+        return 4.0 / 3.0 * self.pair.contact_modulus * math.sqrt(self.pair.effective_radius), self.exponent
 
     @property
     def limit(self) -> float:
@@ -100,7 +101,7 @@ class Pereira(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
+        check_pair(self)
         clearance = 1e3 * self.pair.clearance
         rounding = 1e-9  # of the difference of two radii
         if not self.pair.is_internal or LEAST_CLEARANCE - rounding <= clearance <= MOST_CLEARANCE + rounding:
@@ -153,7 +154,7 @@ class Liu(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
+        check_pair(self)
         _check_internal(self.pair)
 
     @property
@@ -197,7 +198,7 @@ class Persson(ElasticFace):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
+        check_pair(self)
         _check_internal(self.pair)
         if self.pair.other is not None and self.pair.other != self.pair.material:
             text = "pair: two materials were given, expected one"

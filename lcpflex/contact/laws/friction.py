@@ -29,8 +29,14 @@ from lcpflex.contact.laws.layout import (
     TANH,
     THRELFALL,
 )
-from lcpflex.contact.laws.static_friction import check_static_friction, slip_of, static_coefficient
-from lcpflex.errors import ModelError, in_range
+from lcpflex.contact.laws.static_friction import (
+    check_static_friction,
+    keep_static_friction,
+    slip_of,
+    static_coefficient,
+)
+from lcpflex.errors import ModelError
+from lcpflex.options import keep_number
 
 __all__ = [
     "Ambrosio",
@@ -99,7 +105,7 @@ class OneSpeed(MemorylessFriction):
     slip_speed: float = 1e-3
 
     def __post_init__(self) -> None:
-        in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
+        keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -197,8 +203,8 @@ class Ambrosio(MemorylessFriction):
     slip_speed: float = 2e-4
 
     def __post_init__(self) -> None:
-        in_range("rest_speed", self.rest_speed, 0.0, math.inf)
-        in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
+        keep_number(self, "rest_speed", 0.0, math.inf)
+        keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         if not self.slip_speed > self.rest_speed:
             raise ModelError(f"slip_speed: {self.slip_speed!r} was given, expected more than rest_speed")
 
@@ -235,9 +241,9 @@ class BengisuAkay(MemorylessFriction):
     static_friction: float | None = None
 
     def __post_init__(self) -> None:
-        in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
-        in_range("decay", self.decay, 0.0, math.inf)
-        check_static_friction(self.static_friction)
+        keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
+        keep_number(self, "decay", 0.0, math.inf)
+        keep_static_friction(self)
 
     @property
     def kind(self) -> int:
@@ -276,9 +282,9 @@ class BrownMcPhee(MemorylessFriction):
     viscous: float = 0.0
 
     def __post_init__(self) -> None:
-        in_range("slip_speed", self.slip_speed, 0.0, math.inf, open_ends=True)
-        in_range("viscous", self.viscous, 0.0, math.inf)
-        check_static_friction(self.static_friction)
+        keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
+        keep_number(self, "viscous", 0.0, math.inf)
+        keep_static_friction(self)
 
     @property
     def kind(self) -> int:

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import POWER
-from lcpflex.contact.laws.materials import Material, check_flag, check_materials, check_units, contact_modulus
+from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
 from lcpflex.errors import ModelError, in_range
+from lcpflex.options import keep_flag, keep_number
 
 __all__ = ["Hertz"]
 
@@ -50,8 +51,8 @@ class Hertz(ElasticFace):
 
     def __post_init__(self) -> None:
         for name in ("effective_radius", "contact_modulus", "smallest_radius"):
-            object.__setattr__(self, name, in_range(name, getattr(self, name), 0.0, math.inf, open_ends=True))
-        check_flag("lenient", self.lenient)
+            keep_number(self, name, 0.0, math.inf, open_ends=True)
+        keep_flag(self, "lenient")
 
     @classmethod
     def spheres(

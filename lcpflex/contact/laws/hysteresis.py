@@ -15,7 +15,8 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
+from lcpflex.options import keep_number
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
 
@@ -178,8 +179,8 @@ class HysteresisDamping:
     def __post_init__(self) -> None:
         if not isinstance(self.factor, HysteresisFactor):
             raise ModelError(f"factor: {self.factor!r} was given, expected a HysteresisFactor such as EXACT")
-        in_range("restitution", self.restitution, 0.0, 1.0)
-        in_range("guard_speed", self.guard_speed, 0.0, math.inf, open_ends=True)
+        keep_number(self, "restitution", 0.0, 1.0)
+        keep_number(self, "guard_speed", 0.0, math.inf, open_ends=True)
         self.factor.eta(self.restitution)
 
     @property

@@ -22,19 +22,19 @@ from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import LOGARITHMIC
-from lcpflex.contact.laws.materials import check_flag
-from lcpflex.errors import ModelError, ModelWarning, in_range
+from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.options import keep_flag, keep_number
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
 
 
-def check_pair(pair: Any, lenient: bool) -> None:
-    """A CylinderPair in SI units."""
-    check_flag("lenient", lenient)
-    if not isinstance(pair, CylinderPair):
+def check_pair(law: Any) -> None:
+    """A law of a CylinderPair in SI units, and whether it is lenient."""
+    keep_flag(law, "lenient")
+    if not isinstance(law.pair, CylinderPair):
         expected = "expected a CylinderPair, such as CylinderPair.internal(...)"
-        raise ModelError(f"pair: {pair!r} was given, {expected}")
-    pair.check(lenient)
+        raise ModelError(f"pair: {law.pair!r} was given, {expected}")
+    law.pair.check(law.lenient)
 
 
 class Logarithmic(ElasticFace):
@@ -50,7 +50,7 @@ class Logarithmic(ElasticFace):
             """a [N/m], c [N], d."""
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
+        check_pair(self)
 
     @property
     def kind(self) -> int:
@@ -144,8 +144,8 @@ class Radzimovsky(Logarithmic):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
-        check_flag("handbook", self.handbook)
+        check_pair(self)
+        keep_flag(self, "handbook")
 
     @property
     def constants(self) -> tuple[float, float, float]:
@@ -183,8 +183,8 @@ class Goldsmith(Logarithmic):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
-        in_range("m", self.m, 1.0, 4.0)
+        check_pair(self)
+        keep_number(self, "m", 1.0, 4.0)
 
     @property
     def constants(self) -> tuple[float, float, float]:
@@ -254,7 +254,7 @@ class Esdu78035(Logarithmic):
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_pair(self.pair, self.lenient)
+        check_pair(self)
         if self.reading not in ("pi", "review"):
             raise ModelError(f'reading: {self.reading!r} was given, expected "pi" or "review"')
         if not self.pair.is_internal:

@@ -8,11 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from lcpflex.errors import ModelError, ModelWarning, in_range
 
-__all__ = ["Material", "check_flag", "check_materials", "check_units", "contact_modulus"]
+__all__ = ["Material", "check_materials", "check_units", "contact_modulus"]
 
 SOFT = 1e6  # [Pa]: rubbers are stiffer; all solids are below it in MPa but diamond
 WIDE = 1.0  # [m]
@@ -51,12 +49,6 @@ class Material:
     def compliance(self) -> float:
         """(1 - nu^2) / E [1/Pa]."""
         return (1.0 - self.poissons_ratio**2) / self.youngs_modulus
-
-
-def check_flag(name: str, value: Any) -> None:
-    """True or False: any word would be true."""
-    if not isinstance(value, bool | np.bool_):
-        raise ModelError(f"{name}: {value!r} was given, expected True or False")
 
 
 def check_materials(material: Any, other: Any) -> None:

@@ -18,6 +18,7 @@ from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
 from lcpflex.contact.laws.own_function import OwnFunction
 from lcpflex.errors import ModelError, in_range
+from lcpflex.given import flag
 
 __all__ = ["OwnLaw"]
 
@@ -81,15 +82,13 @@ class OwnLaw(ElasticFace):
     ) -> None:
         if isinstance(parameters, str) or not isinstance(parameters, (Sequence, np.ndarray)):
             raise ModelError(f"parameters: {parameters!r} was given, expected a sequence of numbers")
-        if not isinstance(compiled, bool):
-            raise ModelError(f"compiled: {compiled!r} was given, expected True or False")
         values = tuple(in_range(f"parameters[{i}]", x, -math.inf, math.inf) for i, x in enumerate(parameters))
         _try(function, values)
         object.__setattr__(self, "function", function)
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "guard_speed", in_range("guard_speed", guard_speed, 0.0, math.inf, open_ends=True))
-        object.__setattr__(self, "compiled", compiled)
-        object.__setattr__(self, "own", OwnFunction(function, values, compiled))
+        object.__setattr__(self, "compiled", flag("compiled", compiled))
+        object.__setattr__(self, "own", OwnFunction(function, values, self.compiled))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self.function, self.values, self.guard_speed, self.compiled)

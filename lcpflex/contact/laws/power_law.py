@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import POWER
-from lcpflex.contact.laws.materials import check_flag
 from lcpflex.errors import in_range
+from lcpflex.given import flag
 
 __all__ = ["PowerLaw"]
 
@@ -39,8 +39,7 @@ class PowerLaw(ElasticFace):
     def __init__(self, stiffness: float, exponent: float = 1.5, *, lenient: bool = False) -> None:
         object.__setattr__(self, "constant", in_range("stiffness", stiffness, 0.0, math.inf, open_ends=True))
         object.__setattr__(self, "exponent", in_range("exponent", exponent, 1.0, math.inf))
-        check_flag("lenient", lenient)
-        object.__setattr__(self, "lenient", lenient)
+        object.__setattr__(self, "lenient", flag("lenient", lenient))
 
     def __repr__(self) -> str:
         return f"PowerLaw({self.constant!r}, exponent={self.exponent!r}, lenient={self.lenient!r})"

@@ -7,9 +7,10 @@ from typing import Any
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import finite_numbers
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
+from lcpflex.options import keep_number
 
-__all__ = ["check_static_friction", "slip_of", "static_coefficient"]
+__all__ = ["check_static_friction", "keep_static_friction", "slip_of", "static_coefficient"]
 
 
 def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -17,17 +18,22 @@ def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, Fl
     return finite_numbers("slip", slip, -math.inf), finite_numbers("normal", normal, 0.0), finite_numbers("mu", mu, 0.0)
 
 
-def check_static_friction(static: float | None, mu: float = 0.0, contact: str = "") -> None:
-    """Raise ModelError for a static coefficient that is no number >= 0, or less than the ``mu`` of ``contact``."""
+def check_static_friction(static: float | None, mu: float, contact: str) -> None:
+    """Raise ModelError for a static coefficient that is less than the ``mu`` of ``contact``."""
     if static is None:
         return
-    in_range("static_friction", static, 0.0, math.inf)
     if static < mu:
         raise ModelError(
             f"static_friction: {static!r} was given, expected at least the friction {mu!r} of contact {contact!r}"
         )
 
 
+def keep_static_friction(law: Any) -> None:
+    """Keep the static coefficient of a law as a float, unless it is None; raise ModelError for no number >= 0."""
+    if law.static_friction is not None:
+        keep_number(law, "static_friction", 0.0, math.inf)
+
+
 def static_coefficient(static: float | None) -> float:
     """As kernels take it: they use the larger of it and mu."""
-    return 0.0 if static is None else float(static)
+    return 0.0 if static is None else static
