@@ -24,7 +24,7 @@ def points() -> tuple[Any, Any]:
     return scene.add(lf.Disc(0.5, mass=1.0)).at(0.0, 0.0), scene.ground.at(0.0, 0.0)
 
 
-# Numbers that a float of 32 bits holds exactly, all different from the defaults; None, texts and parts stay as they are.
+# Numbers that a float of 32 bits holds exactly; None, texts and parts of an option stay as they are.
 PLAIN: dict[str, Callable[[], Any]] = {
     "MoreauJean": lambda: lf.MoreauJean(0.125, 1.0, 0.0, 0.0, False, solver_tolerance=0.25),
     "GeneralizedAlpha": lambda: lf.GeneralizedAlpha(1.0, 1.0, 2.0, 1.0, solver_tolerance=1.0),

@@ -257,7 +257,7 @@ def test_length_in_millimetres_beside_radii_in_metres():
 
 
 def test_flags_that_are_none():
-    makes = [*(lambda law=law: law(PIN, lenient="no") for law in LINES), lambda: PowerLaw(1e6, lenient=1)]
+    makes = [*(lambda law=law: law(PIN, lenient="no") for law in LINES), lambda: PowerLaw(1e6, lenient=2)]
     for make in (*makes, lambda: Hertz.spheres(0.1, 0.1, STEEL, lenient=None)):
         with pytest.raises(ModelError, match=r"^lenient: .* was given, expected True or False"):
             make()
