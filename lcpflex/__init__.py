@@ -191,6 +191,10 @@ def _missing(module: str, name: str, known: list[str]) -> AttributeError:
 class _Package(ModuleType):
     """The import system binds each loaded submodule on its package; ``lf.simulate`` stays the function."""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By its name, for scripts whose functions and globals go to other processes."""
+        return import_module, (self.__name__,)
+
     def __setattr__(self, name: str, value: object) -> None:
         if name == "simulate" and isinstance(value, ModuleType):
             value = value.simulate

@@ -11,7 +11,7 @@ and ``rows[r, 1, :]`` for body ``row_body[r, 1]`` (-1: no block), each padded to
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,10 @@ __all__ = [
     "STICK",
     "bodiless_model",
     "frozen",
+    "refrozen",
 ]
+
+T = TypeVar("T")
 
 GROUND = -1
 OPEN, STICK, SLIP = 0, 1, 2  # states of a contact
@@ -199,6 +202,16 @@ def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: in
         array = array.reshape(-1, columns)
     array.setflags(write=False)
     return array
+
+
+def refrozen(values: T) -> T:
+    """A named tuple of arrays, and of such tuples, made read-only again: copies and what is unpickled are not."""
+    for value in values if isinstance(values, tuple) else ():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        else:
+            refrozen(value)
+    return values
 
 
 class PointTable:

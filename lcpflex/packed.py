@@ -53,6 +53,21 @@ class Packed:
         other._pack(self._label, own | parts)
         return other
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Its block holds addresses: a copy, or what is unpickled, gets one of its own."""
+        own = {name: value for name, value in vars(self).items() if not name.startswith("_")}
+        frozen = [name for name, value in own.items() if isinstance(value, np.ndarray) and not value.flags.writeable]
+        return _packed_again, (self._label, own, frozen)
+
+
+def _packed_again(label: str, values: dict[str, Any], frozen: list[str]) -> Packed:
+    """As it was: whether an array can be written to is part of the type that kernels are compiled for."""
+    for name in frozen:
+        values[name].setflags(write=False)
+    again = object.__new__(Packed)
+    again._pack(label, values)
+    return again
+
 
 def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:
     """The words of numba's array structure: no owner, no parent, items, item size, data, shape, strides."""

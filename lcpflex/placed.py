@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from functools import partial
+from operator import methodcaller
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -87,13 +89,13 @@ class Placed:
         known = {} if self.source is None else self.source.points
         if not isinstance(name, str) or name not in known:
             raise ModelError(f"point: {self.name!r} has no point {name!r}, expected one of {listed(list(known))}")
-        return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], lambda body: body.point(name))
+        return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], methodcaller("point", name))
 
     def at(self, x: float, y: float) -> PlacedPoint:
         """The material point at (x, y)."""
         material = self._located((x, y))
         label = f"{self.name}.at({float(x):g}, {float(y):g})"
-        return PlacedPoint(self.scene, self.body, label, material, lambda body: body.at(x, y))
+        return PlacedPoint(self.scene, self.body, label, material, methodcaller("at", x, y))
 
     def surface(self, name: str = "outline") -> PlacedSurface:
         """A surface that the body came with; "outline" is the whole of it."""
@@ -113,17 +115,17 @@ class Placed:
                 else shapes.circle(outline.center, outline.radius)
             )
         label = f"{self.name}.{name}"
-        return PlacedSurface(self.scene, self.body, label, self._on_body(shape), lambda body: body.surface(name))
+        return PlacedSurface(self.scene, self.body, label, self._on_body(shape), methodcaller("surface", name))
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
         middle, size = self._located(center), _radius(radius)
-        again = _again(center, lambda body, place: body.circle(place, radius))
+        again = partial(_again, "circle", center, (radius,))
         return self._made("circle", shapes.circle(middle, size), again, (middle, size))
 
     def hole(self, center: Place, radius: float) -> PlacedSurface:
         """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
-        again = _again(center, lambda body, place: body.hole(place, radius))
+        again = partial(_again, "hole", center, (radius,))
         return self._made("hole", shapes.hole(self._located(center), _radius(radius)), again)
 
     def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
@@ -135,21 +137,21 @@ class Placed:
         extent = in_range("extent", extent, 0.0, 2.0 * math.pi)
         if extent == 0.0:
             raise ModelError("extent: 0 was given, expected an angle in (0, 2 pi]")
-        again = _again(center, lambda body, place: body.arc(place, radius, start, extent, hole))
+        again = partial(_again, "arc", center, (radius, start, extent, hole))
         return self._made("arc", shapes.arc(self._located(center), _radius(radius), start, extent, hole), again)
 
     def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
         """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
         middle, size = self._located((x, y)), in_range("radius", radius, 0.0, math.inf)
         disc = (middle, size) if size > 0.0 else None
-        return self._made("node", shapes.node(middle, size), lambda body: body.node(x, y, radius), disc)
+        return self._made("node", shapes.node(middle, size), methodcaller("node", x, y, radius), disc)
 
     def half_plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
         """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
         direction = array_of("normal", normal, (2,))
         if not direction.any():
             raise ModelError(f"normal: {normal!r} was given, expected a direction (x, y), not both 0")
-        again = _again(point, lambda body, place: body.half_plane(place, direction))
+        again = partial(_again, "half_plane", point, (direction,))
         return self._made("half_plane", shapes.half_plane(self._located(point), direction), again)
 
     def chain(self, places: Sequence[Place], closed: bool = False) -> PlacedSurface:
@@ -166,7 +168,7 @@ class Placed:
         return self._made(
             "chain",
             shapes.chain(points, closed),
-            lambda body: body.chain([_on(place, body) for place in places], closed),
+            partial(_chain_again, places, closed),
         )
 
     def curved_slot(self, center: Place, radius: float, width: float, start: float, extent: float) -> Slot:
@@ -191,7 +193,7 @@ class Placed:
         return self._made(
             kind,
             shape(*(self._located(place) for place in places)),
-            lambda body: body.made_of(kind, [_on(place, body) for place in places], shape),
+            partial(_made_again, kind, tuple(places), shape),
         )
 
     def _made(
@@ -235,6 +237,18 @@ def _on(place: Place, body: Placed) -> Place:
     return place.again(body) if isinstance(place, PlacedPoint) else place
 
 
-def _again(place: Place, make: Callable[[Placed, Place], PlacedSurface]) -> Callable[[Placed], PlacedSurface]:
-    """``make`` at the same place of another body."""
-    return lambda body: make(body, _on(place, body))
+# What makes a surface again is kept with it, and is pickled with the scene: functions of this module, no inner ones.
+
+
+def _again(kind: str, place: Place, rest: tuple[Any, ...], body: Placed) -> PlacedSurface:
+    """The surface of that kind at the same place of another body."""
+    surface: PlacedSurface = getattr(body, kind)(_on(place, body), *rest)
+    return surface
+
+
+def _chain_again(places: Sequence[Place], closed: bool, body: Placed) -> PlacedSurface:
+    return body.chain([_on(place, body) for place in places], closed)
+
+
+def _made_again(kind: str, places: Sequence[Place], shape: Callable[..., Surface], body: Placed) -> PlacedSurface:
+    return body.made_of(kind, [_on(place, body) for place in places], shape)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from copy import deepcopy
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
-from lcpflex.model import Axis, Model
+from lcpflex.model import Axis, Model, refrozen
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
@@ -66,6 +67,10 @@ class Compiled:
     warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
     notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By its fields; see ``_compiled_again``."""
+        return _compiled_again, tuple(getattr(self, part.name) for part in fields(self))
+
     def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
         """What Python functions of time and state are called with."""
         from lcpflex.dynamics.time_functions import State
@@ -93,6 +98,16 @@ class Compiled:
             contact_modes=tuple(contacts for _, contacts in self.layout.residual),
             calls=calls if self.callbacks else None,
         )
+
+
+def _compiled_again(*values: Any) -> Compiled:
+    """A copy, or what is unpickled: its arrays are read-only again, and functions are where they are now."""
+    again = Compiled(*values)
+    signals = again.model.signals
+    if again.functions:
+        signals = signals._replace(address=np.array([function.address for function in again.functions]))
+    refrozen((again.q, again.u))
+    return replace(again, model=refrozen(again.model._replace(signals=signals)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,6 +171,19 @@ class Scene(Clearances):
         self._loads: list[Load] = []
         self._contacts: dict[str, DeclaredContact] = {}
         self._rules: list[ContactRule] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
+        from lcpflex.by_name import check_names, functions_of
+
+        check_names(functions_of(self.parts()))
+        return vars(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        """Handles that are copied with it are of the copy; functions of the user are the same ones."""
+        copied = memo[id(self)] = Scene.__new__(Scene)
+        vars(copied).update(deepcopy(vars(self), memo))
+        return copied
 
     def add(
         self,

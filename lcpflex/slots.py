@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -95,38 +96,28 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
     if between <= 0.0:
         raise ModelError(f"extent: {extent!r} was given, expected less: the ends of the slot run into each other")
 
-    def track(at: MaterialPoint, radius: float, hole: bool) -> Surface:
-        return shapes.arc(at, radius, begin, turn, hole)
-
-    def cap(at: MaterialPoint, angle: float, opening: float) -> Surface:
-        offset = middle * np.array([math.cos(angle), math.sin(angle)])
-        return replace(shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True), wall=between)
-
+    inner = partial(shapes.arc, radius=middle - half, start=begin, extent=turn)
+    outer = partial(shapes.arc, radius=middle + half, start=begin, extent=turn, hole=True)
+    cap = partial(_cap, middle=middle, half=half, wall=between)
     return Slot(
-        body.made_of("inner", (center,), lambda at: track(at, middle - half, hole=False)),
-        body.made_of("outer", (center,), lambda at: track(at, middle + half, hole=True)),
-        body.made_of("first", (center,), lambda at: cap(at, begin, begin + math.pi)),
-        body.made_of("last", (center,), lambda at: cap(at, end, end)),
+        body.made_of("inner", (center,), inner),
+        body.made_of("outer", (center,), outer),
+        body.made_of("first", (center,), partial(cap, angle=begin, opening=begin + math.pi)),
+        body.made_of("last", (center,), partial(cap, angle=end, opening=end)),
         wide,
     )
+
+
+def _cap(at: MaterialPoint, middle: float, half: float, wall: float, angle: float, opening: float) -> Surface:
+    """The end of a curved slot about ``at`` whose middle line has the radius ``middle``."""
+    offset = middle * np.array([math.cos(angle), math.sin(angle)])
+    return replace(shapes.arc(shapes.carried(at, offset), half, opening, math.pi, hole=True), wall=wall)
 
 
 def straight_slot(body: Placed, first: Place, last: Place, width: float) -> Slot:
     """See :meth:`lcpflex.placed.Placed.straight_slot`."""
     wide = in_range("width", width, 0.0, math.inf, open_ends=True)
-    half = 0.5 * wide
-
-    def side(a: MaterialPoint, b: MaterialPoint) -> Surface:
-        """The track on the left from a to b."""
-        along = _direction(a, b)
-        left = half * np.array([-along[1], along[0]])
-        return shapes.chain([shapes.carried(a, left), shapes.carried(b, left)], goes_over=True)
-
-    def cap(a: MaterialPoint, b: MaterialPoint) -> Surface:
-        """The end about b."""
-        along = _direction(a, b)
-        return shapes.arc(b, half, math.atan2(along[1], along[0]) - 0.5 * math.pi, math.pi, hole=True)
-
+    side, cap = partial(_side, half=0.5 * wide), partial(_straight_cap, half=0.5 * wide)
     return Slot(
         body.made_of("inner", (first, last), side),
         body.made_of("outer", (last, first), side),
@@ -134,6 +125,19 @@ def straight_slot(body: Placed, first: Place, last: Place, width: float) -> Slot
         body.made_of("last", (first, last), cap),
         wide,
     )
+
+
+def _side(a: MaterialPoint, b: MaterialPoint, half: float) -> Surface:
+    """The track of a straight slot on the left from a to b."""
+    along = _direction(a, b)
+    left = half * np.array([-along[1], along[0]])
+    return shapes.chain([shapes.carried(a, left), shapes.carried(b, left)], goes_over=True)
+
+
+def _straight_cap(a: MaterialPoint, b: MaterialPoint, half: float) -> Surface:
+    """The end of a straight slot about b."""
+    along = _direction(a, b)
+    return shapes.arc(b, half, math.atan2(along[1], along[0]) - 0.5 * math.pi, math.pi, hole=True)
 
 
 def _direction(a: MaterialPoint, b: MaterialPoint) -> FloatArray:

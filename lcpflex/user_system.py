@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -89,6 +89,18 @@ class UserSystem:
     constraint_rate: Callable[..., Any] | None = None
     constraint_bias: Callable[..., Any] | None = None
     _functions: Functions = field(init=False, repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By its arguments; functions by their names, ModelError for one that cannot be found by it."""
+        from lcpflex.by_name import check_names
+
+        given = {part.name: getattr(self, part.name) for part in fields(self) if part.init}
+        check_names((f"UserSystem: {name}", value) for name, value in given.items())
+        return UserSystem, tuple(given.values())
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> UserSystem:
+        """A system cannot be changed."""
+        return self
 
     def __post_init__(self) -> None:
         q = _array("q", self.q, (None,))

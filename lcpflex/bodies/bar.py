@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from lcpflex.bodies.body import Body, Displacement, whole_number
 from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.ladder import mode_ladder
+from lcpflex.bodies.ladder import ModeLadder
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
     check_positive,
@@ -140,17 +141,22 @@ class Bar:
             locate=locate,
             residual_modes=n - free,
             contact_modes=min(n - free, self._contact_modes(free, mass, height, places)),
-            statics=LineStatics(lambda: self._whole(mass), self.length),
-            ladder=lambda: mode_ladder(
-                self.elements,
-                lambda k, z, held: self.reduce(
-                    k, z, interfaces=places if held else (), residual_damping=residual_damping
-                ),
-                damping,
-                n - free,
+            statics=LineStatics(partial(self._whole, mass), self.length),
+            ladder=ModeLadder(self.elements, partial(self._reduced_alike, places, residual_damping), damping, n - free),
+            products=partial(
+                _bar_products,
+                shapes=shapes,
+                nodes=nodes,
+                element_mass=mass / self.elements,
+                lumped=bool(self.lumped),
             ),
-            products=lambda field: _bar_products(field, shapes, nodes, mass / self.elements, bool(self.lumped)),
         )
+
+    def _reduced_alike(
+        self, places: tuple[Interface, ...], residual_damping: float | None, modes: int, damping: Damping, held: bool
+    ) -> Body:
+        """The body with other modes, with the residual ones of its places or without."""
+        return self.reduce(modes, damping, interfaces=places if held else (), residual_damping=residual_damping)
 
     def _modes(self, n: int, mass: float, loads: LineLoads) -> tuple[FloatArray, FloatArray]:
         """omega2 and shapes (nodes, .) of the n lowest modes and the residual ones of the loads."""

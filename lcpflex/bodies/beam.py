@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from lcpflex.bodies.beam_shortening import shortening_of, with_axial_loads
 from lcpflex.bodies.beam_stiffening import Line, axis_of, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Displacement, array_of, whole_number
 from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.ladder import mode_ladder
+from lcpflex.bodies.ladder import ModeLadder
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
     check_positive,
@@ -171,16 +172,32 @@ class Beam:
             axis=axis_of(line, found, nodes, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
             residual_modes=n - free,
             contact_modes=min(n - free, self._contact_modes(free, line, stiffening, places)),
-            statics=LineStatics(lambda: self._whole(line, stiffening), self.length),
-            ladder=lambda: mode_ladder(
+            statics=LineStatics(partial(self._whole, line, stiffening), self.length),
+            ladder=ModeLadder(
                 available,
-                lambda k, z, held: self.reduce(
-                    k, z, stiffening=stiffening, interfaces=places if held else (), residual_damping=residual_damping
-                ),
+                partial(self._reduced_alike, stiffening, places, residual_damping),
                 damping,
                 n - free,
             ),
-            products=lambda displacement: _beam_products(displacement, found, nodes, mass),
+            products=partial(_beam_products, modes=found, nodes=nodes, mass=mass),
+        )
+
+    def _reduced_alike(
+        self,
+        stiffening: Stiffening | None,
+        places: tuple[Interface, ...],
+        residual_damping: float | None,
+        modes: int,
+        damping: Damping,
+        held: bool,
+    ) -> Body:
+        """The body with other modes, with the residual ones of its places or without."""
+        return self.reduce(
+            modes,
+            damping,
+            stiffening=stiffening,
+            interfaces=places if held else (),
+            residual_damping=residual_damping,
         )
 
     def _loads(self, line: Line, places: tuple[Interface, ...], stiffening: Stiffening | None) -> LineLoads:

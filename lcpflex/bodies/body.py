@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -279,6 +279,13 @@ class Body:
         least = float(self.moment @ self.moment) / self.mass
         if not self.inertia > least:
             raise ModelError(f"inertia: {self.inertia!r} was given, expected more than |moment|^2 / mass = {least!r}")
+
+    def __setstate__(self, state: list[Any]) -> None:
+        """Of a copy or what is unpickled, whose arrays are read-only again."""
+        for part, value in zip(fields(self), state, strict=True):
+            if isinstance(value, np.ndarray):
+                value.setflags(write=False)
+            object.__setattr__(self, part.name, value)
 
     @property
     def modes(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,20 +41,27 @@ def finite_elements_of(solid: Solid, sets: Mapping[str, Any], wave_speed: float)
     boundary = boundary_of(mesh)
     names = names_of(mesh, boundary, sets, axisymmetric)
     bare = _without_names(solid)
-    dofs = bare.dofs
     return replace(
         bare,
         points=names.points,
         sets=names.sets,
         chains=names.chains,
         locate=locator(mesh, boundary),
-        geometric=lambda displacements: _geometric(solid, dofs, displacements),
+        geometric=partial(_geometric, solid, bare.dofs),
         resolution=Resolution(wave_speed, mesh.longest_edge()),
         excess=None  # known to be large where elements lock, and said above
         if locked
-        else lambda omega2, shapes: excess_stiffness(solid, omega2, bare.nodal(shapes)),
-        finer=lambda: _without_names(replace(solid, mesh=finer(mesh))),
+        else partial(_excess, solid, bare),
+        finer=partial(_finer, solid),
     )
+
+
+def _excess(solid: Solid, bare: FiniteElements, omega2: FloatArray, shapes: FloatArray) -> FloatArray:
+    return excess_stiffness(solid, omega2, bare.nodal(shapes))
+
+
+def _finer(solid: Solid) -> FiniteElements:
+    return _without_names(replace(solid, mesh=finer(solid.mesh)))
 
 
 def _without_names(solid: Solid) -> FiniteElements:

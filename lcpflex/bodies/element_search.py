@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -24,22 +25,25 @@ def locator(mesh: PlanarMesh, boundary: Boundary) -> Callable[[float, float], tu
     of_cells = mesh.places[mesh.cells]
     low, high = of_cells.min(axis=1), of_cells.max(axis=1)
     margin = 0.05 * (high - low).max(axis=1, keepdims=True)  # a curved edge reaches beyond its nodes
-    low, high = low - margin, high + margin
+    return partial(_locate, mesh, boundary, (low - margin, high + margin))
 
-    def locate(x: float, y: float) -> tuple[IntArray, FloatArray]:
-        place = np.array([x, y])
-        near = np.flatnonzero(((low <= place) & (place <= high)).all(axis=1))
-        for cell in near:
-            weights = _weights(mesh, of_cells[cell], place)
-            if weights is not None:
-                return mesh.cells[cell], weights
-        nearest = _nearest(mesh, boundary, place)
-        raise ModelError(
-            f"x, y: ({x:.9g}, {y:.9g}) was given, expected a place on the body; "
-            f"({nearest[0]:.9g}, {nearest[1]:.9g}) is nearest"
-        )
 
-    return locate
+def _locate(
+    mesh: PlanarMesh, boundary: Boundary, boxes: tuple[FloatArray, FloatArray], x: float, y: float
+) -> tuple[IntArray, FloatArray]:
+    """See :func:`locator`; ``boxes`` of the elements: (elements, 2) least and largest coordinates."""
+    place = np.array([x, y])
+    low, high = boxes
+    near = np.flatnonzero(((low <= place) & (place <= high)).all(axis=1))
+    for cell in near:
+        weights = _weights(mesh, mesh.places[mesh.cells[cell]], place)
+        if weights is not None:
+            return mesh.cells[cell], weights
+    nearest = _nearest(mesh, boundary, place)
+    raise ModelError(
+        f"x, y: ({x:.9g}, {y:.9g}) was given, expected a place on the body; "
+        f"({nearest[0]:.9g}, {nearest[1]:.9g}) is nearest"
+    )
 
 
 def _weights(mesh: PlanarMesh, nodes: FloatArray, place: FloatArray) -> FloatArray | None:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -138,13 +139,13 @@ def body_of(
         cross_damping=cross,
         geometric=stiffened_by_spin(mesh, stiffening, shapes),
         points={**_axis(mesh, moment / mass, len(c)), **{name: material(node) for name, node in mesh.points.items()}},
-        surfaces=Lazily({name: _maker(chain, material) for name, chain in mesh.chains.items()}),
-        locate=_locator(mesh, material),
+        surfaces=Lazily({name: partial(_outline, material, *chain) for name, chain in mesh.chains.items()}),
+        locate=partial(_locate, mesh, material),
         axisymmetric=mesh.axisymmetric,
         resolution=mesh.resolution,
         residual_modes=residual.modes,
         contact_modes=residual.of_contacts,
-        products=lambda displacement: _products(displacement, mesh, weighed),
+        products=partial(_products, mesh=mesh, weighed=weighed),
     )
 
 
@@ -226,24 +227,19 @@ def _axis(mesh: FiniteElements, center: FloatArray, modes: int) -> dict[str, Mat
     return {"axis": MaterialPoint(center, np.zeros((modes, 2)), np.zeros(modes))}
 
 
-def _maker(chain: tuple[IntArray, bool], material: Callable[[int], MaterialPoint]) -> Callable[[], Outline]:
-    nodes, closed = chain
-    return lambda: Chain(tuple(material(int(node)) for node in nodes), closed)
+def _outline(material: Callable[[int], MaterialPoint], nodes: IntArray, closed: bool) -> Outline:
+    return Chain(tuple(material(int(node)) for node in nodes), closed)
 
 
-def _locator(mesh: FiniteElements, material: Callable[[int], MaterialPoint]) -> Callable[[float, float], MaterialPoint]:
+def _locate(mesh: FiniteElements, material: Callable[[int], MaterialPoint], x: float, y: float) -> MaterialPoint:
     """The material at (x, y): at a node, or interpolated where the elements are known."""
-
-    def locate(x: float, y: float) -> MaterialPoint:
-        nodes, weights = material_weights(mesh, x, y)
-        if len(nodes) == 1:
-            return material(int(nodes[0]))
-        found = [material(int(node)) for node in nodes]
-        phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
-        psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
-        return MaterialPoint(np.array([float(x), float(y)]), phi, psi)
-
-    return locate
+    nodes, weights = material_weights(mesh, x, y)
+    if len(nodes) == 1:
+        return material(int(nodes[0]))
+    found = [material(int(node)) for node in nodes]
+    phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
+    psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
+    return MaterialPoint(np.array([float(x), float(y)]), phi, psi)
 
 
 def _products(displacement: Displacement, mesh: FiniteElements, weighed: FloatArray) -> FloatArray:

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.bodies.reduction import Damping, Rayleigh
 
-__all__ = ["counted", "mode_ladder"]
+__all__ = ["ModeLadder", "counted"]
 
 NEAR = 1.4  # the last rung below the full mesh has fewer modes than that by this factor: else it is hardly cheaper
 
 
-def mode_ladder(
-    available: int, reduce: Callable[[int, Damping, bool], Body], damping: Damping, residual: int = 0
-) -> tuple[Rung, ...]:
-    """Rigid, then rungs with 1, 2, 4, ... and all ``available`` free modes.
+@dataclass(frozen=True, slots=True, eq=False)
+class ModeLadder:
+    """Gives the rungs rigid, then 1, 2, 4, ... and all ``available`` free modes.
 
-    Parameters
+    Attributes
     ----------
     available : number of modes of the mesh
     reduce : makes the body with so many free modes, that damping, and its residual modes or none of them
@@ -28,26 +29,38 @@ def mode_ladder(
         damping of others nothing is known.
     residual : number of residual modes that every rung between rigid and the full mesh has besides
     """
-    known = available
-    ratios = None
-    if not isinstance(damping, Rayleigh) and np.ndim(damping) == 1:
-        ratios = np.asarray(damping, dtype=float)
-        known = len(ratios)
 
-    def rung(modes: int) -> Rung:
-        between = 0 < modes < available
-        name = counted(modes, residual) if between else "full mesh" if modes else "rigid"
-        own = damping if ratios is None else ratios[:modes]
-        total = modes + residual if between else modes
-        return Rung(name, total, lambda: replace(reduce(modes, own, between), ladder=lambda: rungs))
+    available: int
+    reduce: Callable[[int, Damping, bool], Body]
+    damping: Damping
+    residual: int = 0
 
-    counts = [0]
-    step = 1
-    while NEAR * (step + residual) < known:
-        counts.append(step)
-        step *= 2
-    rungs = tuple(rung(modes) for modes in dict.fromkeys([*counts, known]))
-    return rungs
+    def __call__(self) -> tuple[Rung, ...]:
+        """The rungs."""
+        ratios = self._ratios()
+        known = self.available if ratios is None else len(ratios)
+        counts = [0]
+        step = 1
+        while NEAR * (step + self.residual) < known:
+            counts.append(step)
+            step *= 2
+        return tuple(self._rung(modes) for modes in dict.fromkeys([*counts, known]))
+
+    def _ratios(self) -> np.ndarray[Any, Any] | None:
+        """One damping ratio for each mode, if it was given so."""
+        if isinstance(self.damping, Rayleigh) or np.ndim(self.damping) != 1:
+            return None
+        return np.asarray(self.damping, dtype=float)
+
+    def _rung(self, modes: int) -> Rung:
+        between = 0 < modes < self.available
+        name = counted(modes, self.residual) if between else "full mesh" if modes else "rigid"
+        return Rung(name, modes + self.residual if between else modes, partial(self._body, modes, between))
+
+    def _body(self, modes: int, between: bool) -> Body:
+        ratios = self._ratios()
+        own = self.damping if ratios is None else ratios[:modes]
+        return replace(self.reduce(modes, own, between), ladder=self)
 
 
 def counted(modes: int, residual: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import copy
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -74,19 +75,23 @@ def _located(modes: LineModes, h: float, x: FloatArray, y: FloatArray) -> tuple[
 
 def locator(modes: LineModes, length: float, height: float, h: float) -> Callable[[float, float], MaterialPoint]:
     """The material point at (x, y) of a strip 0 <= x <= length, |y| <= height/2."""
+    return partial(_locate, modes, length, height, h)
 
-    def locate(x: float, y: float) -> MaterialPoint:
-        slack = 1e-12 * length
-        along = in_range("x", x, -slack, length + slack)
-        across = in_range("y", y, -0.5 * height - slack, 0.5 * height + slack)
-        return _located(modes, h, np.array([along]), np.array([across]))[0]
 
-    return locate
+def _locate(modes: LineModes, length: float, height: float, h: float, x: float, y: float) -> MaterialPoint:
+    slack = 1e-12 * length
+    along = in_range("x", x, -slack, length + slack)
+    across = in_range("y", y, -0.5 * height - slack, 0.5 * height + slack)
+    return _located(modes, h, np.array([along]), np.array([across]))[0]
 
 
 def end_points(locate: Callable[[float, float], MaterialPoint], length: float) -> dict[str, MaterialPoint]:
     """The named points of a line."""
     return {"left": locate(0.0, 0.0), "center": locate(0.5 * length, 0.0), "right": locate(length, 0.0)}
+
+
+def _outline(modes: LineModes, h: float, x: FloatArray, y: FloatArray, closed: bool) -> Chain:
+    return Chain(_located(modes, h, x, y), closed)
 
 
 def strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[Outline]:
@@ -97,7 +102,7 @@ def strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[
 
     def chain(places: list[tuple[float, float]], closed: bool = False) -> Callable[[], Outline]:
         x, y = np.array(places).T
-        return lambda: Chain(_located(modes, h, x, y), closed)
+        return partial(_outline, modes, h, x, y, closed)
 
     bottom = [(x, -half) for x in forth]
     top = [(x, half) for x in back]

@@ -88,6 +88,10 @@ class MeshStatics:
     def _near_to(self) -> Callable[[int], IntArray]:
         return neighbours(self._mesh)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without the factor, which no copy can share."""
+        return {name: value for name, value in vars(self).items() if name not in ("_free", "_near_to")}
+
     def compliance(self, x: float, y: float) -> FloatArray:
         """(3, 3) displacement (x, y) [m] and rotation [rad] at a place by unit forces and a unit moment there."""
         if (x, y) not in self._known:

@@ -62,7 +62,7 @@ def reduced(
     return replace(
         body,
         statics=MeshStatics(stiffened),
-        ladder=lambda: _ladder(stiffened, damping, stiffening, nodes, held, residual),
+        ladder=partial(_ladder, stiffened, damping, stiffening, nodes, held, residual),
     )
 
 
@@ -94,12 +94,13 @@ def _ladder(
     """
     free = cache(lambda: FreeMesh.of(mesh))  # one factor for all rungs
     rungs: list[Rung] = []
+    again = partial(_ladder, mesh, damping, stiffening, nodes, held, residual)
 
     def rung(name: str, modes: int, basis: Callable[[], Basis], extra: Residual = NO_RESIDUAL) -> None:
         def make() -> Body:
             own = damping[: modes - extra.modes] if isinstance(damping, np.ndarray) else damping
             body = body_of(mesh, *basis(), own, stiffening, extra)
-            return replace(body, statics=MeshStatics(mesh), ladder=lambda: tuple(rungs))
+            return replace(body, statics=MeshStatics(mesh), ladder=again)
 
         rungs.append(Rung(name, modes, make))
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.compiled import FloatArray, IntArray
@@ -24,17 +26,15 @@ NEIGHBOURS = 8  # nodes from which the rotation of the material at a node is est
 
 def material_at_nodes(mesh: FiniteElements, nodal: FloatArray) -> Callable[[int], MaterialPoint]:
     """Node -> material point of shapes (N, 2, n); the rotation of the material is estimated from its neighbours."""
-    places = mesh.places
-    near_to = neighbours(mesh)
+    return partial(_material, mesh.places, neighbours(mesh), nodal)
 
-    def material(node: int) -> MaterialPoint:
-        near = near_to(node)
-        if not len(near):
-            return MaterialPoint(places[node], nodal[node].T.copy(), np.zeros(nodal.shape[2]))
-        moves = nodal[near] - nodal[node]
-        return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(places[near] - places[node], moves))
 
-    return material
+def _material(places: FloatArray, near_to: Callable[[int], IntArray], nodal: FloatArray, node: int) -> MaterialPoint:
+    near = near_to(node)
+    if not len(near):
+        return MaterialPoint(places[node], nodal[node].T.copy(), np.zeros(nodal.shape[2]))
+    moves = nodal[near] - nodal[node]
+    return MaterialPoint(places[node], nodal[node].T.copy(), _rotation(places[near] - places[node], moves))
 
 
 def neighbours(mesh: FiniteElements) -> Callable[[int], IntArray]:
@@ -50,15 +50,17 @@ def neighbours(mesh: FiniteElements) -> Callable[[int], IntArray]:
     links.sort_indices()
     on_axis = np.ones(count, dtype=np.bool_)
     on_axis[mesh.dofs[mesh.dofs % 2 == 1] // 2] = False
+    return partial(_near_to, links.indptr, links.indices, places, on_axis)
 
-    def near_to(node: int) -> IntArray:
-        linked = links.indices[links.indptr[node] : links.indptr[node + 1]]
-        linked = linked[linked != node]
-        arms = places[linked] - places[node]
-        near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
-        return np.asarray(linked[near][:0] if on_axis[node] else linked[near])
 
-    return near_to
+def _near_to(
+    start: npt.NDArray[Any], other: npt.NDArray[Any], places: FloatArray, on_axis: npt.NDArray[np.bool_], node: int
+) -> IntArray:
+    linked = other[start[node] : start[node + 1]]
+    linked = linked[linked != node]
+    arms = places[linked] - places[node]
+    near = np.argsort(np.hypot(arms[:, 0], arms[:, 1]), kind="stable")[:NEIGHBOURS]
+    return np.asarray(linked[near][:0] if on_axis[node] else linked[near])
 
 
 def displacement_rows(mesh: FiniteElements, at: Nodes, near_to: Callable[[int], IntArray]) -> FloatArray:

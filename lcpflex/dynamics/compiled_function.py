@@ -57,6 +57,10 @@ class CompiledFunction:
         self._code = _compiled(self._source, self.form)
         self._words = np.array([self._code.address, self._data.ctypes.data], dtype=np.int64)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What it is made of: its code is compiled, and its address found, where it is unpickled."""
+        return CompiledFunction, (self.name, self.function, MOTION if self.motion else self.form)
+
     @property
     def address(self) -> int:
         """As :func:`lcpflex.contact.laws.own_call.own_force` takes it."""

@@ -63,6 +63,10 @@ class Materials:
         self._modes = modes
         self._known: dict[int, tuple[PlacedPoint, MaterialPoint]] = {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Without what is known by identity: copies of points are others."""
+        return Materials, (self._handles, self._modes)
+
     def of(self, point: PlacedPoint) -> MaterialPoint:
         """The material at a point of the scene as it was declared."""
         if len(point.material.psi) == self._modes[point.body]:
