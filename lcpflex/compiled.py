@@ -1,8 +1,8 @@
 """The one decorator under which every numerical kernel is compiled.
 
 A kernel is a function of arrays and scalars in the subset of Python that numba compiles. It is
-compiled at its first call and kept in a cache on disk. The cache of numba is keyed by the source file
-of the function alone, so a change in another file that a kernel calls would go unseen; here the key is
+compiled at its first call and kept on disk (:mod:`lcpflex.kernel_cache`). The cache of numba is keyed by the source
+file of the function alone, so a change in another file that a kernel calls would go unseen; here the key is
 the content of that file and of all that it imports from the package, and an upgrade never runs stale code.
 """
 
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-import sys
 import types
 from collections.abc import Callable
 from functools import cache
@@ -27,8 +26,6 @@ IntArray = npt.NDArray[np.int64]
 F = TypeVar("F", bound=Callable[..., Any])
 
 ROOT = Path(__file__).resolve().parent
-
-_announced = False
 
 
 @cache
@@ -54,44 +51,11 @@ def _stamp(path: Path) -> str:
     return digest.hexdigest()
 
 
-def _announce() -> None:
-    """Say once per process what the first call waits for."""
-    global _announced
-    if not _announced:
-        _announced = True
-        print(
-            "lcpflex: compiling its kernels for this machine (once; some tens of seconds, "
-            "`lcpflex warmup` does all of them ahead of time) ...",
-            file=sys.stderr,
-            flush=True,
-        )
-
-
-def _source_of(function: Callable[..., Any]) -> Path:
-    """The file of a function's module, found by its name: ``lcpflex/solvers`` is a link."""
-    return ROOT.joinpath(*function.__module__.split(".")[1:]).with_suffix(".py")
-
-
-def _package_cache(function: Callable[..., Any]) -> Any:
-    """Numba's on-disk cache of one function, stamped with all the sources it depends on."""
-    from numba.core.caching import FunctionCache
-
-    class PackageCache(FunctionCache):  # type: ignore[misc]
-        def __init__(self, py_func: Callable[..., Any]) -> None:
-            super().__init__(py_func)
-            self._cache_file._source_stamp = _stamp(_source_of(py_func))
-
-        def load_overload(self, sig: Any, target_context: Any) -> Any:
-            try:
-                loaded = super().load_overload(sig, target_context)
-            except Exception:  # an index that names types of a module gone since, or is damaged: start it anew
-                self._cache_file.flush()
-                loaded = None
-            if loaded is None:
-                _announce()
-            return loaded
-
-    return PackageCache(function)
+def _source_of(function: Callable[..., Any]) -> Path | None:
+    """The file of a function's module, found by its name: ``lcpflex/solvers`` is a link. None for a user's kernel."""
+    package, *names = function.__module__.split(".")
+    source = ROOT.joinpath(*names).with_suffix(".py")
+    return source if package == ROOT.name and names and source.is_file() else None
 
 
 def kernel(function: F) -> F:
@@ -104,14 +68,14 @@ def kernel(function: F) -> F:
     import numba
 
     dispatcher = numba.njit(_nrt=False, error_model="numpy", no_cfunc_wrapper=True)(function)
-    try:
-        dispatcher._cache = _package_cache(function)
-    except (
-        AttributeError,
-        OSError,
-        RuntimeError,
-    ):  # other numba internals, no folder for a cache, a kernel of a user's
-        pass
+    source = _source_of(function)
+    if source is not None and not numba.config.DISABLE_JIT:
+        try:
+            import lcpflex.kernel_cache  # so written, it is not among the sources that kernels depend on
+
+            lcpflex.kernel_cache.attach(dispatcher, function, lambda: _stamp(source))
+        except (ImportError, AttributeError):  # another numba inside
+            pass
     return cast(F, dispatcher)
 
 
