@@ -10,10 +10,18 @@ from lcpflex.solvers.problem import PosedProblem, Solution
 __all__ = ["check_guess", "check_solver", "posed"]
 
 
+_WAYS = ("lcp", "solve_by", "residual", "slack")
+_POSED: set[type] = set()  # types that are known to have them
+
+
 def posed(problem: Any) -> PosedProblem:
     """A problem that an LCP solver takes by way of its :meth:`lcp`. Raises ModelError for anything else."""
-    ways = (getattr(problem, name, None) for name in ("lcp", "solve_by", "residual", "slack"))
+    if type(problem) in _POSED:
+        return problem  # type: ignore[no-any-return]
+    ways = (getattr(problem, name, None) for name in _WAYS)
     if not isinstance(problem, type) and all(callable(way) for way in ways):
+        if all(callable(getattr(type(problem), name, None)) for name in _WAYS):
+            _POSED.add(type(problem))
         sound: PosedProblem = problem
         return sound
     raise ModelError(f"problem is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")

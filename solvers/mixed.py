@@ -12,63 +12,59 @@ Sources: Cottle, Pang & Stone 1992, sections 1.4 and 2.3; Dirkse & Ferris 1995 (
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
+from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import flag, numbers, point_of
+from lcpflex.given import numbers, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.certificate import guarded_residual
+from lcpflex.solvers.arrays import as_array, check_finite
+from lcpflex.solvers.boxes import CANCELLED, DOUBLE, FREE, box_parts, recover_box, reduce_box, sound_box
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
 from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
 DEPENDENT = 1e-12  # singular value, relative, below which a bilateral row depends on others
-CANCELLED = 1e-13  # part of its terms below which a sum is rounding
 OUTSIDE = 1e-9  # part of a column that is left over where it is outside of the range of the bilateral rows
 
 
-@dataclass(frozen=True, slots=True)
-class _Reduction:
-    """How a boxed problem became an LCP in [x; y] (or [x; y; minus] where free unknowns had to be split).
+class _Reduction(NamedTuple):
+    """How a boxed problem became an LCP in [x; y] (or [x; y; plus; minus] where free unknowns had to be split).
 
-    z = base + sign * x for bounded unknowns; z_F = offset + gain @ x for eliminated ones.
+    z = base + sign * x for bounded unknowns, frame (2, n) = [base, sign]; z_F = gain @ [x; 1] for eliminated ones.
     """
 
     lcp: Lcp
-    base: FloatArray
-    sign: FloatArray
-    bounded: npt.NDArray[np.bool_]
-    two_sided: npt.NDArray[np.bool_]
+    frame: FloatArray
+    kind: IntArray
     gain: FloatArray | None
-    offset: FloatArray
-    contradiction: float
+    contradiction: float = 0.0
 
     def recover(self, x: FloatArray) -> FloatArray:
         """z (n,) from the unknowns of the LCP."""
-        z = self.base.copy()
-        count = int(self.bounded.sum())
-        z[self.bounded] += self.sign[self.bounded] * x[:count]
-        free = ~self.bounded
+        z = np.empty(len(self.kind))
         if self.gain is not None:
-            z[free] = self.offset + self.gain @ x[:count]
-        else:
-            extra = count + int(self.two_sided.sum())
-            plus, minus = np.split(x[extra:], 2)
-            z[free] = plus - minus
+            recover_box(x, self.frame, self.kind, self.gain, z)
+            return z
+        bounded, (base, sign) = self.kind != FREE, self.frame
+        count = int(bounded.sum())
+        z[bounded] = base[bounded] + sign[bounded] * x[:count]
+        plus, minus = np.split(x[count + int((self.kind == DOUBLE).sum()) :], 2)
+        z[~bounded] = plus - minus
         return z
 
     def point(self, z: FloatArray, w: FloatArray) -> FloatArray:
         """The unknowns of the LCP for a guess z, w (n,)."""
-        x = np.maximum(self.sign * (z - self.base), 0.0)[self.bounded]
-        parts = [x, np.maximum(-w, 0.0)[self.two_sided]]
+        bounded, (base, sign) = self.kind != FREE, self.frame
+        parts = [np.maximum(sign * (z - base), 0.0)[bounded], np.maximum(-w, 0.0)[self.kind == DOUBLE]]
         if self.gain is None:
-            parts += [np.maximum(z[~self.bounded], 0.0), np.maximum(-z[~self.bounded], 0.0)]
+            parts += [np.maximum(z[~bounded], 0.0), np.maximum(-z[~bounded], 0.0)]
         return np.concatenate(parts)
 
 
@@ -84,20 +80,26 @@ class BoxedLcp:
     q: FloatArray
     lower: FloatArray
     upper: FloatArray
+    # What the four show read-only: kernels would be compiled a second time for read-only arrays.
+    data: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
+    _bounds: tuple[int, int] = field(init=False, repr=False, compare=False)  # how many unknowns have one, and two
+    _reduction: list[_Reduction] = field(default_factory=list, init=False, repr=False, compare=False)  # once made
 
     def __post_init__(self) -> None:
-        q = finite_array("q", self.q, 1)
-        M = finite_array("M", self.M, 2) if len(q) else np.zeros((0, 0))
+        q = as_array("q", self.q, 1)
+        M = as_array("M", self.M, 2) if len(q) else np.zeros((0, 0))
         if M.shape != (len(q), len(q)):
             raise ModelError(f"M has shape {M.shape} and q shape {q.shape}: expected (n, n) and (n,)")
-        lower, upper = _bound("lower", self.lower, len(q)), _bound("upper", self.upper, len(q))
-        crossed = np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))
-        if len(crossed):
-            i = crossed[0]
-            raise ModelError(f"lower[{i}] is {lower[i]}, upper[{i}] is {upper[i]}: expected lower <= upper")
-        for name, value in (("M", M), ("q", q), ("lower", lower), ("upper", upper)):
-            value.flags.writeable = False
-            object.__setattr__(self, name, value)
+        data = M, q, _bound("lower", self.lower, len(q)), _bound("upper", self.upper, len(q))
+        bounds = sound_box(*data)
+        if bounds[0] < 0:
+            _refuse(*data)
+        object.__setattr__(self, "_bounds", bounds)
+        object.__setattr__(self, "data", data)
+        for name, value in zip(("M", "q", "lower", "upper"), data, strict=True):
+            view = value.view()
+            view.flags.writeable = False
+            object.__setattr__(self, name, view)
 
     @property
     def size(self) -> int:
@@ -114,31 +116,24 @@ class BoxedLcp:
         d_i is the largest |M_ij| of row i. Scaled and guarded as that of an :class:`Lcp`, with which it agrees where
         the bounds are 0 and inf. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
-        point = point_of("z", z, self.size)
-        if not self.size:
-            return 0.0
-        with np.errstate(all="ignore"):
-            size = np.abs(self.M)
-            d = size.max(axis=1)
-            d[d == 0.0] = 1.0
-            w = self.slack(point)
-            off = d * (point - np.clip(point - w / d, self.lower, self.upper))
-            terms = np.abs(self.q) + size @ np.abs(point)
-            bounds = np.where(np.isfinite(self.lower), np.abs(self.lower), 0.0)
-            bounds = np.maximum(bounds, np.where(np.isfinite(self.upper), np.abs(self.upper), 0.0))
-            load = max(float(np.abs(self.q).max()), float((d * bounds).max()))
-            worst, largest = float(np.abs(off).max()), max(float(terms.max()), load)
-        if not np.isfinite([worst, largest]).all() or not np.isfinite(off).all():
-            return float("inf")
-        return float(guarded_residual(worst, largest, load)) if flag("scaled", scaled) else worst
+        worst, size, load = box_parts(*self.data, point_of("z", z, self.size), np.empty(self.size))
+        return float(guarded_residual(worst, size, load)) if scaled else float(worst)
+
+    def judged(self, point: FloatArray) -> tuple[FloatArray, float, float]:
+        """w of a point (n,), and its residual in the two sizes of a :class:`Solution`."""
+        w = np.empty(len(point))
+        if w.shape != self.q.shape:
+            raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
+        worst, size, load = box_parts(*self.data, point, w)
+        return w, guarded_residual(worst, size, load), strict_residual(worst, load)
 
     def lcp(self) -> Lcp:
         """The LCP that :meth:`recover` leads back from."""
-        return _reduce(self).lcp
+        return self._reduced().lcp
 
     def recover(self, x: npt.ArrayLike) -> FloatArray:
         """z (n,) from a solution x of :meth:`lcp`."""
-        reduction = _reduce(self)
+        reduction = self._reduced()
         return reduction.recover(point_of("x", x, reduction.lcp.size))
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
@@ -148,7 +143,12 @@ class BoxedLcp:
         """
         check_solver(solver)
         check_guess(guess)
-        return _solve_reduced(self, _reduce(self), solver, guess)
+        return _solve_reduced(self, self._reduced(), solver, guess)
+
+    def _reduced(self) -> _Reduction:
+        if not self._reduction:
+            self._reduction.append(_reduce(self))
+        return self._reduction[0]
 
     def exact_system(self) -> ExactSystem:
         """The conditions without rounding, unknowns [bounded ones, multipliers of second bounds, free ones]."""
@@ -166,24 +166,23 @@ class MixedLcp:
     M: FloatArray
     q: FloatArray
     free: npt.NDArray[np.bool_]
+    boxed: BoxedLcp = field(init=False, repr=False, compare=False)
+    """The same problem by its bounds."""
 
     def __post_init__(self) -> None:
-        q = finite_array("q", self.q, 1)
+        q = as_array("q", self.q, 1)
         free = _mask(self.free, len(q))
-        boxed = BoxedLcp(self.M, q, np.where(free, -np.inf, 0.0), np.full(len(q), np.inf))
-        for name, value in (("M", boxed.M), ("q", boxed.q), ("free", free)):
-            value.flags.writeable = False
+        lower = np.zeros(len(q))
+        lower[free] = -np.inf
+        boxed = BoxedLcp(self.M, q, lower, np.inf)  # type: ignore[arg-type]  # a number is all right
+        free.flags.writeable = False
+        for name, value in (("M", boxed.M), ("q", boxed.q), ("free", free), ("boxed", boxed)):
             object.__setattr__(self, name, value)
 
     @property
     def size(self) -> int:
         """Number of unknowns n."""
         return len(self.q)
-
-    @property
-    def boxed(self) -> BoxedLcp:
-        """The same problem by its bounds."""
-        return BoxedLcp(self.M, self.q, np.where(self.free, -np.inf, 0.0), np.full(self.size, np.inf))
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
         """w = M z + q, shape (n,)."""
@@ -210,18 +209,37 @@ class MixedLcp:
         return self.boxed.exact_system()
 
 
-def _bound(name: str, value: npt.ArrayLike, n: int) -> FloatArray:
-    given = numbers(value)
+def _bound(name: str, value: Any, n: int) -> FloatArray:
+    given = value if type(value) is float else numbers(value)
+    if type(given) is float:
+        return np.full(n, given)
     if given is None:
         raise ModelError(f"{name} is {shown(value)}: expected ({n},) numbers, or one number")
     if given.shape not in ((), (n,)):
         raise ModelError(f"{name} has shape {given.shape}: expected ({n},) or one number")
-    if np.isnan(given).any():
-        raise ModelError(f"{name} is {shown(given)}: expected numbers, -inf or inf")
-    return np.ascontiguousarray(np.broadcast_to(given, (n,)).copy())
+    bound = np.empty(n)
+    bound[:] = given
+    return bound
 
 
-def _mask(value: npt.ArrayLike, n: int) -> npt.NDArray[np.bool_]:
+def _refuse(M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray) -> None:
+    """Say what is wrong with the numbers of a box."""
+    check_finite("q", q)
+    check_finite("M", M)
+    for name, bound in (("lower", lower), ("upper", upper)):
+        if np.isnan(bound).any():
+            raise ModelError(f"{name} is {shown(bound)}: expected numbers, -inf or inf")
+    crossed = np.flatnonzero((lower > upper) | (lower == np.inf) | (upper == -np.inf))
+    i = crossed[0]
+    raise ModelError(f"lower[{i}] is {lower[i]}, upper[{i}] is {upper[i]}: expected lower <= upper")
+
+
+def _mask(value: Any, n: int) -> npt.NDArray[np.bool_]:
+    if type(value) is list and all(type(k) is int and 0 <= k < n for k in value):  # by far the quickest
+        mask = np.zeros(n, dtype=bool)
+        for k in value:
+            mask[k] = True
+        return mask
     try:
         given = np.asarray(value)
     except Exception:  # ragged, endless, or an object of the user
@@ -242,11 +260,20 @@ def _mask(value: npt.ArrayLike, n: int) -> npt.NDArray[np.bool_]:
 
 def _reduce(problem: BoxedLcp) -> _Reduction:
     """Shift, mirror, add multipliers of upper bounds, eliminate free unknowns."""
+    n, (b, extra) = problem.size, problem._bounds
+    f, k = n - b, b + extra
+    frame, (kind, order) = np.empty((2, n)), np.empty((2, n), dtype=np.int64)
+    gain, M, q, work = np.empty((f, b + 1)), np.empty((k, k)), np.empty(k), np.empty((n + 2 * f + 2, n + 1))
+    made = reduce_box(*problem.data, frame, kind, order, gain, M, q, work)
+    if made:
+        lcp = Lcp(M, q)
+        return _Reduction(lcp.measured_alike() if made == 2 else lcp, frame, kind, gain)
     with np.errstate(all="ignore"):  # what overflows is refused, or judged and found wrong
         return _reduced(problem)
 
 
 def _reduced(problem: BoxedLcp) -> _Reduction:
+    """The same where bilateral rows are many, redundant, or cannot be eliminated."""
     below, above = np.isfinite(problem.lower), np.isfinite(problem.upper)
     bounded, two_sided = below | above, below & above
     sign = np.where(bounded & ~below, -1.0, 1.0)
@@ -276,7 +303,9 @@ def _reduced(problem: BoxedLcp) -> _Reduction:
             load[rows] = side * q[F]
             full[np.ix_(rows, plus)] = side * M[np.ix_(F, F)]
             full[np.ix_(rows, minus)] = -side * M[np.ix_(F, F)]
-    return _Reduction(Lcp(full, load), base, sign, bounded, two_sided, gain, offset, contradiction)
+    gain = None if gain is None else np.column_stack([gain, offset])
+    kind = bounded.astype(np.int64) + two_sided
+    return _Reduction(Lcp(full, load), np.stack([base, sign]), kind, gain, contradiction)
 
 
 def _sum(A: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
@@ -330,7 +359,7 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
         route=found.route,
         message=message if not found.solved or reduction.contradiction > OUTSIDE else "",
         active=found.active,
-        solutions=tuple(reduction.recover(x) for x in found.solutions),
+        solutions=tuple([reduction.recover(x) for x in found.solutions]) if found.solutions else (),
     )
     if not judged.solved and found.status in PROVED:
         return confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))

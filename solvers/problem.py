@@ -115,6 +115,11 @@ class Lcp:
         self._units[:] = [np.ascontiguousarray(units), "given"]
         return self
 
+    def measured_alike(self) -> Lcp:
+        """This problem, whose unknowns are known to be alike as they are. Set once."""
+        self._units[:] = [None, None, False]
+        return self
+
     def balanced(self) -> tuple[Lcp, Units | None]:
         """The problem in units in which its unknowns are alike, and those: z / d, d M d, d q.
 
@@ -153,7 +158,7 @@ class Lcp:
         if not all_finite(M, q):
             return None, None
         scaled = Lcp(M, q, None if self.factor is None else self.factor * d[:, None])
-        scaled._units[:] = [None, None, False]
+        scaled.measured_alike()
         scaled._symmetric[:] = self._symmetric
         return scaled, units
 
@@ -324,6 +329,9 @@ def _judged(problem: Problem, point: FloatArray) -> tuple[FloatArray, float, flo
         sizes = problem.residuals(point)
         weigh(*problem.data, point, len(point), w)
         return w, *sizes
+    if hasattr(problem, "judged"):
+        told: tuple[FloatArray, float, float] = problem.judged(point)
+        return told
     with np.errstate(all="ignore"):
         if hasattr(problem, "residuals"):
             residual, strict = problem.residuals(point)
