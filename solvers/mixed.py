@@ -210,9 +210,9 @@ class MixedLcp:
 
 
 def _bound(name: str, value: Any, n: int) -> FloatArray:
-    given = value if type(value) is float else numbers(value)
-    if type(given) is float:
-        return np.full(n, given)
+    if type(value) is float:
+        return np.full(n, value)
+    given = numbers(value)
     if given is None:
         raise ModelError(f"{name} is {shown(value)}: expected ({n},) numbers, or one number")
     if given.shape not in ((), (n,)):
