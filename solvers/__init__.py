@@ -16,6 +16,7 @@ if __name__ != "lcpflex.solvers":
 if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto, solve_lcp
     from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
+    from lcpflex.solvers.clock import TimeLimit
     from lcpflex.solvers.comparison import CrossCheck, all_solvers, cross_check
     from lcpflex.solvers.cone import ConvexFriction
     from lcpflex.solvers.enumeration import Enumeration
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
     from lcpflex.solvers.newton import MinMapNewton
+    from lcpflex.solvers.own import OwnSolver
     from lcpflex.solvers.principal_pivoting import PrincipalPivoting
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
@@ -44,12 +46,14 @@ __all__ = [
     "Lemke",
     "MinMapNewton",
     "MixedLcp",
+    "OwnSolver",
     "PrincipalPivoting",
     "QuadraticProgram",
     "Replay",
     "Solution",
     "SpatialContactProblem",
     "Status",
+    "TimeLimit",
     "accept",
     "all_solvers",
     "cross_check",
@@ -74,12 +78,14 @@ _HOME = {
     "Lemke": "lemke",
     "MinMapNewton": "newton",
     "MixedLcp": "mixed",
+    "OwnSolver": "own",
     "PrincipalPivoting": "principal_pivoting",
     "QuadraticProgram": "quadratic_program",
     "Replay": "replays",
     "Solution": "problem",
     "SpatialContactProblem": "spatial",
     "Status": "problem",
+    "TimeLimit": "clock",
     "accept": "problem",
     "all_solvers": "comparison",
     "cross_check": "comparison",

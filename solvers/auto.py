@@ -20,6 +20,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
+from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.contact_forms import from_copositive
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.farkas import candidate
@@ -139,7 +140,7 @@ class Auto:
         swept = None
         if problem.delassus is None or problem.size > MANY:
             swept = BlockGaussSeidel(self.tolerance).solve(problem, guess)
-            if swept.solved or problem.size > TOO_MANY:
+            if swept.solved or problem.size > TOO_MANY or out_of_time():
                 return swept if swept.solved else replace(swept, route=joined(swept))
         lcp = problem.lcp()
         found = self._first(lcp, aligned(guess, keys))
@@ -193,6 +194,9 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
     """One step after the other until one settles the problem; else the best point, and why the first method failed."""
     best, tried = first, [first]
     for name, step in steps:
+        if out_of_time():
+            iterations = sum(found.iterations for found in tried)
+            return expired(replace(best, route=joined(*tried), iterations=iterations))
         found = guarded(name, problem, tolerance, step)
         tried.append(found)
         if found.settled or found.residual < best.residual:
@@ -200,7 +204,7 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
         if found.settled:
             break
     route, iterations = joined(*tried), sum(found.iterations for found in tried)
-    if best.settled or best.status is Status.INACCURATE:
+    if best.settled or best.status in (Status.INACCURATE, Status.TIME_LIMIT):
         return replace(best, route=route, iterations=iterations)
     names = " > ".join(name.removesuffix(FAILED) for found in tried for name in found.route.split(" > "))
     reasons = [f"{_words(first.status)}: nothing of {names} found a solution or proved that none is"]

@@ -23,6 +23,7 @@ import scipy.sparse.linalg
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.clock import grown, remaining
 from lcpflex.solvers.contact_sweeps import (
     BACK,
     FIRST_LOOK,
@@ -38,7 +39,17 @@ from lcpflex.solvers.contact_sweeps import (
 from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lemke import lemke_workspace
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, keep_limit, keep_tolerance, restored
+from lcpflex.solvers.problem import (
+    ITERATION_LIMIT,
+    Lcp,
+    PosedProblem,
+    Solution,
+    Status,
+    accept,
+    keep_limit,
+    keep_tolerance,
+    restored,
+)
 
 __all__ = ["BlockGaussSeidel"]
 
@@ -205,11 +216,17 @@ class BlockGaussSeidel:
         problem, n = run.problem, lcp.size
         z, (table, basis) = np.empty(n), lemke_workspace(n)
         assert problem.delassus is not None
-        code, sweeps, finished = block_gauss_seidel(
-            problem.delassus, problem.free, problem.friction, run.tangent_of, *lcp.data, run.forces, run.states,
-            z, np.empty(n), table, basis, self.tolerance, self.sweep_limit,
-        )  # fmt: skip
-        status, active = Status(code), None
+        delassus, work, start = problem.delassus, np.empty(n), (run.forces.copy(), run.states.copy())
+
+        def swept(most: int) -> tuple[int, int, int]:
+            run.forces[:], run.states[:] = start
+            return block_gauss_seidel(
+                delassus, problem.free, problem.friction, run.tangent_of, *lcp.data, run.forces, run.states,
+                z, work, table, basis, self.tolerance, most,
+            )  # fmt: skip
+
+        (code, sweeps, finished), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        status, active = Status.TIME_LIMIT if cut else Status(code), None
         route = SWEPT + FINISHED * finished
         if status is Status.SOLVED:
             active = basis[:n].copy()
@@ -229,6 +246,9 @@ class BlockGaussSeidel:
         best, least = np.zeros(run.problem.size), run.problem.residual(np.zeros(run.problem.size))
         route, status = SWEPT, Status.ITERATION_LIMIT
         while least > self.tolerance and sweeps < self.sweep_limit:
+            if remaining() <= 0.0:
+                status = Status.TIME_LIMIT
+                break
             made, change = run.sweep(min(look, self.sweep_limit) - sweeps, target)
             sweeps, look = sweeps + made, 2 * look
             if not change < RUNAWAY * load:

@@ -6,9 +6,7 @@ therefore sought in w, of contact problems in the contact velocities.
 
 from __future__ import annotations
 
-import csv
 import dataclasses
-import io
 import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,12 +18,15 @@ import numpy as np
 import lcpflex.solvers
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
-from lcpflex.solvers.problem import Solution, check_limit
+from lcpflex.solvers.clock import TimeLimit, check_time_limit
+from lcpflex.solvers.own import TARGET, named_solvers, own_part, own_tolerance
+from lcpflex.solvers.problem import Solution, Status, check_limit, check_tolerance
+from lcpflex.solvers.records import version_of
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
 
 ALIKE = 1e-6  # relative difference up to which two certified answers count as one
-LOOSEST = 1e-2  # residual above which nothing is a solution, for solvers that do not tell their tolerance
+ROUNDING = 1.01  # by which a residual that is computed once more may exceed the tolerance
 LONGEST = 110  # characters of a remark
 PROOFS = ("INFEASIBLE", "NO_SOLUTION")
 REFUSED, FAILED = "refused", "failed"  # in place of a status
@@ -55,17 +56,23 @@ def all_solvers(problem: Any = None) -> dict[str, Any]:
 
 def _is_solver(kind: object) -> bool:
     promises = all(callable(getattr(kind, name, None)) for name in ("solve", "refuses"))
-    return isinstance(kind, type) and dataclasses.is_dataclass(kind) and promises
+    if not (promises and isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        return False
+    missing = dataclasses.MISSING
+    return all(f.default is not missing or f.default_factory is not missing for f in dataclasses.fields(kind) if f.init)
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
     """What one solver made of the problem.
 
-    status: name of its Status, or "refused" or "failed" (it raised). difference: max |z - z_ref|; same_motion: whether
-    w is that of the reference; both None if not solved or the model is another one. time [s]: median of the repeats.
-    remark: the reason, if it was not solved. model: what the solver solves instead of the problem, if it does.
-    solved, wrong: what it claims, and whether the claim was refuted here.
+    status: name of the Status that its point deserves, or "refused" or "failed" (it raised, or returned no point).
+    residual: of its point, computed here on the data of the problem, whatever the solver states; of another model's
+    forces too. difference: max |z - z_ref|; same_motion: whether w is that of the reference; both None if not solved or
+    the model is another one. time [s]: median of the repeats. remark: the reason, if it was not solved. model: what the
+    solver solves instead of the problem, if it does. solved: whether the residual is within the tolerance. wrong:
+    whether the solver's claim, ``claim``, was refuted here. route: which algorithms it says that it tried. version: of
+    the solver, as far as it is known.
     """
 
     solver: str
@@ -79,6 +86,10 @@ class Row:
     model: str = ""
     solved: bool = False
     wrong: bool = False
+    claim: str = ""
+    tolerance: float = float("nan")
+    route: str = ""
+    version: str = ""
 
     def cells(self) -> tuple[str, ...]:
         """The row as text, in the order of the table."""
@@ -97,11 +108,17 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class CrossCheck:
-    """The rows of all solvers; ``reference`` names the solved one of least residual, "" if none solved it."""
+    """The rows of all solvers; ``reference`` names the solved one of least residual, "" if none solved it.
+
+    name, kind, size: of the problem, as it was named, by its class, and how many unknowns it has.
+    """
 
     rows: tuple[Row, ...]
     reference: str
     verdict: str
+    name: str = ""
+    kind: str = ""
+    size: int = 0
 
     @property
     def contradictory(self) -> bool:
@@ -120,30 +137,75 @@ class CrossCheck:
         return as_markdown([_HEAD, *(row.cells() for row in self.rows)])
 
     def csv(self) -> str:
-        """The rows as comma-separated values, numbers in full, time in seconds."""
-        return as_csv(Row, self.rows)
+        """A line for each solver, numbers in full, time in seconds: with the problem, the machine, and all versions."""
+        from lcpflex.solvers.records import csv_of
+
+        return csv_of([self])
 
 
-def cross_check(problem: Any, solvers: Mapping[str, Any] | None = None, repeats: int = 5) -> CrossCheck:
+def cross_check(
+    problem: Any,
+    solvers: Any = None,
+    repeats: int = 5,
+    *,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
+    name: str = "",
+) -> CrossCheck:
     """Solve ``problem`` (Lcp, ContactProblem or another posed one) by every solver and compare.
 
-    solvers: by name, all of :func:`all_solvers` if left out. repeats: solves of which the median time counts, after one
-    that may compile. Raises ModelError for repeats < 1 and problems no solver takes; what a solver raises is shown in
-    its row.
+    Parameters
+    ----------
+    solvers
+        By name, or one, or a sequence of them; all of :func:`all_solvers` if left out. Callables become
+        :class:`OwnSolver`: a function of (M, q) or of (problem) that returns z.
+    repeats
+        Solves of which the median time counts, after one that may compile.
+    tolerance
+        Largest residual that counts as solved [-], for all solvers. By default the one that each solver states, for
+        those that state none that of the problem, if it has one, else 1e-10.
+    time_limit
+        Seconds for each solve: see :class:`TimeLimit`. Callables then run in a process of their own.
+    name
+        Of the problem, for tables.
+
+    Raises
+    ------
+    ModelError
+        For repeats < 1, problems no solver takes, and what is no solver. What a solver raises is shown in its row.
     """
     check_request(problem, repeats)
-    return solve_all(problem, all_solvers() if solvers is None else solvers, repeats, {})[0]
+    ready = ready_solvers(solvers, time_limit)
+    return solve_all(problem, ready, repeats, {}, tolerance, name)[0]
+
+
+def ready_solvers(solvers: Any, time_limit: float | None) -> dict[str, Any]:
+    """The solvers by name, each with its limit of time."""
+    named = all_solvers() if solvers is None else named_solvers(solvers)
+    if check_time_limit("time_limit", time_limit) is None:
+        return named
+    return {name: TimeLimit(solver, time_limit) for name, solver in named.items()}  # type: ignore[arg-type]
 
 
 def solve_all(
-    problem: Any, solvers: Mapping[str, Any], repeats: int, guesses: Mapping[str, Solution | None]
+    problem: Any,
+    solvers: Mapping[str, Any],
+    repeats: int,
+    guesses: Mapping[str, Solution | None],
+    tolerance: float | None = None,
+    name: str = "",
 ) -> tuple[CrossCheck, dict[str, Solution | None]]:
     """The comparison, and what each solver found, started from its guess if there is one."""
-    tried = {name: _attempt(problem, name, s, repeats, guesses.get(name)) for name, s in solvers.items()}
-    rivals = {n: s for n, (row, s) in tried.items() if s is not None and s.solved and not (row.model or row.wrong)}
-    reference = min(rivals, key=lambda n: rivals[n].residual, default="")
-    rows = tuple(_compared(problem, row, s, rivals.get(reference)) for row, s in tried.values())
-    return CrossCheck(rows, reference, _verdict(problem, rows, reference)), {n: s for n, (_, s) in tried.items()}
+    if tolerance is not None:
+        check_tolerance(tolerance)
+    tried = {n: _attempt(problem, n, s, repeats, guesses.get(n), tolerance) for n, s in solvers.items()}
+    rivals = {n: (row, s) for n, (row, s) in tried.items() if s is not None and row.solved and not row.model}
+    reference = min(rivals, key=lambda n: rivals[n][0].residual, default="")
+    best = rivals[reference][1] if reference else None
+    rows = tuple(_compared(problem, row, s, best) for row, s in tried.values())
+    verdict = _verdict(problem, rows, reference)
+    check = CrossCheck(rows, reference, verdict, name, type(problem).__name__, int(problem.size))
+    return check, {n: s for n, (_, s) in tried.items()}
 
 
 def check_request(problem: Any, repeats: int) -> None:
@@ -156,46 +218,96 @@ def check_request(problem: Any, repeats: int) -> None:
         raise ModelError(f"problem is a {kind}, which no solver takes: expected Lcp, ContactProblem, or a posed one")
 
 
-def _attempt(problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None) -> tuple[Row, Solution | None]:
+def _attempt(
+    problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None, tolerance: float | None
+) -> tuple[Row, Solution | None]:
     """The row of one solver, not yet compared, and its solution if it returned one."""
+    version, own = version_of(solver), own_part(solver)
     try:
         reason = solver.refuses(problem)
         if reason:
-            return Row(name, REFUSED, remark=reason), None
+            return Row(name, REFUSED, remark=_first_line(reason), version=version), None
         found = solver.solve(problem, guess)
         times = []
         for _ in range(repeats):
+            if own is not None and own.last is not None and own.last.z is None and not own.last.expired:
+                break  # it raised, and may do so after a while: once is enough
             start = perf_counter()
-            solver.solve(problem, guess)
+            found = solver.solve(problem, guess)
             times.append(perf_counter() - start)
+            if own is not None and own.last is not None:
+                times[-1] = own.last.seconds  # without what it takes to hand it copies, or to another process
     except Exception as error:  # a solver that breaks its promise is a finding, not the end of the comparison
-        return Row(name, FAILED, remark=_first_line(f"{type(error).__name__}: {error}")), None
+        return Row(name, FAILED, remark=_first_line(f"{type(error).__name__}: {error}"), version=version), None
+    answer = None if own is None else own.last
+    claim = found.status.name if answer is None or answer.claim is None else _status_name(answer.claim)
+    if answer is not None and answer.z is None and answer.claim is None and not answer.expired:
+        return Row(name, FAILED, remark=_first_line(answer.error.removeprefix("raised ")), version=version), None
+    return _judged(problem, name, solver, found, claim, tolerance, statistics.median(times or [np.nan])), found
+
+
+def _status_name(claim: Solution) -> str:
+    return claim.status.name if isinstance(claim.status, Status) else str(claim.status)[:20]
+
+
+def _judged(
+    problem: Any, name: str, solver: Any, found: Solution, claim: str, tolerance: float | None, time: float
+) -> Row:
+    """The row of a point, by its residual on the data of the problem."""
     model = str(getattr(solver, "model", ""))
-    row = Row(
+    stated = own_tolerance(solver, getattr(problem, "tolerance", TARGET))
+    allowed = stated if tolerance is None else tolerance
+    residual = _residual(problem, found, bool(model))
+    claims = claim in (Status.SOLVED.name, Status.NOT_UNIQUE.name)
+    wrong = claims and not model and not residual <= ROUNDING * stated
+    solved = bool(found.solved if model else residual <= ROUNDING * allowed and (found.solved or _near(found)))
+    status, remark = found.status, "" if solved else _first_line(found.message)
+    if solved and not found.solved:
+        status = Status.SOLVED
+    elif found.solved and not solved:
+        status = Status.INACCURATE if residual <= 1e3 * allowed else Status.NUMERICAL_FAILURE
+        remark = f"residual {residual:.1e}, tolerance {allowed:.1e}"
+    if wrong:
+        remark = _first_line(f"claimed {claim}, but its residual is {residual:.1e}")
+    elif claim in PROOFS and claim != status.name:
+        remark = f"claimed {claim} without a proof that holds"
+    return Row(
         name,
-        found.status.name,
-        found.residual,
+        status.name,
+        residual,
         iterations=found.iterations,
-        time=statistics.median(times),
-        remark="" if found.solved else _first_line(found.message),
+        time=time,
+        remark=remark,
         model=model,
-        solved=found.solved,
-        wrong=found.solved and not model and not _is_solution(problem, solver, found),
+        solved=solved,
+        wrong=wrong,
+        claim=claim,
+        tolerance=allowed,
+        route=found.route,
+        version=version_of(solver),
     )
-    return row, found
 
 
-def _is_solution(problem: Any, solver: Any, found: Solution) -> bool:
-    """Whether the residual, computed here once more, is within what the solver promises."""
-    tolerance = getattr(solver, "tolerance", LOOSEST)
-    return bool(problem.residual(found.z) <= 1.01 * tolerance)
+def _near(found: Solution) -> bool:
+    """Whether a solver that did not reach its own tolerance may have reached that of the comparison."""
+    return found.status in (Status.INACCURATE, Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+
+
+def _residual(problem: Any, found: Solution, other_model: bool) -> float:
+    """Of the point in the problem as it was posed; forces of another model are read as forces of the problem."""
+    z = np.array(found.z, dtype=float)
+    if other_model and hasattr(problem, "unknowns") and z.shape == problem.free.shape:
+        z = problem.unknowns(*np.split(z, [len(problem.friction)]))
+    if z.shape != (problem.size,):
+        return float("nan")
+    return float(problem.residual(z))
 
 
 def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | None) -> Row:
     if found is None or best is None or row.model or row.wrong:
         return row
-    if not found.solved:
-        return dataclasses.replace(row, wrong=row.status in PROOFS)
+    if not row.solved:
+        return dataclasses.replace(row, wrong=row.status in PROOFS or row.claim in PROOFS)
     difference = float(np.abs(found.z - best.z).max(initial=0.0))
     return dataclasses.replace(
         row, difference=difference, same_motion=_same(problem, _motion(problem, found), _motion(problem, best))
@@ -265,13 +377,3 @@ def as_markdown(lines: Sequence[Sequence[str]]) -> str:
     """A table of Markdown; the first line is its head."""
     ruled = [lines[0], ("---",) * len(lines[0]), *lines[1:]]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in ruled)
-
-
-def as_csv(kind: Any, rows: Sequence[object]) -> str:
-    """The fields of the rows, all of the dataclass ``kind``, as comma-separated values below their names."""
-    names = [f.name for f in dataclasses.fields(kind)]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(names)
-    writer.writerows([[getattr(row, name) for name in names] for row in rows])
-    return text.getvalue()

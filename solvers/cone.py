@@ -25,6 +25,7 @@ import scipy.sparse
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess
+from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.guard import guarded, words_of
 from lcpflex.solvers.problem import (
@@ -110,10 +111,10 @@ class ConvexFriction:
         for count in range(POLISHING + 1):
             x = program.on_active_edges(M, x) if count < POLISHING else program.on_each_edge(M, best)
             residual = relaxed.residual(program.forces(x))
-            settled = residual > 0.1 * least
+            settled = residual > 0.1 * least or out_of_time()
             if residual < least:
                 best, least, polished = x, residual, True
-            if settled and least <= self.tolerance:
+            if settled and (least <= self.tolerance or out_of_time()):
                 break
         return best, polished
 
@@ -196,6 +197,8 @@ class _Program:
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
+        if limited():
+            settings.time_limit = max(remaining(), 1e-6)
         if self.B is None:
             P, A = scipy.sparse.csc_matrix(np.triu(self.P)), -scipy.sparse.identity(m, format="csc")
             objective, bound = self.c, np.zeros(m)

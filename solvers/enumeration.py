@@ -17,6 +17,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
 from lcpflex.solvers.proofs import exact_solution
 
@@ -217,6 +218,8 @@ class Enumeration:
         points = [z.copy() for z in found[:kept]]
         programs = min(undecided, PROGRAMS)
         for code in singular[:programs].tolist():
+            if out_of_time():
+                break
             for z in _on_singular_block(problem, code, self.tolerance):
                 if len(points) < KEPT and not any(_same(z, other) for other in points):
                     points.append(z)
@@ -239,6 +242,10 @@ class Enumeration:
 
     def _without(self, problem: Lcp, tried: int) -> Solution:
         """The result where floats give no solution: the proof that there is none, or what was left open."""
+        if out_of_time():
+            zero = np.zeros(problem.size)
+            status = Status.TIME_LIMIT
+            return accept(problem, zero, tolerance=self.tolerance, status=status, iterations=tried, route="enumeration")
         proof, z = exact_solution(problem)
         message = ""
         if z is not None:

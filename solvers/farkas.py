@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
+from lcpflex.solvers.clock import limited, remaining
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.proofs import Proof, infeasibility
 
@@ -41,6 +42,8 @@ def candidate(M: FloatArray, q: FloatArray) -> FloatArray | None:
     column[column == 0.0] = 1.0
     columns = (scaled / column).T
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
+    if limited():
+        options["time_limit"] = max(remaining(), 1e-6)
     program = linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
     if program.x is None or program.fun is None or not program.fun < 0.0:
         return None

@@ -19,6 +19,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.options import keep_number
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lemke import lemke_workspace
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
@@ -159,10 +160,16 @@ class GaussSeidel:
         if guess is not None and guess.z.shape == (n,) and math.isfinite(float(guess.z.sum())):
             np.maximum(guess.z, 0.0, out=z)
         table, basis = lemke_workspace(n)
-        code, sweeps, pivoted = projected_gauss_seidel(
-            *problem.data, n, z, self.relaxation, self.tolerance, self.sweep_limit, np.zeros(n), table, basis
-        )
-        status = Status(code)
+        start, point = z.copy(), np.zeros(n)
+
+        def swept(most: int) -> tuple[int, int, bool]:
+            z[:] = start
+            return projected_gauss_seidel(
+                *problem.data, n, z, self.relaxation, self.tolerance, most, point, table, basis
+            )
+
+        (code, sweeps, pivoted), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        status = Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,
             z,

@@ -20,6 +20,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
+from lcpflex.solvers.clock import grown
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -360,12 +361,17 @@ class Lemke:
                 )
             route = f"{BASIS} (failed) > lemke"
         limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
-        code, pivots, residual = attempt(M, q, n, table, basis, 0, limit)
+        (code, pivots, residual), cut = grown(
+            lambda most: attempt(M, q, n, table, basis, 0, most), limit, n, lambda found: found[0] == ITERATION_LIMIT
+        )
         z = table[n + CANDIDATE, :n]
-        if residual > GOOD:  # called by itself, for the ladder of attempts takes time to compile and is seldom needed
+        if residual > GOOD and not cut:
+            # Called by itself, for the ladder of attempts takes time to compile and is seldom needed.
             z = np.zeros(n)
-            code, pivots = lemke(M, q, n, z, table, basis, limit)
-        status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status(code)
+            (code, pivots), cut = grown(
+                lambda most: lemke(M, q, n, z, table, basis, most), limit, n, lambda found: found[0] != SOLVED
+            )
+        status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,
             z,

@@ -16,6 +16,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
+from lcpflex.solvers.clock import grown
 from lcpflex.solvers.pivoting import solve_active
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -229,8 +230,14 @@ class MinMapNewton:
             z[:] = guess.z  # type: ignore[union-attr]
         vectors, table, basis = newton_workspace(n)
         limit = 200 + n if self.iteration_limit is None else self.iteration_limit
-        code, count = min_map_newton(*problem.data, n, z, warm, self.tolerance, limit, vectors, table, basis)
-        status = Status(code)
+        start = z.copy()
+
+        def iterated(most: int) -> tuple[int, int]:
+            z[:] = start
+            return min_map_newton(*problem.data, n, z, warm, self.tolerance, most, vectors, table, basis)
+
+        (code, count), cut = grown(iterated, limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        status = Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,
             z,

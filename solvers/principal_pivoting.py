@@ -24,6 +24,7 @@ from lcpflex.errors import ModelError
 from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
+from lcpflex.solvers.clock import grown
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
     NUMERICAL_FAILURE,
@@ -375,15 +376,23 @@ class PrincipalPivoting:
             basis[:n] = guess.active == 1
             warm = True
         limit = 100 + 20 * n if self.pivot_limit is None else self.pivot_limit
-        code, pivots = block_exchanges(M, q, n, z, factor, basis, warm, self.tolerance, limit)
-        if code != SOLVED:  # called by itself, for it takes time to compile and is seldom needed
-            code, more = single_exchanges(M, q, n, z, factor, basis, self.tolerance, limit - pivots)
-            pivots += more
+        start = basis.copy()
+
+        def exchanged(most: int) -> tuple[int, int]:
+            basis[:] = start
+            code, pivots = block_exchanges(M, q, n, z, factor, basis, warm, self.tolerance, most)
+            if code == SOLVED:
+                return code, pivots
+            # Called by itself, for it takes time to compile and is seldom needed.
+            code, more = single_exchanges(M, q, n, z, factor, basis, self.tolerance, most - pivots)
+            return code, pivots + more
+
+        (code, pivots), cut = grown(exchanged, limit, n, lambda found: found[0] == ITERATION_LIMIT)
         return accept(
             problem,
             z,
             tolerance=self.tolerance,
-            status=Status.SOLVED if code == SOLVED else Status(code),
+            status=Status.TIME_LIMIT if cut else Status(code),
             iterations=pivots,
             route="principal pivoting",
             active=basis[:n].copy() if code == SOLVED else None,

@@ -353,6 +353,8 @@ def _why_not(problem: Problem, residual: float, tolerance: float, status: Status
     """The status of a point that does not solve the problem."""
     if proof is not None and proof.problem is problem:
         return Status.INFEASIBLE if proof.vector else Status.NO_SOLUTION
+    if status is Status.TIME_LIMIT:
+        return status
     if residual <= 1e3 * tolerance:
         return Status.INACCURATE
     if status in (Status.RAY, Status.ITERATION_LIMIT):

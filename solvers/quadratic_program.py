@@ -27,6 +27,7 @@ import numpy.typing as npt
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.guard import guarded, words_of
 from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
 from lcpflex.solvers.proofs import Proof, infeasibility, nearly_infeasible
@@ -40,6 +41,8 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 1000},
     "piqp": {"eps_abs": 1e-12, "eps_rel": 0.0},
 }
+# How a backend is told its limit of time; those that are not listed are asked only while there is time.
+TIME_LIMITS = {"clarabel": "time_limit", "osqp": "time_limit", "scs": "time_limit_secs", "highs": "time_limit"}
 DEFINITE_ONLY = ("quadprog",)  # backends that fail for a singular M, and are given a velocity form in any case
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
 FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
@@ -105,6 +108,8 @@ class QuadraticProgram:
         start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
         best, residual, route, iterations, near = np.zeros(len(q)), math.inf, self.backend, 0, False
         for form in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
+            if form is None and J is not None and out_of_time():
+                break
             answer = self._ask(M, q, form, _usable(start))
             iterations += answer.iterations
             for z, how in self._points(M, q, answer):
@@ -137,7 +142,7 @@ class QuadraticProgram:
             problem,
             z,
             tolerance=self.tolerance,
-            status=Status.NUMERICAL_FAILURE if said else Status.SOLVED,
+            status=Status.SOLVED if solved else Status.TIME_LIMIT if out_of_time() else Status.NUMERICAL_FAILURE,
             iterations=iterations,
             route=route,
             message=f"duality gap {duality_gap(problem, z):.1e}" if solved else said,
@@ -150,6 +155,8 @@ class QuadraticProgram:
             return
         z = np.maximum(answer.z, 0.0)
         yield z, ""
+        if out_of_time():
+            return
         yield polish(M, q, z), ", active set"
         if np.isfinite(answer.w).all():
             yield polish(M, q, z, answer.w), ", active set"
@@ -161,6 +168,8 @@ class QuadraticProgram:
         u >= 0; then what the backend finds for that program, which always has a solution, with the minimum 0 if there
         is such a direction.
         """
+        if out_of_time():
+            return
         norm = float(q @ q)
         extended, pull = M + np.outer(q, q) / norm, q / norm
         for ray in (answer.ray, answer.z):
@@ -186,12 +195,13 @@ class QuadraticProgram:
             k = J.shape[1]
             program = qpsolvers.Problem(stored(np.eye(k)), np.zeros(k), stored(-J), q)
             start = None if start is None else J.T @ start
+        settings = dict(SETTINGS.get(self.backend, {}))
+        if limited() and self.backend in TIME_LIMITS:
+            settings[TIME_LIMITS[self.backend]] = max(remaining(), 1e-6)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # "solution may be inaccurate": the residual tells how much
             try:
-                found = qpsolvers.solve_problem(
-                    program, solver=self.backend, initvals=start, **SETTINGS.get(self.backend, {})
-                )
+                found = qpsolvers.solve_problem(program, solver=self.backend, initvals=start, **settings)
             except (KeyboardInterrupt, SystemExit):
                 raise
             except BaseException as error:  # each backend has its own, a panic in Rust is no Exception

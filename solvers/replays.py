@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from lcpflex.errors import ModelError
 from lcpflex.solvers import comparison as one
 from lcpflex.solvers.comparison import CrossCheck, Row
 from lcpflex.solvers.problem import Solution
+from lcpflex.solvers.records import as_csv, csv_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,13 +66,15 @@ class Replay:
 
     names (problems,). times (solvers, problems) [s]: the median time of each solve; inf where the solver refused the
     problem, neither solved it nor proved that nothing does, claimed wrongly, or solves another model. findings: what
-    deserves a look, a sentence for each problem on which a claim was wrong or certified solutions differ.
+    deserves a look, a sentence for each problem on which a claim was wrong or certified solutions differ. checks: the
+    comparison on each problem.
     """
 
     rows: tuple[ReplayRow, ...]
     names: tuple[str, ...]
     times: FloatArray
     findings: tuple[str, ...] = ()
+    checks: tuple[CrossCheck, ...] = ()
 
     @property
     def contradictory(self) -> bool:
@@ -104,7 +107,11 @@ class Replay:
 
     def csv(self) -> str:
         """The rows as comma-separated values, numbers in full, time in seconds."""
-        return one.as_csv(ReplayRow, self.rows)
+        return as_csv(ReplayRow, self.rows)
+
+    def problems_csv(self) -> str:
+        """A line for each problem and solver, numbers in full, with the machine and all versions."""
+        return csv_of(self.checks)
 
     def plot(self, axes: Axes | None = None) -> Figure:
         """Performance profile: see :func:`lcpflex.solvers.profile.draw_profile`; without solvers of another model."""
@@ -116,21 +123,24 @@ class Replay:
 
 def replay(
     problems: Iterable[Any],
-    solvers: Mapping[str, Any] | None = None,
+    solvers: Any = None,
     repeats: int = 3,
     warm: bool = False,
     progress: Callable[[int, int], object] | None = None,
+    *,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
 ) -> Replay:
     """Solve all ``problems`` by every solver and add up.
 
-    problems: those :func:`cross_check` takes, or :class:`lcpflex.solvers.files.Recorded`. solvers: by name, all of
-    :func:`all_solvers` if left out. repeats: solves of which the median time counts, after one that may compile.
+    problems: those :func:`cross_check` takes, or :class:`lcpflex.solvers.files.Recorded`. solvers, repeats, tolerance,
+    time_limit: as of :func:`cross_check`.
     warm: each solver starts from its own solution of the problem before, as in a simulation; else from nothing.
     progress: called with the numbers of problems done and in all. Raises ModelError if there is no problem or no
     solver, and as :func:`cross_check` does.
     """
     named = [(str(getattr(p, "name", f"problem {i}")), getattr(p, "problem", p)) for i, p in enumerate(problems)]
-    solvers = one.all_solvers() if solvers is None else solvers
+    solvers = one.ready_solvers(solvers, time_limit)
     for what, given in (("problems", named), ("solvers", solvers)):
         if not given:
             raise ModelError(f"{what} is empty: expected at least one")
@@ -138,8 +148,8 @@ def replay(
         one.check_request(problem, repeats)
     guesses: dict[str, Solution | None] = {}
     checks: list[CrossCheck] = []
-    for done, (_, problem) in enumerate(named, 1):
-        check, found = one.solve_all(problem, solvers, repeats, guesses)
+    for done, (name, problem) in enumerate(named, 1):
+        check, found = one.solve_all(problem, solvers, repeats, guesses, tolerance, name)
         checks.append(check)
         if warm:
             guesses |= {name: solution for name, solution in found.items() if solution is not None and solution.solved}
@@ -148,7 +158,8 @@ def replay(
     columns = list(zip(*(check.rows for check in checks), strict=True))
     findings = (f"{name}: {check.verdict}" for (name, _), check in zip(named, checks, strict=True) if _is_odd(check))
     times = np.array([[_counted(row) for row in rows] for rows in columns])
-    return Replay(tuple(_sum(rows) for rows in columns), tuple(name for name, _ in named), times, tuple(findings))
+    rows = tuple(_sum(rows) for rows in columns)
+    return Replay(rows, tuple(name for name, _ in named), times, tuple(findings), tuple(checks))
 
 
 def _is_odd(check: CrossCheck) -> bool:

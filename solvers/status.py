@@ -27,3 +27,5 @@ class Status(enum.IntEnum):
     """Solved, and another solution is known: ``Solution.solutions`` holds them."""
     NO_SOLUTION = 7
     """Every active set was refuted in exact arithmetic (exhaustive search)."""
+    TIME_LIMIT = 8
+    """The time allowed for one solve was up first (:class:`lcpflex.solvers.TimeLimit`)."""

@@ -16,6 +16,7 @@ from lcpflex.linking import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
+from lcpflex.solvers.own import OwnSolver, as_solver, own_part
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 
 __all__ = [
@@ -36,7 +37,7 @@ MOST_RESCUES = 100  # at one instant: a repeated step that comes to other proble
 
 def solver_method(solver: LcpSolver) -> int:
     """How the compiled ``solve_lcp`` is to solve; for a solver that is not compiled in, as Auto would."""
-    return LEMKE if isinstance(solver, Lemke) else AUTO
+    return LEMKE if type(solver) is Lemke else AUTO
 
 
 def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
@@ -44,10 +45,10 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
 
     None for Auto and Lemke, which are compiled in, as long as nobody watches.
     """
-    ours = isinstance(solver, (Auto, Lemke))
+    compiled_in = type(solver) in (Auto, Lemke)  # not a class derived from them, which may do otherwise
     if watch is None:
-        return {} if ours else {solve_lcp: PythonSolve(solver)}
-    return {solve_lcp: Watched(solve_lcp if ours else PythonSolve(solver), watch)}
+        return {} if compiled_in else {solve_lcp: PythonSolve(solver)}
+    return {solve_lcp: Watched(solve_lcp if compiled_in else PythonSolve(solver), watch)}
 
 
 class Watched:
@@ -67,12 +68,13 @@ class PythonSolve:
     """A solver behind the interface of the kernel; one of the library gets contacts, and its last answer as guess."""
 
     def __init__(self, solver: LcpSolver) -> None:
-        self._solver = solver
+        self._solver = as_solver(solver)
+        self._with_contacts = not isinstance(self._solver, OwnSolver) or self._solver.takes == "problem"
         self._last: Solution | None = None
 
     def __call__(self, work: Workspace) -> int:
         """0, or why it was not solved."""
-        if hasattr(self._solver, "refuses"):
+        if self._with_contacts:
             solution = self._solver.solve(posed_problem(work), self._last)
             self._last = solution if solution.solved else None
         else:
@@ -93,18 +95,29 @@ class Rescue:
     """The rest of the chain of Auto, for problems on which its compiled part failed. The step is then repeated."""
 
     def __init__(self, solver: LcpSolver, tolerance: float) -> None:
-        self._solver, self._tolerance = solver, tolerance
+        self._solver, self._tolerance = as_solver(solver, tolerance), tolerance
         self._at, self._times = -1.0, 0
+
+    @property
+    def solver(self) -> LcpSolver:
+        """The solver of the run; one of the user's as an OwnSolver with the tolerance of the run."""
+        solver: LcpSolver = self._solver
+        return solver
+
+    def said(self) -> str:
+        """Why a solver of the user's returned no point to its last call; empty if it did."""
+        own = own_part(self._solver)
+        return f"{own.name} {own.last.error}" if own is not None and own.last is not None and own.last.error else ""
 
     def __call__(self, work: Workspace, at: float) -> bool:
         """Whether the problem posed in ``work`` at time ``at`` [s] was solved; the solution waits there."""
-        if not isinstance(self._solver, Auto):
+        if type(self._solver) is not Auto:
             return False
         self._times = self._times + 1 if at == self._at else 0
         self._at = at
         if self._times > MOST_RESCUES:
             return False
-        solution = self._solver.solve(posed_problem(work))
+        solution = self.solver.solve(posed_problem(work))
         if not solution.residual <= self._tolerance:
             return False
         put_solution(work, solution)
@@ -147,10 +160,11 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     return ContactProblem(delassus, work.q[:m], friction, keys)
 
 
-def unsolved(work: Workspace, status: int, tolerance: float) -> str:
-    """Why the contact problem in ``work`` does not count as solved."""
+def unsolved(work: Workspace, status: int, tolerance: float, said: str = "") -> str:
+    """Why the contact problem in ``work`` does not count as solved. said: what the solver itself says of it."""
     found = Status(status) if status else Status.INACCURATE
-    return (
+    words = (
         f"the contact problem of size {work.step_size[3]} was not solved: {found.name.lower().replace('_', ' ')}, "
         f"natural-map residual {work.certificate[0]:.3g} (tolerance {tolerance:g})"
     )
+    return f"{words}; {said}" if said else words

@@ -21,6 +21,7 @@ from lcpflex.linking import link
 from lcpflex.options import keep_at_least, keep_number
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
+from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
 from lcpflex.steppers.event_loop import (
@@ -114,7 +115,7 @@ class EventDrivenRun:
         self._memory.clock[GENTLEST] = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.laws.memory.worst
-        self._solving = solver_hooks(stepper.solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
@@ -174,7 +175,7 @@ class EventDrivenRun:
             elif status == SOLVER_FAILED:
                 if self._rescue(self._work, self.time) or self._jam():
                     continue
-                return unsolved(self._work, int(detail), self._thresholds.settings.tolerance)
+                return unsolved(self._work, int(detail), self._thresholds.settings.tolerance, self._rescue.said())
             elif status == HIT_TOGETHER:
                 return (
                     f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
@@ -305,7 +306,8 @@ class EventDriven:
         which a contact may stick, rises for a while to end them, with a warning. If none of at most a hundredth of the
         largest velocity of a contact would, the run ends.
     solver
-        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
+        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
         Largest natural-map residual accepted.
 
@@ -334,8 +336,7 @@ class EventDriven:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
             raise ModelError(f"impact: {self.impact!r} was given, expected Newton(), Poisson() or Energetic()")
-        if not hasattr(self.solver, "solve"):
-            raise ModelError(f"solver: {self.solver!r} was given, expected an object with solve(), such as Auto()")
+        as_solver(self.solver)
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events."""

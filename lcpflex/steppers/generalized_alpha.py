@@ -34,6 +34,7 @@ from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.options import keep_number
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
@@ -151,7 +152,7 @@ class GeneralizedAlphaScheme:
         self.work.span[:] = 0.5 * settings.step  # loads by their mean about the end of a step
         self._rescue = Rescue(solver, settings.tolerance)
         self._several = SeveralMotions()
-        self._solving = solver_hooks(solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
@@ -240,7 +241,8 @@ class GeneralizedAlpha:
     adaptive
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
-        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
+        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
         Largest natural-map residual accepted.
 
@@ -265,10 +267,7 @@ class GeneralizedAlpha:
             keep_number(self, name, 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
-        if not hasattr(self.solver, "solve"):
-            raise ModelError(
-                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
-            )
+        as_solver(self.solver)
 
     def settings(self) -> AlphaSettings:
         """The numbers that compiled loops need."""

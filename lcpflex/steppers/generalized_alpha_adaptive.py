@@ -319,7 +319,7 @@ class ControlledGeneralizedAlpha:
         self._kept = backup(system, 16)
         self._rescue = Rescue(solver, settings.tolerance)
         self._several = SeveralMotions()
-        self._solving = solver_hooks(solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance_adaptive, {**system.hooks, **self._solving})
 
     def loop(self, limits: Limits, last_step: int) -> int:

@@ -44,6 +44,7 @@ from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.options import keep_flag, keep_number
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws
@@ -115,7 +116,7 @@ class MasslessBoundaryScheme:
         self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
-        self._solving = solver_hooks(stepper.solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
@@ -256,7 +257,8 @@ class MasslessBoundary:
     gap_tolerance
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
     solver
-        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
+        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     compliance
         Elastic laws of contacts that give way by themselves besides what their bodies do, by the name of the declared
         contact: ``{"ball": Hertz.sphere_on_plane(...)}``. Their energy counts as elastic, and indentations as
@@ -291,10 +293,7 @@ class MasslessBoundary:
         keep_number(self, "gap_tolerance", 0.0, math.inf)
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         object.__setattr__(self, "compliance", checked_compliance(self.compliance))
-        if not hasattr(self.solver, "solve"):
-            raise ModelError(
-                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
-            )
+        as_solver(self.solver)
 
     def indents(self, name: str) -> bool:
         """Whether contact ``name`` gives way by an elastic law, on whose indentation a body may rest at the start."""

@@ -27,6 +27,7 @@ from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.options import keep_flag, keep_number
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
@@ -105,7 +106,7 @@ class MoreauJeanScheme:
         self._rescue = Rescue(solver, settings.tolerance)
         self._average()
         self._several = SeveralMotions()
-        self._solving = solver_hooks(solver, system.watch)
+        self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
@@ -201,7 +202,8 @@ class MoreauJean:
     adaptive
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
-        Any object with ``solve(problem)``; ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
+        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
 
     Raises
     ------
@@ -227,10 +229,7 @@ class MoreauJean:
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
-        if not hasattr(self.solver, "solve"):
-            raise ModelError(
-                f"solver: {self.solver!r} was given, expected an object with solve(problem), such as Auto()"
-            )
+        as_solver(self.solver)
 
     def settings(self) -> Settings:
         """The numbers that compiled loops need."""

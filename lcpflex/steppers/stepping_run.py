@@ -109,7 +109,7 @@ class ControlledScheme(Scheme, Protocol):
 def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, tolerance: float, time: float) -> str:
     """Why a loop that returned ``status`` cannot go on; empty where its contact problem was solved after all."""
     if status == SOLVER_FAILED:
-        return "" if rescue(work, time) else unsolved(work, number, tolerance)
+        return "" if rescue(work, time) else unsolved(work, number, tolerance, rescue.said())
     return "the state is no longer finite: the step is too long for the forces of this scene"
 
 

@@ -28,6 +28,13 @@ def _solver_classes():
                 yield cls
 
 
+# Those that are made of another solver.
+WRAPPERS = {
+    "TimeLimit": (lcpflex.solvers.Auto(), 60.0),
+    "OwnSolver": (lambda problem: lcpflex.solvers.Auto().solve(problem),),
+}
+
+
 def _solvers():
     """(name, solver) of each class, once more for each further backend of quadratic programs that is installed."""
     import qpsolvers
@@ -38,7 +45,8 @@ def _solvers():
             yield from ((f"{cls.__name__}-{b}", cls(b)) for b in sorted(qpsolvers.available_solvers))
         else:
             assert backends is None, f"{cls.__name__} has a backend: say here which ones exist"
-            yield cls.__name__, cls()
+            needed = WRAPPERS.get(cls.__name__, ())
+            yield cls.__name__, cls(*needed)
 
 
 SOLVERS = dict(_solvers())

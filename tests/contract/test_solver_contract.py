@@ -256,16 +256,21 @@ class TestConduct:
                 assert attempt(any_solver, problem, cold).solved
 
     def test_settings_must_make_sense(self, any_solver):
-        changes = [("tolerance", value) for value in (0.0, -1.0, np.nan, 1.0, "small")]
         names = [f.name for f in dataclasses.fields(any_solver)]
-        changes += [(name, value) for name in names if name.endswith("limit") for value in (0, -5, 1.5, True)]
+        changes = [("tolerance", v) for v in (0.0, -1.0, np.nan, 1.0, "small") if "tolerance" in names]
+        times = [name for name in names if name in ("seconds", "time_limit")]
+        changes += [(name, value) for name in times for value in (0, -5, np.inf, True, "1")]
+        counts = [name for name in names if name.endswith("limit") and name not in times]
+        changes += [(name, value) for name in counts for value in (0, -5, 1.5, True)]
+        assert changes
         for name, value in changes:
             with pytest.raises(ModelError, match=name):
                 replace(any_solver, **{name: value})
 
     def test_settings_cannot_be_changed_afterwards(self, any_solver):
+        name = dataclasses.fields(any_solver)[0].name
         with pytest.raises(dataclasses.FrozenInstanceError):
-            any_solver.tolerance = 1e-3
+            setattr(any_solver, name, getattr(any_solver, name))
         assert replace(any_solver) == any_solver
         assert hash(replace(any_solver)) == hash(any_solver)
 
