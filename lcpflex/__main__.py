@@ -15,6 +15,7 @@ from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.studies.command_line import called, in_file, load_named
 from lcpflex.studies.commands_chart import add_chart
+from lcpflex.studies.commands_cross_check import add_cross_check
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.commands_stability import add_stability
 from lcpflex.written import whole_file
@@ -81,14 +82,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
     run.set_defaults(command=_run)
 
-    check = commands.add_parser("cross-check", help="solve recorded contact problems by every solver and compare")
-    check.add_argument("file", metavar="FILE", type=Path, help="npz record, LCP as .dat or .txt, FCLIB .hdf5")
-    check.add_argument("--index", type=int, metavar="I", help="only this problem, counted from 0")
-    check.add_argument("--solver", action="append", metavar="NAME", help="only this one; may be repeated")
-    check.add_argument("--repeats", type=int, default=3, metavar="N", help="solves whose median time counts")
-    check.add_argument("--plot", type=Path, metavar="FILE", help="write a performance profile to this png, pdf or svg")
-    check.set_defaults(command=_cross_check)
-
+    add_cross_check(commands)
     add_chart(commands, _scene)
     add_right_size(commands, _scene)
     add_stability(commands, _found)
@@ -148,71 +142,6 @@ def _run(request: argparse.Namespace) -> int:
         _save_figure(result.plot(), request.plot)
         print(f"\nchart: {request.plot.resolve()}")
     return 0 if result.complete else 1
-
-
-def _cross_check(request: argparse.Namespace) -> int:
-    """One problem: who solves it, and how well. Many: the sums of each solver."""
-    from tqdm import tqdm
-
-    from lcpflex.solvers.comparison import cross_check
-    from lcpflex.solvers.replays import replay
-
-    if request.plot is not None:
-        _checked_folder(request.plot.parent)
-    problems, solvers = _problems(request.file, request.index), _solvers(request.solver)
-    check: Any = None
-    if len(problems) == 1:
-        check = cross_check(problems[0].problem, solvers, request.repeats)
-        print(f"{problems[0].name}\n\n{check}")
-    if len(problems) > 1 or request.plot is not None:
-        with tqdm(total=len(problems), desc="solving", unit="problem", leave=False, disable=None) as bar:
-            sums = replay(problems, solvers, request.repeats, progress=lambda done, _: bar.update(done - bar.n))
-        if check is None:
-            check = sums
-            print(check)
-        if request.plot is not None:
-            _save_figure(sums.plot(), request.plot)
-            print(f"\nprofile: {request.plot.resolve()}")
-    return 1 if check.contradictory else 0
-
-
-def _problems(path: Path, index: int | None) -> list[Any]:
-    """The problems of a file with their names, read by its suffix; only the one asked for."""
-    from lcpflex.solvers import files
-
-    suffix = path.suffix.lower()
-    if suffix == ".npz":
-        problems = files.load_problems(path)
-    elif suffix in (".dat", ".txt"):
-        problems = [files.Recorded(path.name, files.load_text_lcp(path))]
-    elif suffix in (".hdf5", ".h5"):
-        read: Any = files.load_fclib(path)
-        problems = [files.Recorded(path.name, read)]
-    else:
-        raise ModelError(f"FILE: {str(path)!r}; expected a name that ends in .npz, .dat, .txt, .hdf5 or .h5")
-    if index is None:
-        if not problems:
-            raise ModelError(f"FILE: {str(path)!r} holds no problem; expected at least one")
-        return problems
-    if not 0 <= index < len(problems):
-        raise ModelError(f"--index: {index}; {str(path)!r} holds {len(problems)} problems, counted from 0")
-    return problems[index : index + 1]
-
-
-def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
-    """The solvers asked for, or all; a name without its backend stands for all of them."""
-    from lcpflex.solvers.comparison import all_solvers
-
-    known = all_solvers()
-    if names is None:
-        return known
-    chosen: dict[str, Any] = {}
-    for name in names:
-        found = {key: solver for key, solver in known.items() if name in (key, key.partition("(")[0])}
-        if not found:
-            raise ModelError(f"--solver: no solver {name!r}; expected one of {', '.join(known)}")
-        chosen |= found
-    return chosen
 
 
 def _warmup(request: argparse.Namespace) -> int:

@@ -208,11 +208,16 @@ def solve_all(
     return check, {n: s for n, (_, s) in tried.items()}
 
 
-def check_request(problem: Any, repeats: int) -> None:
-    """Raise ModelError for repeats < 1 and problems that no solver takes."""
+def check_repeats(repeats: int) -> None:
+    """Raise ModelError for what is no positive integer."""
     if repeats is None:
         raise ModelError("repeats is None: expected a positive integer")
     check_limit("repeats", repeats)
+
+
+def check_request(problem: Any, repeats: int) -> None:
+    """Raise ModelError for repeats < 1 and problems that no solver takes."""
+    check_repeats(repeats)
     if not all(hasattr(problem, name) for name in ("size", "slack", "residual")):
         kind = type(problem).__name__
         raise ModelError(f"problem is a {kind}, which no solver takes: expected Lcp, ContactProblem, or a posed one")
@@ -260,7 +265,7 @@ def _judged(
     residual = _residual(problem, found, bool(model))
     claims = claim in (Status.SOLVED.name, Status.NOT_UNIQUE.name)
     wrong = claims and not model and not residual <= ROUNDING * stated
-    solved = bool(found.solved if model else residual <= ROUNDING * allowed and (found.solved or _near(found)))
+    solved = bool(found.solved if model else residual <= ROUNDING * allowed and _has_point(solver, found))
     status, remark = found.status, "" if solved else _first_line(found.message)
     if solved and not found.solved:
         status = Status.SOLVED
@@ -288,9 +293,10 @@ def _judged(
     )
 
 
-def _near(found: Solution) -> bool:
-    """Whether a solver that did not reach its own tolerance may have reached that of the comparison."""
-    return found.status in (Status.INACCURATE, Status.ITERATION_LIMIT, Status.TIME_LIMIT)
+def _has_point(solver: Any, found: Solution) -> bool:
+    """Whether the point is what the solver found, though it may not have reached its own tolerance."""
+    own = own_part(solver)
+    return found.status.name not in PROOFS and (own is None or own.last is None or own.last.z is not None)
 
 
 def _residual(problem: Any, found: Solution, other_model: bool) -> float:
