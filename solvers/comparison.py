@@ -68,11 +68,12 @@ class Row:
 
     status: name of the Status that its point deserves, or "refused" or "failed" (it raised, or returned no point).
     residual: of its point, computed here on the data of the problem, whatever the solver states; of another model's
-    forces too. difference: max |z - z_ref|; same_motion: whether w is that of the reference; both None if not solved or
-    the model is another one. time [s]: median of the repeats. remark: the reason, if it was not solved. model: what the
-    solver solves instead of the problem, if it does. solved: whether the residual is within the tolerance. wrong:
-    whether the solver's claim, ``claim``, was refuted here. route: which algorithms it says that it tried. version: of
-    the solver, as far as it is known.
+    forces too; strict: the same relative to the load alone, where the problem tells it. difference: max |z - z_ref|;
+    same_motion: whether w is that of the reference; both None if not solved or the model is another one. time [s]:
+    median of the repeats. remark: the reason, if it was not solved. model: what the solver solves instead of the
+    problem, if it does. solved: whether the residual is within the tolerance. wrong: whether the solver's claim,
+    ``claim``, was refuted here. route: which algorithms it says that it tried. version: of the solver, as far as it is
+    known.
     """
 
     solver: str
@@ -88,6 +89,7 @@ class Row:
     wrong: bool = False
     claim: str = ""
     tolerance: float = float("nan")
+    strict: float = float("nan")
     route: str = ""
     version: str = ""
 
@@ -262,7 +264,7 @@ def _judged(
     model = str(getattr(solver, "model", ""))
     stated = own_tolerance(solver, getattr(problem, "tolerance", TARGET))
     allowed = stated if tolerance is None else tolerance
-    residual = _residual(problem, found, bool(model))
+    residual, strict = _residuals(problem, found, bool(model))
     claims = claim in (Status.SOLVED.name, Status.NOT_UNIQUE.name)
     wrong = claims and not model and not residual <= ROUNDING * stated
     solved = bool(found.solved if model else residual <= ROUNDING * allowed and _has_point(solver, found))
@@ -288,6 +290,7 @@ def _judged(
         wrong=wrong,
         claim=claim,
         tolerance=allowed,
+        strict=strict,
         route=found.route,
         version=version_of(solver),
     )
@@ -299,14 +302,17 @@ def _has_point(solver: Any, found: Solution) -> bool:
     return found.status.name not in PROOFS and (own is None or own.last is None or own.last.z is not None)
 
 
-def _residual(problem: Any, found: Solution, other_model: bool) -> float:
-    """Of the point in the problem as it was posed; forces of another model are read as forces of the problem."""
+def _residuals(problem: Any, found: Solution, other_model: bool) -> tuple[float, float]:
+    """Both sizes of the residual in the problem as it was posed; forces of another model are read as its forces."""
     z = np.array(found.z, dtype=float)
     if other_model and hasattr(problem, "unknowns") and z.shape == problem.free.shape:
         z = problem.unknowns(*np.split(z, [len(problem.friction)]))
     if z.shape != (problem.size,):
-        return float("nan")
-    return float(problem.residual(z))
+        return float("nan"), float("nan")
+    if hasattr(problem, "residuals"):
+        residual, strict = problem.residuals(z)
+        return float(residual), float(strict)
+    return float(problem.residual(z)), float("nan")
 
 
 def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | None) -> Row:
