@@ -156,6 +156,7 @@ class Result:
     crept: tuple[float, ...] = ()  # path of slip of each contact while creeping [m]; empty if none of them can
     place_error: float | None = None  # [m] local errors of the steps, summed, of the body worst off; None: not known
     speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
+    strict: FloatArray | None = None  # (m,) the residual relative to the free velocity alone; None: not known
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:

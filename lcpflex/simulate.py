@@ -276,6 +276,7 @@ def _collect(
         ),
         energies=energies,
         residual=data["peaks"][:, 0],
+        strict=data["peaks"][:, 5],
         penetration=data["peaks"][:, 1],
         joint_drift=data["peaks"][:, 2],
         size=data["peaks"][:, 3].astype(np.int64),

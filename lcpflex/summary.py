@@ -18,6 +18,7 @@ __all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
 UNSOLVED = 1e-6  # natural-map residual of a contact problem, relative to its data
+LOOSE = 1e-4  # the same relative to the velocity that contacts would have without their forces
 COARSE = 0.02  # stated error of the steps, relative to the size of the scene or the largest speed
 SUNK = 1e-3  # penetration and joint drift, relative to the size of the scene
 STEPPED = 5e-3  # penetration that the stated error of the steps explains, likewise
@@ -49,6 +50,11 @@ def doubts(result: Result) -> tuple[str, ...]:
         )
     if not _largest(result.residual) <= UNSOLVED:
         found.append(f"a contact problem was left with a residual of {_largest(result.residual):.1e}")
+    elif not _strict(result) <= LOOSE:
+        found.append(
+            f"a contact problem is solved only to {_strict(result):.1e} of the velocity that its contacts would have "
+            f"without their forces ({_largest(result.residual):.1e} of the terms that cancel: bodies may be wedged)"
+        )
     size = scene_size(result)
     if size is not None:
         values = {"penetration": result.penetration, "joint drift": result.joint_drift}
@@ -177,7 +183,8 @@ def _accuracy(result: Result) -> str:
         "Accuracy\n"
         f"  {by_law}{others}"
         f"largest joint drift {with_unit(_largest(result.joint_drift), 'm')}; "
-        f"largest residual of a contact problem {_largest(result.residual):.1e}"
+        f"largest residual of a contact problem {_largest(result.residual):.1e} of its terms, "
+        f"{_strict(result):.1e} of the free velocity"
         f"{_steps(result)}"
     )
 
@@ -240,6 +247,11 @@ def scene_size(result: Result) -> float | None:
     extents += [2.0 * radius for _, radius in result.compiled.layout.circles]
     largest = float(max(extents, default=0.0))
     return largest if largest > 0.0 else None
+
+
+def _strict(result: Result) -> float:
+    """Largest residual relative to the free velocity; 0 where it is not known."""
+    return 0.0 if result.strict is None else float(np.nanmax(result.strict, initial=0.0))
 
 
 def _largest(values: FloatArray) -> float:

@@ -29,6 +29,7 @@ from lcpflex.dynamics.delassus import (
     condense,
     delassus,
     joint_impulses,
+    row_terms,
     row_velocity,
 )
 from lcpflex.dynamics.law_contacts import law_forces
@@ -155,6 +156,9 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     solve_vector(model, work, work.free_u)
     for r in range(work.step_size[0] + n + work.step_size[2]):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
+    for r in range(n + work.step_size[2]):
+        i = work.step_size[0] + r
+        work.terms[r] = row_terms(work.rows, work.row_body, i, work.dof, work.free_u) + abs(work.bias[i])
     condense_rows(work)
 
 

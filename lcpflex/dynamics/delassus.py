@@ -24,6 +24,7 @@ __all__ = [
     "dot",
     "cholesky",
     "joint_impulses",
+    "row_terms",
     "row_velocity",
     "cholesky_solve",
 ]
@@ -75,6 +76,19 @@ def row_velocity(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u:
         b = row_body[r, i]
         if b >= 0:
             total += dot(rows[r, i], u, dof[b], dof[b + 1] - dof[b])
+    return total
+
+
+@kernel
+def row_terms(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u: FloatArray) -> float:
+    """Sum of |rows_r| |u|: the size of the terms of which :func:`row_velocity` is made."""
+    total = 0.0
+    for i in range(2):
+        b = row_body[r, i]
+        if b >= 0:
+            d = dof[b]
+            for k in range(dof[b + 1] - d):
+                total += abs(rows[r, i, k] * u[d + k])
     return total
 
 

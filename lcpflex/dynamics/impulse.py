@@ -15,13 +15,15 @@ from lcpflex.dynamics.delassus import (
     condense,
     delassus,
     joint_impulses,
+    row_terms,
     row_velocity,
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
-from lcpflex.solvers.auto import auto
-from lcpflex.solvers.certificate import natural_residual
-from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
+from lcpflex.solvers.auto import TARGET, auto
+from lcpflex.solvers.balance import contact_units, in_units
+from lcpflex.solvers.certificate import guarded_residual, residual_parts, strict_residual
+from lcpflex.solvers.contact_forms import assemble_friction_lcp, split_friction_solution
 from lcpflex.solvers.lemke import lemke
 from lcpflex.solvers.problem import SOLVED
 
@@ -33,6 +35,7 @@ __all__ = [
     "REMEMBERED",
     "SOLUTION_KNOWN",
     "distribute",
+    "measure",
     "pose",
     "recall_basis",
     "remember_basis",
@@ -42,6 +45,7 @@ __all__ = [
 METHOD, REMEMBERED, KNOWN = 0, 1, 2  # entries of Workspace.solving
 LEMKE, AUTO = 0, 1  # solving[METHOD]
 NOTHING_KNOWN, BASIS_KNOWN, SOLUTION_KNOWN = 0, 1, 2  # solving[KNOWN]
+FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
 
 
@@ -61,6 +65,8 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
         if lead > 0.0:
             work.free[r] += lead * work.bias[r]
+    for r in range(n + n_tangent):
+        work.terms[r] = row_terms(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
@@ -134,8 +140,54 @@ def remember_basis(work: Workspace) -> None:
 
 
 @kernel
+def measure(work: Workspace) -> None:
+    """The posed LCP in units of its contacts, each by its own diagonal: alike = d M d and load = d q, d in ``units``.
+
+    Its residual, and what an algorithm makes of it, are then the same in any units of mass, length and time. D_k is
+    read off the condensed operator Gc, where M may hold the friction of sliding contacts.
+    """
+    n = work.step_size[1]
+    m = work.step_size[3]
+    own = work.contact_units
+    for k in range(n):
+        own[k] = work.Gc[k, k]
+    for j in range(work.step_size[2]):
+        own[work.tangent[j]] = max(own[work.tangent[j]], work.Gc[n + j, n + j])
+    contact_units(own, n)
+    n_tangent = (m - n) // 2
+    k = 0
+    for i in range(n):
+        work.units[i] = own[i]
+    for j in range(n_tangent):
+        i = n + n_tangent + j
+        while k < n - 1 and work.M[i, k] == 0.0:  # 2 mu of its contact, in the order of the contacts
+            k += 1
+        work.units[n + j] = own[k]
+        work.units[i] = 1.0 / own[k]
+        k += 1
+    in_units(work.M, work.q, work.units, 1.0, m, work.alike, work.load)
+
+
+@kernel
+def judge(work: Workspace) -> None:
+    """Both sizes of the residual of z, in the units of :func:`measure`, to ``work.certificate``.
+
+    Relative to the terms that cancel in w, and to the free velocity alone, which counts as no less than 1e-3 of the
+    terms of which it is made: what is left of it below that may be rounding.
+    """
+    n = work.step_size[1]
+    worst, size, load = residual_parts(work.alike, work.load, work.z, work.step_size[3])
+    for k in range(n):
+        load = max(load, FLOOR * work.contact_units[k] * work.terms[k])
+    for j in range(work.step_size[2]):
+        load = max(load, FLOOR * work.contact_units[work.tangent[j]] * work.terms[n + j])
+    work.certificate[0] = guarded_residual(worst, max(size, load), load)
+    work.certificate[2] = strict_residual(worst, load)
+
+
+@kernel
 def solve_lcp(work: Workspace) -> int:
-    """Solve the posed LCP; 0 where solved. Residual and pivots go to ``work.certificate``.
+    """Solve the posed LCP in units of its contacts; 0 where solved. Residuals and pivots go to ``work.certificate``.
 
     By Lemke's method, or as :class:`lcpflex.solvers.Auto` does (``solving[METHOD]``). What is known beforehand,
     ``solving[KNOWN]``, counts once: nothing, the basis to start from in ``work.basis``, or the solution in ``work.z``.
@@ -143,19 +195,36 @@ def solve_lcp(work: Workspace) -> int:
     m = work.step_size[3]
     known = work.solving[KNOWN]
     work.solving[KNOWN] = NOTHING_KNOWN
+    measure(work)
     if known == SOLUTION_KNOWN:
-        work.certificate[0] = natural_residual(work.M, work.q, work.z, m)
+        for i in range(m):
+            work.z[i] /= work.units[i]
+        judge(work)
         if work.certificate[0] <= RESCUED:  # and the caller judges it by his own tolerance
+            finish(work)
             return SOLVED
     status, pivots = SOLVED, m
     if work.solving[METHOD] == AUTO:
         symmetric = work.step_size[2] == 0
-        status, pivots = auto(work.M, work.q, m, work.z, work.tableau, work.basis, symmetric, known == BASIS_KNOWN)
+        warm = known == BASIS_KNOWN
+        status, pivots = auto(work.alike, work.load, m, work.z, work.tableau, work.basis, symmetric, warm)
     else:
-        status, pivots = lemke(work.M, work.q, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
-    work.certificate[0] = natural_residual(work.M, work.q, work.z, m)
+        status, pivots = lemke(work.alike, work.load, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
+    judge(work)
     work.certificate[1] = pivots
+    if work.certificate[0] <= TARGET:
+        status = SOLVED
+    finish(work)
     return status
+
+
+@kernel
+def finish(work: Workspace) -> None:
+    """z in the units of the posed problem; what was known of the terms of its free velocities was for it alone."""
+    for i in range(work.step_size[3]):
+        work.z[i] *= work.units[i]
+    for r in range(work.step_size[1] + work.step_size[2]):
+        work.terms[r] = 0.0
 
 
 @kernel

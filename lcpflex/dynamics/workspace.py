@@ -55,13 +55,18 @@ class Workspace(NamedTuple):
     M: FloatArray  # (3 capacity, 3 capacity) LCP
     q: FloatArray  # (3 capacity,)
     z: FloatArray  # (3 capacity,)
+    terms: FloatArray  # (2 capacity,) sum |W^T| |u_free| of each contact row, 0 where not known; of one solution
+    alike: FloatArray  # (3 capacity, 3 capacity) the LCP in units of its contacts: see impulse.measure
+    load: FloatArray  # (3 capacity,)
+    units: FloatArray  # (3 capacity,) of its unknowns
+    contact_units: FloatArray  # (capacity,)
     tableau: FloatArray
     basis: IntArray
     normal: FloatArray  # (capacity,) normal part of the solution
     tangential: FloatArray  # (capacity,) one for each tangential row
     p: FloatArray  # (R,) impulses or forces of all rows
     step_size: IntArray  # (5,) joint rows, contacts, tangential rows, LCP size of this step; contacts held
-    certificate: FloatArray  # (2,) natural-map residual and pivots of the present step
+    certificate: FloatArray  # (3,) residual and pivots of the present step; the residual relative to the free velocity
     stopped: FloatArray  # (1,) fastest approach so far that was stopped, being slow, and not reflected [m/s]
     last_key: IntArray  # (capacity,) keys of the contacts of the last solved problem
     last_basis: IntArray  # (capacity, 3) whether their lambda_N, lambda_R, xi_L were basic
@@ -125,13 +130,18 @@ def workspace(
         M=zeros((3 * capacity, 3 * capacity)),
         q=zeros(3 * capacity),
         z=zeros(3 * capacity),
+        terms=zeros(2 * capacity),
+        alike=zeros((3 * capacity, 3 * capacity)),
+        load=zeros(3 * capacity),
+        units=zeros(3 * capacity),
+        contact_units=zeros(capacity),
         tableau=tableau,
         basis=basis,
         normal=zeros(capacity),
         tangential=zeros(capacity),
         p=zeros(n_rows),
         step_size=np.zeros(5, dtype=np.int64),
-        certificate=zeros(2),
+        certificate=zeros(3),
         stopped=zeros(1),
         last_key=np.zeros(capacity, dtype=np.int64),
         last_basis=np.zeros((capacity, 3), dtype=np.int64),

@@ -145,7 +145,7 @@ class Backup(NamedTuple):
     long_q: FloatArray  # (ndof,) state after the one long step
     long_u: FloatArray  # (ndof,)
     sums: FloatArray  # (4,)
-    worst: FloatArray  # (5,)
+    worst: FloatArray  # (6,)
     gain: FloatArray  # (3,)
     total_impulse: FloatArray  # (laws, 2)
     held: IntArray  # (1,)
@@ -165,7 +165,7 @@ def backup(system: System, capacity: int) -> Backup:
             long_q=zeros(ndof),
             long_u=zeros(ndof),
             sums=zeros(4),
-            worst=zeros(5),
+            worst=zeros(6),
             gain=zeros(3),
             total_impulse=zeros((system.n_laws, 2)),
             held=np.zeros(1, dtype=np.int64),

@@ -6,6 +6,7 @@ own mechanics. Its source is the same (:func:`lcpflex.linking.link`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -89,6 +90,7 @@ def _put(work: Workspace, solution: Solution) -> None:
     work.basis[:m] = solution.z > 0.0 if solution.active is None else solution.active
     work.certificate[0] = solution.residual
     work.certificate[1] = solution.iterations
+    work.certificate[2] = getattr(solution, "strict", math.nan)
 
 
 class Rescue:

@@ -40,9 +40,9 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     copy_entry,
 )
-from lcpflex.steppers.tape import Tape, note_gain
+from lcpflex.steppers.tape import Tape, note_certificate, note_gain
 
-__all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide", "note_certificate"]
+__all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide"]
 
 # what a call returns
 RESOLVED = 0
@@ -91,14 +91,6 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
         if memory.law_state[2, law] == 0 and memory.number[STOPPING] != 1:
             memory.law_state[2, law] = JAM if memory.number[JAMMING] == 1 else HIT
         memory.y[base + 3 + 2 * law + part] += p
-
-
-@kernel
-def note_certificate(work: Workspace, tape: Tape) -> None:
-    """Keep the worst residual, size and pivots."""
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
 
 
 @kernel

@@ -24,12 +24,12 @@ from lcpflex.dynamics.acceleration import (
     sliding_sign,
 )
 from lcpflex.dynamics.delassus import row_velocity
-from lcpflex.dynamics.impulse import solve_lcp
+from lcpflex.dynamics.impulse import measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution
-from lcpflex.steppers.event_impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED, note_certificate
+from lcpflex.steppers.event_impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_memory import (
     CONE,
     CONTACTS,
@@ -64,7 +64,7 @@ from lcpflex.steppers.event_memory import (
     note_event,
 )
 from lcpflex.steppers.event_segment import FORCE_TOLERANCE
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.tape import Tape, note_certificate
 
 __all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
 
@@ -203,9 +203,10 @@ def several_motions(n: int, settings: EventSettings, work: Workspace, memory: Ev
     m = work.step_size[3]
     if m > TESTED or work.step_size[2] == 0:
         return False
+    measure(work)
     kept, _ = enumerate_active_sets(
-        work.M,
-        work.q,
+        work.alike,
+        work.load,
         m,
         settings.tolerance,
         memory.found,
@@ -214,6 +215,9 @@ def several_motions(n: int, settings: EventSettings, work: Workspace, memory: Ev
         memory.tried,
         memory.order,
     )
+    for i in range(min(kept, SEVERAL_KEPT)):
+        for c in range(m):
+            memory.found[i, c] *= work.units[c]
     for i in range(1, min(kept, SEVERAL_KEPT)):
         if difference(n, work, memory.sets, memory.found[0], memory.found[i]) > APART:
             return True

@@ -10,7 +10,7 @@ import math
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, condense_rows
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_terms, row_velocity
 from lcpflex.dynamics.impulse import distribute
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
@@ -52,7 +52,7 @@ from lcpflex.steppers.generalized_alpha_smooth import (
     slip_mode,
 )
 from lcpflex.steppers.stepping_run import NOT_FINITE
-from lcpflex.steppers.tape import Tape, note_gain
+from lcpflex.steppers.tape import Tape, note_certificate, note_gain
 
 __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
 
@@ -135,6 +135,8 @@ def pose_velocity(
         if e_t > 0.0 and memory.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    for r in range(n + n_tangent):
+        work.terms[r] = row_terms(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
     condense_rows(work)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
     work.step_size[3] = n + 2 * n_tangent
@@ -292,9 +294,7 @@ def correct(
     tape: Tape,
 ) -> int:
     """Apply the solution of the problem posed: AGAIN where the step has more of them, STEPPED or NOT_FINITE."""
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+    note_certificate(work, tape)
     if memory.number[PHASE] <= SMOOTH:
         length = settings.step if memory.number[PHASE] == SMOOTH else 0.0
         apply_smooth(settings, length, q, u, work, memory)

@@ -23,7 +23,7 @@ from lcpflex.steppers.massless_memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
-from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+from lcpflex.steppers.tape import Tape, note_certificate, note_contact, store_contacts, store_state
 
 __all__ = ["advance", "short_enough"]
 
@@ -165,9 +165,7 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
     for law in range(len(boundary.force)):
         for i in range(2):
             tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+    note_certificate(work, tape)
 
 
 @kernel

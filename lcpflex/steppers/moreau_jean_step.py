@@ -33,7 +33,15 @@ from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape, note_contact, note_gain, note_laws, store_contacts, store_state
+from lcpflex.steppers.tape import (
+    Tape,
+    note_certificate,
+    note_contact,
+    note_gain,
+    note_laws,
+    store_contacts,
+    store_state,
+)
 from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [
@@ -155,9 +163,7 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
             tape.sums[0] -= done
             tape.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
     note_gain(tape, t, gained)
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+    note_certificate(work, tape)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 Sums (per run): energy lost to 0 friction, 1 impacts and contact closing, 2 damping; 3 work of loads and drives [J].
 Peaks (since the last stored instant): 0 natural-map residual, 1 penetration [m], 2 joint drift, 3 size of the contact
-problem, 4 pivots.
+problem, 4 pivots, 5 the residual relative to the free velocity alone.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.packed import pack
 
@@ -23,6 +24,7 @@ __all__ = [
     "LEAST",
     "PASSES",
     "Tape",
+    "note_certificate",
     "note_contact",
     "note_gain",
     "note_laws",
@@ -46,7 +48,7 @@ class Tape(NamedTuple):
     state: IntArray  # (capacity, laws)
     gap: FloatArray  # (capacity, laws)
     energies: FloatArray  # (capacity, 7) kinetic, elastic, potential, then the sums
-    peaks: FloatArray  # (capacity, 5)
+    peaks: FloatArray  # (capacity, 6)
     spots: FloatArray  # (spot capacity, 9) instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: FloatArray  # (1,) gaps larger than this are not measured [m]
@@ -59,7 +61,7 @@ class Tape(NamedTuple):
     # running values
     local: FloatArray  # (2, ndof) magnitudes of the errors that error control has accepted, summed, of q and of u
     sums: FloatArray  # (4,)
-    worst: FloatArray  # (5,)
+    worst: FloatArray  # (6,)
     gain: FloatArray  # (3,) energy created by contact impulses: total [J], largest at once [J], its time [s]
     total_impulse: FloatArray  # (laws, 2)
     now_force: FloatArray  # (laws, 2)
@@ -88,7 +90,7 @@ def tape(
         state=np.zeros((capacity, n_laws), dtype=np.int64),
         gap=zeros((capacity, n_laws)),
         energies=zeros((capacity, 7)),
-        peaks=zeros((capacity, 5)),
+        peaks=zeros((capacity, 6)),
         spots=zeros((spots, 9)),
         table=table,
         margin=np.array([margin]),
@@ -99,7 +101,7 @@ def tape(
         free=np.full(ndof, np.nan),
         local=zeros((2, ndof)),
         sums=zeros(4),
-        worst=zeros(5),
+        worst=zeros(6),
         gain=zeros(3),
         total_impulse=zeros((n_laws, 2)),
         now_force=zeros((n_laws, 2)),
@@ -151,6 +153,15 @@ def note_gain(tape: Tape, t: float, work: float) -> None:
 
 
 @kernel
+def note_certificate(work: Workspace, tape: Tape) -> None:
+    """Keep the worst residuals, size and pivots of the contact problems."""
+    tape.worst[0] = max(tape.worst[0], work.certificate[0])
+    tape.worst[3] = max(tape.worst[3], work.step_size[3])
+    tape.worst[4] = max(tape.worst[4], work.certificate[1])
+    tape.worst[5] = max(tape.worst[5], work.certificate[2])
+
+
+@kernel
 def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
     """Smallest gap of each declared contact; returns the entries that the table of the tape must hold.
 
@@ -186,7 +197,7 @@ def store_state(
     tape.energies[row, 2] = potential
     for i in range(4):
         tape.energies[row, 3 + i] = tape.sums[i]
-    for i in range(5):
+    for i in range(6):
         tape.peaks[row, i] = tape.worst[i]
         tape.worst[i] = 0.0
     for law in range(len(tape.total_impulse)):
