@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, solve_lcp
+from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.linking import Hooks
 from lcpflex.solvers.auto import Auto
@@ -133,9 +133,10 @@ def put_solution(work: Workspace, solution: Solution) -> None:
 
 
 def posed_lcp(work: Workspace) -> Lcp:
-    """The LCP in ``work``."""
+    """The LCP in ``work``, measured as the compiled solver would."""
     m = int(work.step_size[3])
-    return Lcp(work.M[:m, :m], work.q[:m])
+    measure(work)
+    return Lcp(work.M[:m, :m], work.q[:m]).measured_in(work.units[:m].copy())
 
 
 def posed_problem(work: Workspace) -> Lcp | ContactProblem:
