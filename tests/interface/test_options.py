@@ -245,7 +245,9 @@ def as_narrow(value: float) -> Any:
     return int(value) if value == int(value) else np.array(value, np.float32)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[] if name == "MoreauJean" else pytest.mark.slow) for name in RUNS]
+)
 def test_odd_types_compile_nothing_more(name: str) -> None:
     """The same run with other types of numbers meets no new signature, and has the same bits."""
     system, stepper = RUNS[name](float, bool)
