@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from lcpflex.solvers.comparison import CrossCheck, all_solvers, cross_check
     from lcpflex.solvers.cone import ConvexFriction
     from lcpflex.solvers.enumeration import Enumeration
-    from lcpflex.solvers.files import load_fclib, load_problems, load_text_lcp, save_problems
+    from lcpflex.solvers.fclib import load_fclib, save_fclib
+    from lcpflex.solvers.files import load_problems, load_text_lcp, save_problems
     from lcpflex.solvers.friction import ContactProblem
     from lcpflex.solvers.gauss_seidel import GaussSeidel
     from lcpflex.solvers.lemke import Lemke
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.solvers.replays import Replay, replay
+    from lcpflex.solvers.siconos_files import load_siconos, load_siconos_contacts, load_siconos_lcp, load_siconos_mlcp
     from lcpflex.solvers.spatial import SpatialContactProblem
 
 __all__ = [
@@ -59,8 +61,13 @@ __all__ = [
     "cross_check",
     "load_fclib",
     "load_problems",
+    "load_siconos",
+    "load_siconos_contacts",
+    "load_siconos_lcp",
+    "load_siconos_mlcp",
     "load_text_lcp",
     "replay",
+    "save_fclib",
     "save_problems",
     "solve_lcp",
 ]
@@ -89,10 +96,15 @@ _HOME = {
     "accept": "problem",
     "all_solvers": "comparison",
     "cross_check": "comparison",
-    "load_fclib": "files",
+    "load_fclib": "fclib",
     "load_problems": "files",
+    "load_siconos": "siconos_files",
+    "load_siconos_contacts": "siconos_files",
+    "load_siconos_lcp": "siconos_files",
+    "load_siconos_mlcp": "siconos_files",
     "load_text_lcp": "files",
     "replay": "replays",
+    "save_fclib": "fclib",
     "save_problems": "files",
     "solve_lcp": "auto",
 }

@@ -242,8 +242,8 @@ def _attempt(
             start = perf_counter()
             found = solver.solve(problem, guess)
             times.append(perf_counter() - start)
-            if own is not None and own.last is not None:
-                times[-1] = own.last.seconds  # without what it takes to hand it copies, or to another process
+            if own is not None and own.time_limit is not None and own.last is not None:
+                times[-1] = own.last.seconds  # without what it takes to hand it to another process
     except Exception as error:  # a solver that breaks its promise is a finding, not the end of the comparison
         return Row(name, FAILED, remark=_first_line(f"{type(error).__name__}: {error}"), version=version), None
     answer = None if own is None else own.last

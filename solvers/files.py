@@ -1,13 +1,12 @@
-"""Problems in files: the library's own npz records, LCPs as text, contact problems of FCLIB.
+"""Problems in files: the library's own npz records, and LCPs as text.
 
 An npz record holds, for i = 0 ... k-1, ``name_i`` (text) and the plain arrays of a problem, ``M_i`` (n, n) and ``q_i``
 (n,) of an LCP; those of the other kinds are told in :mod:`lcpflex.solvers.stored`. Nothing is pickled.
-FCLIB: Acary et al., "A collection of 3D frictional contact problems" (2014); its matrices are stored as in CSparse.
+Those of Siconos and of FCLIB: :mod:`lcpflex.solvers.siconos_files`, :mod:`lcpflex.solvers.fclib`.
 """
 
 from __future__ import annotations
 
-import importlib
 import os
 import zipfile
 import zlib
@@ -17,17 +16,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.sparse
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
-from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp
-from lcpflex.solvers.spatial import SpatialContactProblem
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.written import whole_file
 
-__all__ = ["Recorded", "load_fclib", "load_problems", "load_text_lcp", "save_problems"]
+__all__ = ["Recorded", "load_problems", "load_text_lcp", "save_problems"]
 
 # What numpy and zipfile raise for bytes that are not those once written.
 _DAMAGED = (OSError, ValueError, EOFError, MemoryError, RuntimeError, SyntaxError, zipfile.BadZipFile, zlib.error)
@@ -155,57 +151,3 @@ def _lcp_of(path: object, M: FloatArray, q: FloatArray) -> Lcp:
         return Lcp(M, q)
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from error
-
-
-def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactProblem:
-    """The local problem of an FCLIB HDF5 file: planar ones to be solved, spatial ones to be looked at.
-
-    Needs h5py. Raises ModelError without it, for a damaged file, and for files that hold only the global form, in
-    which the motion of the bodies has not been eliminated.
-    """
-    try:
-        h5py: Any = importlib.import_module("h5py")
-    except ImportError as error:
-        raise ModelError("FCLIB files need h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
-    try:
-        with h5py.File(path, "r") as file:
-            if "fclib_local" not in file:
-                form = "fclib_global: its mass matrix is not eliminated" if "fclib_global" in file else "no problem"
-                raise ModelError(f"{path}: holds {form}; expected the group fclib_local")
-            group = file["fclib_local"]
-            W = _matrix(group["W"])
-            q, mu = (np.asarray(group[f"vectors/{key}"], dtype=float).ravel() for key in ("q", "mu"))
-            dimension = int(np.asarray(group["spacedim"]).ravel()[0])
-        return _contact_problem(W, q, mu, dimension)
-    except ModelError as error:
-        raise error if str(error).startswith(str(path)) else ModelError(f"{path}: {error}") from error
-    except (OSError, KeyError, ValueError, TypeError, IndexError) as error:
-        raise ModelError(f"{path}: {error}; expected /fclib_local with W, vectors/q, vectors/mu, spacedim") from error
-
-
-def _matrix(group: Any) -> FloatArray:
-    """W from its CSparse arrays: nz >= 0 triplets (columns in p), -1 compressed columns, -2 compressed rows."""
-    m, n, nz = (int(np.asarray(group[key]).ravel()[0]) for key in ("m", "n", "nz"))
-    p, i, x = (np.asarray(group[key]).ravel() for key in ("p", "i", "x"))
-    if nz >= 0:
-        return np.asarray(scipy.sparse.coo_array((x[:nz], (i[:nz], p[:nz])), shape=(m, n)).toarray(), dtype=float)
-    if nz not in (-1, -2):
-        raise ModelError(f"W/nz is {nz}: expected >= 0 (triplets), -1 (columns) or -2 (rows)")
-    kind = scipy.sparse.csc_array if nz == -1 else scipy.sparse.csr_array
-    used = int(p[-1])
-    return np.asarray(kind((x[:used], i[:used], p), shape=(m, n)).toarray(), dtype=float)
-
-
-def _contact_problem(
-    W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int
-) -> ContactProblem | SpatialContactProblem:
-    rows = dimension * len(mu)
-    if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
-        raise ModelError(
-            f"spacedim is {dimension}, W has shape {W.shape}, q {q.shape} and mu {mu.shape}: "
-            "expected 2 or 3 rows for each coefficient"
-        )
-    if dimension == 3:
-        return SpatialContactProblem(W, q, mu)
-    order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
-    return ContactProblem(W[np.ix_(order, order)], q[order], mu)

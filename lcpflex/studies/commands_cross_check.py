@@ -19,7 +19,7 @@ SUFFIXES = (".npz", ".dat", ".txt", ".hdf5", ".h5")
 def add_cross_check(commands: Any) -> None:
     """Add the command to the subparsers."""
     check = commands.add_parser("cross-check", help="solve recorded contact problems by every solver and compare")
-    check.add_argument("file", metavar="FILE", type=Path, help="npz record, problem as .dat or .txt, FCLIB .hdf5")
+    check.add_argument("file", metavar="FILE", type=Path, help="npz record, .dat or .txt (plain, Siconos), FCLIB .hdf5")
     check.add_argument("--index", type=int, metavar="I", help="only this problem, counted from 0")
     check.add_argument("--solver", action="append", metavar="NAME", help="only this one; may be repeated; your own as "
                        "file.py:name or module:name, a function of (M, q) or of (problem) that returns z")  # fmt: skip
@@ -80,10 +80,11 @@ def _problems(path: Path, index: int | None) -> list[Any]:
     if suffix == ".npz":
         problems = files.load_problems(path)
     elif suffix in (".dat", ".txt"):
-        problems = [files.Recorded(path.name, files.load_text_lcp(path))]
+        problems = [files.Recorded(path.name, _text(path))]
     elif suffix in (".hdf5", ".h5"):
-        read: Any = files.load_fclib(path)
-        problems = [files.Recorded(path.name, read)]
+        from lcpflex.solvers.fclib import load_fclib
+
+        problems = [files.Recorded(path.name, load_fclib(path))]
     else:
         raise ModelError(f"FILE: {str(path)[-80:]!r}; expected a name that ends in one of {', '.join(SUFFIXES)}")
     if index is None:
@@ -93,6 +94,20 @@ def _problems(path: Path, index: int | None) -> list[Any]:
     if not 0 <= index < len(problems):
         raise ModelError(f"--index: {index}; {str(path)[-80:]!r} holds {len(problems)} problems, counted from 0")
     return problems[index : index + 1]
+
+
+def _text(path: Path) -> Any:
+    """The problem of a text file: of the plain forms, else of those of Siconos."""
+    from lcpflex.solvers.files import load_text_lcp
+    from lcpflex.solvers.siconos_files import load_siconos
+
+    try:
+        return load_text_lcp(path)
+    except ModelError as plain:
+        try:
+            return load_siconos(path)
+        except ModelError as other:
+            raise ModelError(f"{str(plain)[:230]}; or, of Siconos, {str(other)[:230]}") from other
 
 
 def _solvers(names: Sequence[str] | None) -> dict[str, Any]:

@@ -8,8 +8,10 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp
+from lcpflex.solvers import fclib as fclib_module
 from lcpflex.solvers import files as files_module
-from lcpflex.solvers.files import load_fclib, load_problems, load_text_lcp, save_problems
+from lcpflex.solvers.fclib import load_fclib
+from lcpflex.solvers.files import load_problems, load_text_lcp, save_problems
 from lcpflex.solvers.spatial import SpatialContactProblem
 
 M = np.array([[2.0, 1.0], [1.0, 2.0]])
@@ -316,7 +318,12 @@ class TestFclib:
         with self.h5py.File(tmp_path / "empty.hdf5", "w"):
             pass
         (tmp_path / "text.hdf5").write_text("none")
-        for name, words in (("global", "not eliminated"), ("empty", "no problem"), ("text", "expected"), ("no", "No")):
+        for name, words in (
+            ("global", "expected /fclib_global with M"),
+            ("empty", "no problem"),
+            ("text", "expected"),
+            ("no", "No"),
+        ):
             with pytest.raises(ModelError, match=words):
                 load_fclib(tmp_path / f"{name}.hdf5")
 
@@ -324,7 +331,7 @@ class TestFclib:
         def missing(name):
             raise ImportError(name)
 
-        monkeypatch.setattr(files_module.importlib, "import_module", missing)
+        monkeypatch.setattr(fclib_module.importlib, "import_module", missing)
         with pytest.raises(ModelError, match=r"pip install 'lcpflex\[hdf5\]'"):
             load_fclib(tmp_path / "x.hdf5")
 
