@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 
-__all__ = ["GROWTH", "Energies", "EnergyGrowth", "created", "energy_warnings"]
+__all__ = ["GROWTH", "Energies", "EnergyGrowth", "created", "energy_warnings", "is_of_energy"]
 
 GROWTH = 1e-4  # created energy, relative to the largest stored one, above which a result warns
 REMAINDER = 0.02  # unexplained energy, likewise
@@ -115,24 +115,39 @@ class Energies:
         return unexplained / scale if scale > 0.0 else float("inf")
 
 
+CREATED, GREW, UNEXPLAINED = "contact impulses created energy", "the energy grew by", "of energy are unexplained"
+NOT_FINITE = "the energies are no longer finite"
+
+
+def is_of_energy(warning: str) -> bool:
+    """Whether a warning is one of those of :func:`energy_warnings` about energies."""
+    return any(words in warning for words in (CREATED, GREW, UNEXPLAINED, NOT_FINITE))
+
+
 def created(gain: FloatArray, cause: str) -> str:
     """How much energy contact impulses created, when, and why."""
-    return (
-        f"contact impulses created energy: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = "
-        f"{gain[2]:.6g} s ({cause})"
-    )
+    return f"{CREATED}: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = {gain[2]:.6g} s ({cause})"
 
 
 def energy_warnings(
-    energies: Energies, gain: FloatArray, complete: bool, energy_growth: EnergyGrowth, steps: int, cause: str
+    energies: Energies,
+    gain: FloatArray,
+    complete: bool,
+    energy_growth: EnergyGrowth,
+    steps: int,
+    cause: str,
+    tolerance: float = 0.0,
 ) -> tuple[str, ...]:
-    """What a reader must know before trusting the result."""
+    """What a reader must know before trusting the result.
+
+    ``tolerance``: relative error of a step that was asked for; energies, which are squares, may err by twice that.
+    """
     warnings = [] if complete else ["the run is incomplete"]
     if not energies.remainder.size:
         return tuple(warnings)
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
-        return (*warnings, "the energies are no longer finite")
+        return (*warnings, NOT_FINITE)
     rounding = energies.rounding * math.sqrt(max(steps, 1))  # that of all steps, at random
     accepted = 0.0
     if energy_growth is EnergyGrowth.ACCEPT:
@@ -140,13 +155,12 @@ def energy_warnings(
     elif gain[0] > max(GROWTH * scale, rounding):
         warnings.append(created(gain, cause))
     growth = float(np.max(energies.stored - energies.work)) - float(energies.stored[0] - energies.work[0])
-    if growth - accepted > max(GROWTH * scale, rounding):
-        warnings.append(
-            f"the energy grew by {growth:.4g} J ({_part(growth, scale)} of the largest stored) without work of loads"
-        )
+    allowed = max(GROWTH, min(2.0 * tolerance, REMAINDER))
+    if growth - accepted > max(allowed * scale, rounding):
+        warnings.append(f"{GREW} {growth:.4g} J ({_part(growth, scale)} of the largest stored) without work of loads")
     if energies.relative_remainder > REMAINDER:
         warnings.append(
-            f"{energies.largest_remainder:.4g} J of energy are unexplained ({energies.relative_remainder:.2g} of the "
+            f"{energies.largest_remainder:.4g} J {UNEXPLAINED} ({energies.relative_remainder:.2g} of the "
             "largest stored): use a shorter step or tighter tolerances"
         )
     return tuple(warnings)

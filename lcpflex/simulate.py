@@ -285,7 +285,9 @@ def _collect(
             *(compiled.warnings if compiled is not None else ()),
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
-            *energy_warnings(energies, run.records.tape.gain, complete, options.energy_growth, run.steps, growth),
+            *energy_warnings(
+                energies, run.records.tape.gain, complete, options.energy_growth, run.steps, growth, _tolerance(stepper)
+            ),
         ),
         complete=complete,
         message=message,
@@ -334,6 +336,12 @@ class _WithoutGrowth:
         if gain[0] <= GROWTH * self._run.records.energy_scale():
             return ""
         return created(gain, self._cause) + "; energy_growth=EnergyGrowth.WARN goes on"
+
+
+def _tolerance(stepper: Stepper) -> float:
+    """Relative error of a step that error control was asked for; 0 without."""
+    owners = (getattr(stepper, "adaptive", None), stepper, getattr(stepper, "integrator", None))
+    return max((float(getattr(owner, "rtol", 0.0)) for owner in owners), default=0.0)
 
 
 def _growth_cause(stepper: Stepper, system: System) -> str:

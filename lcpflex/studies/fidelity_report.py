@@ -80,8 +80,8 @@ class RightSize:
     scene
         The scene with these bodies: the cheapest within the tolerance; where none is, the best one that was run; None
         where nothing can be said.
-    within
-        Whether it is proved to be within the tolerance.
+    proved
+        Whether it is proved to be within the tolerance of the full mesh run with the same step.
     tolerance
         That was asked for.
     rungs
@@ -100,15 +100,18 @@ class RightSize:
         Wall time of all runs [s].
     full, full_was_run
         Wall time of a run of the full mesh [s], measured or predicted; NaN where a ladder does not reach it.
-    step_error
-        Change of the outputs with half the step, which no choice of bodies can take away: of the choice, or of one with
-        about 8 modes where that would cost too much; NaN where it is not known.
+    step_error, reference_step_error
+        Change of the outputs with half the step, which no choice of bodies can take away: of the choice, and of the run
+        that all others are compared with; NaN where it was not run.
     better
         A stepper with which rich bodies can be trusted, where they cannot with the one that was given.
     exhausted
         Whether cheaper bodies that would do may have been left out, as to look for them would have cost too much.
     unmeasured
-        Whether ``step_error`` is not known because it would have cost too much.
+        Which runs with half the step were not made, and why; empty if all were.
+    contradictions
+        Why nothing is promised although the choice is within the tolerance, beside errors of the step: richer bodies
+        that are not, or cannot be trusted, an output that is zero, vibrations that the step cannot show.
     notes
         What a reader must know.
     complete
@@ -116,7 +119,7 @@ class RightSize:
     """
 
     scene: Scene | None
-    within: bool
+    proved: bool
     tolerance: float
     rungs: Mapping[str, str]
     errors: Mapping[str, float]
@@ -129,9 +132,11 @@ class RightSize:
     full: float
     full_was_run: bool
     step_error: float = math.nan
+    reference_step_error: float = math.nan
     better: Any = None
     exhausted: bool = False
-    unmeasured: bool = False
+    unmeasured: str = ""
+    contradictions: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default=())
     complete: bool = True
 
@@ -146,14 +151,38 @@ class RightSize:
         run = self.chosen
         return math.nan if run is None else self.full / run.wall_time
 
-    def sentence(self) -> str:
-        """What to do, how wrong it is, and what it saves."""
-        said = [self._verdict()]
+    @property
+    def within(self) -> bool:
+        """Whether the scene is promised to be within the tolerance: proved, and nothing that was found contradicts it.
+
+        The error of the step is part of this where it was measured; ``unmeasured`` says where it was not.
+        """
+        return self.proved and not self._reasons()
+
+    def _reasons(self) -> list[str]:
+        """Why nothing is promised."""
+        reasons = list(self.contradictions)
+        if self.reference_step_error > self.tolerance and not (self.chosen is not None and self.chosen.reference):
+            reasons.insert(0, self._step_reason(_listed(self.reference), self.reference_step_error))
         if self.step_error > self.tolerance:
-            said.append(
-                f"But half the step changes the outputs by {_percent(self.step_error)}: at this tolerance the step "
-                "decides more than the bodies do. Shorten it, or allow more."
-            )
+            reasons.insert(0, self._step_reason(_listed(self.rungs), self.step_error))
+        return reasons
+
+    def _step_reason(self, bodies: str, error: float) -> str:
+        return (
+            f"half the step changes the outputs by {_percent(error)} with {bodies}: at this tolerance the step decides "
+            "more than the bodies do; shorten it, or allow more"
+        )
+
+    def sentence(self) -> str:
+        """What to do, how wrong it is, and what it saves; or why nothing is promised."""
+        reasons = self._reasons() if self.chosen is not None else []
+        said = [self._verdict()]
+        if reasons and self.proved:
+            said = [f"Nothing is promised: {reasons[0]}.", *(f"Also, {reason}." for reason in reasons[1:])]
+            said.append(f"With this step alone: {self._unpromised()}")
+        if self.chosen is not None and self.unmeasured and not reasons:
+            said.append(f"But {self.unmeasured}: the error of the step is not known there, and adds to this.")
         if self.better is not None:
             said.append(
                 f"Richer bodies cannot be trusted with {brief(self.stepper)}, but with {brief(self.better)}: use that, "
@@ -161,13 +190,20 @@ class RightSize:
             )
         return " ".join(said)
 
+    def _unpromised(self) -> str:
+        """What the runs with this step say of the bodies, without a word of advice."""
+        assert self.chosen is not None
+        if self.chosen.full:
+            return f"nothing less that was run is within {_percent(self.tolerance)} of the full mesh."
+        return f"{_listed(self.rungs)} differ from the full mesh by {self._listed()}, estimated."
+
     def _verdict(self) -> str:
         if self.chosen is None:
             why = self.notes[-1] if self.notes else "interrupted before there was anything to compare"
             return f"Nothing can be said: {why}."
         bodies = _advice(self.rungs)
         errors = ", ".join(f"{name} within {_percent(error)}" for name, error in self.errors.items())
-        if not self.within:
+        if not self.proved:
             return (
                 f"No rung is proved to be within {_percent(self.tolerance)} of the full mesh: the best that was run, "
                 f"{bodies[0].lower() + bodies[1:]}, has estimated errors of {self._listed()}."
@@ -214,13 +250,13 @@ class RightSize:
             full = any(run.reference and run.full for run in self.runs)
             more = "" if full else ", and by what that one still lacks, extrapolated"
             lines.append(f"Errors: by the difference to {_listed(self.reference)}{more}.")
-        if math.isfinite(self.step_error):
+        for error, bodies in self._half_steps():
             lines.append(
-                f"Half the step changes the outputs by {_percent(self.step_error)}: that error is not one of "
+                f"Half the step changes the outputs by {_percent(error)} with {bodies}: that error is not one of "
                 "the bodies, and adds to theirs."
             )
-        elif self.unmeasured:
-            lines.append("What half the step changes was not measured: it would have cost too much.")
+        if self.unmeasured:
+            lines.append(f"{self.unmeasured[0].upper()}{self.unmeasured[1:]}.")
         if math.isfinite(self.full):
             known = "" if self.full_was_run else ", predicted"
             lines.append(
@@ -232,10 +268,18 @@ class RightSize:
                 f"The study took {with_unit(self.spent, 's')}. The full mesh is too large to be run; errors are "
                 "extrapolated to it."
             )
-        lines += [f"Note: {note}." for note in self.notes]
+        notes = dict.fromkeys((*self.notes, *self.contradictions))
+        lines += [f"Note: {note}." for note in notes]
         if not self.complete:
             lines.append("Interrupted: this is what had been measured.")
         return "  \n".join(lines)
+
+    def _half_steps(self) -> list[tuple[float, str]]:
+        """What half the step changed, and of which bodies."""
+        found = [(self.step_error, _listed(self.rungs))]
+        if self.chosen is None or not self.chosen.reference:
+            found.append((self.reference_step_error, _listed(self.reference)))
+        return [(error, bodies) for error, bodies in found if math.isfinite(error)]
 
     def csv(self, path: str | os.PathLike[str]) -> None:
         """Write every run to a CSV file. Raises ModelError where it cannot be written."""

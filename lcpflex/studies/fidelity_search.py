@@ -24,7 +24,7 @@ PATIENT = 2  # rich runs that fail before one is taken that is known not to
 WITNESSES = 2
 DOUBT = 3.0  # what the reference lacks itself is extrapolated: within the tolerance even if it is so many times that
 BUDGET = 4.0  # runs of the full mesh that are spent at most on looking for something still cheaper
-MOST = 5.0  # with the one that tells the error of the step
+MOST = 5.0  # with a run of few modes and half the step, but without the others of half the step
 SHORT = 0.5  # [s]: of what takes less the clock says little
 STEADY = 1.5  # factor by which the number of steps may grow from rigid to few modes where modes do not shorten them
 USUAL = 25  # coordinates that take as long as all that every step takes however few there are
@@ -53,7 +53,6 @@ class Search:
     untrusted: bool = False  # a rich run failed
     coarse: float = 0.0  # what half the step changes, if that was asked for first
     exhausted: bool = False  # the climb was ended to save cost
-    unmeasured: bool = False  # what half the step changes, as that would have cost too much
     spent: float = 0.0  # [s]
     notes: list[str] = field(default_factory=list)
     _differences: dict[tuple[State, State, State, str], float] = field(default_factory=dict)
@@ -92,7 +91,21 @@ class Search:
         measured = self.trials[self.reference].measured if self.reference is not None else None
         if measured is None:
             return ()
-        return tuple(one for one in self.outputs if not is_nothing(measured[one.name])) or self.outputs[:1]
+        return tuple(one for one in self.outputs if not is_nothing(measured[one.name]))
+
+    def nothing(self) -> list[str]:
+        """Names of outputs that are zero in the reference: no error is relative to that."""
+        measured = self.trials[self.reference].measured if self.reference is not None else None
+        return [] if measured is None else [one.name for one in self.outputs if is_nothing(measured[one.name])]
+
+    def _something(self) -> bool:
+        """Whether there is anything to be compared; else the note says that there is not."""
+        names = self.nothing()
+        if len(names) < len(self.outputs):
+            return True
+        self.reference = None
+        self.notes.append(f"{' and '.join(names)}: zero in every run, and no error can be relative to that")
+        return False
 
     def difference(self, state: State, output: Output, other: State | None = None) -> float:
         """Between two states, the reference by default, relative to the scale of the reference."""
@@ -169,13 +182,13 @@ class Search:
         )
         self.run(middle)
         if self.quick is not None and self.cost(top) < self.quick and self.sound(middle):
-            self.coarse = self._step_error(middle, self.outputs)
+            self.coarse = self.half_step(middle, self.outputs)
             if self.coarse > self.tolerance:
                 return None
         if self._full_is_cheapest(richest):
             richest = top
         self._look_ahead(richest)
-        if self.reference is None:
+        if self.reference is None or not self._something():
             return None
         self.changes = self._screened(middle)
         self._witnesses()
@@ -196,7 +209,7 @@ class Search:
         if more > STEADY * few > 0:
             return False
         lower = [tuple(max(rung - k, 0) for rung in state) for k in range(WITNESSES + 1)]
-        cheap = self._usual_cost(top) <= sum(self._usual_cost(one) for one in lower)
+        cheap = self.usual_cost(top) <= sum(self.usual_cost(one) for one in lower)
         return cheap and self.cost(top) <= self.limit
 
     def _look_ahead(self, state: State) -> None:
@@ -302,13 +315,13 @@ class Search:
         if state in self.trials:
             return False
         if any(s != self.reference and self.good(s) for s in self.trials):
-            return self._exceeds(BUDGET, self._usual_cost(state))
-        return self._exceeds(MOST, self._usual_cost(state) + 2.0 * self._usual_cost(self.middle))
+            return self.exceeds(BUDGET, self.usual_cost(state))
+        return self.exceeds(MOST, self.usual_cost(state) + 2.0 * self.usual_cost(self.middle))
 
-    def _exceeds(self, budget: float, cost: float) -> bool:
+    def exceeds(self, budget: float, cost: float) -> bool:
         """Whether ``cost``, with all that was run, is more than so many runs of the full mesh."""
-        spent = sum(self._usual_cost(one) for one in self.trials)
-        return spent + cost > budget * self._usual_cost(self.ladders.top)
+        spent = sum(self.usual_cost(one) for one in self.trials)
+        return spent + cost > budget * self.usual_cost(self.ladders.top)
 
     def _spent_up(self) -> State | None:
         """The cheapest of what is known to be good, without looking for something cheaper."""
@@ -352,11 +365,11 @@ class Search:
         """Of the good states that raise no body in vain; of those that cost about the same the smallest, then best."""
         others = [b for b in range(len(found)) if b not in self.needing]
         good = [s for s in self.trials if self.good(s) and not any(s[b] for b in others)] or [found]
-        costs = {state: self._usual_cost(state) for state in good}  # single runs are timed too badly to compare
+        costs = {state: self.usual_cost(state) for state in good}  # single runs are timed too badly to compare
         near = [state for state in good if costs[state] <= EQUAL * min(costs.values())]
         return min(near, key=lambda s: (self.ladders.coordinates(s), self.estimate(s)))
 
-    def _usual_cost(self, state: State) -> float:
+    def usual_cost(self, state: State) -> float:
         """What runs of that size take by all that were timed [s]; without the clock where that is too noisy."""
         coordinates = self.ladders.coordinates(state)
         return USUAL + coordinates if self.spent < SHORT else cost_of(self._measured_costs(), coordinates)
@@ -372,25 +385,14 @@ class Search:
             return min(near, key=self.ladders.coordinates)
         return min(known, key=lambda s: (self.estimate(s), self.ladders.coordinates(s)), default=None)
 
-    def step_error(self, state: State) -> float:
-        """Change of the outputs with half the step, of ``state`` or, if that would cost too much, of a poorer one.
-
-        NaN where there is no step, or even that would cost too much.
-        """
-        at = state
-        if self._exceeds(MOST, 2.0 * self._usual_cost(at)) and self.sound(self.middle):
-            at = self.middle
-        if self._exceeds(MOST, 2.0 * self._usual_cost(at)):
-            self.unmeasured = True
-            return math.nan
-        return self._step_error(at, self.used())
-
-    def _step_error(self, state: State, outputs: tuple[Output, ...]) -> float:
+    def half_step(self, state: State, outputs: tuple[Output, ...]) -> float:
+        """Change of the outputs with half the step; NaN where there is none, or one of the runs cannot be trusted."""
         finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
         if finer is None:
             return math.nan
-        found, own = self.trial(state, finer).measured, self.trials[state].measured
-        if found is None or own is None:
+        run = self.trial(state, finer)
+        found, own = run.measured, self.trials[state].measured
+        if found is None or own is None or run.failure:
             return math.nan
         real = [one for one in outputs if not is_nothing(found[one.name])]
         return max((error_between(one, own[one.name], found[one.name], self.duration) for one in real), default=0.0)

@@ -6,10 +6,14 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from lcpflex.studies.fidelity_scenes import State, as_rich
-from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.fidelity_search import UNTRUSTED, Search
+from lcpflex.studies.fidelity_steps import undersampled
 from lcpflex.studies.time_limit import TOO_LATE
 
-__all__ = ["remedy", "scatter"]
+__all__ = ["contradictions", "remedy", "scatter"]
+
+
+OF_CONTACTS = ("impulses", "peak force")
 
 
 def remedy(search: Search, makers: Sequence[Callable[[Any], Any]]) -> Any:
@@ -40,3 +44,22 @@ def scatter(search: Search, found: State | None) -> list[str]:
     return [
         f"richer bodies were off by up to {100.0 * worst:.2g} %: the choice is within the tolerance by chance as well"
     ]
+
+
+def contradictions(search: Search, found: State | None) -> list[str]:
+    """Why nothing is promised of a choice that is within the tolerance; what half the step says is told elsewhere."""
+    if found is None:
+        return []
+    reasons = scatter(search, found)
+    if search.untrusted:
+        reasons += [note for note in search.notes if UNTRUSTED in note]
+    if lost := [name for name in search.nothing() if _expected(search, name)]:
+        reasons.append(f"{' and '.join(lost)}: zero in every run, of which nothing can be said")
+    if unseen := undersampled(search.ladders, search.stepper_of):
+        reasons.append(unseen)
+    return reasons
+
+
+def _expected(search: Search, name: str) -> bool:
+    """Whether an output that is zero should not be: not those of contacts where none is declared."""
+    return bool(search.ladders.scene.compiled(project=True).layout.contacts) or name not in OF_CONTACTS

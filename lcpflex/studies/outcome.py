@@ -1,32 +1,44 @@
-"""What became of one run: sound, or in which way a method failed on it."""
+"""What became of one run: right, without a sign of trouble, or in which way a method failed on it."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.energy import is_of_energy
 from lcpflex.errors import ModelError, SolverError, StepError, in_range
+from lcpflex.stated_error import error_shares
 from lcpflex.studies.time_limit import TOO_LATE
-from lcpflex.summary import scene_size, with_unit
+from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
+from lcpflex.summary import COARSE, scene_size, with_unit
 
 if TYPE_CHECKING:
     from lcpflex.energy import Energies
     from lcpflex.result import Result
+    from lcpflex.studies.truth import Truth
 
-__all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result"]
+__all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result", "warned"]
 
 STILL = 1e-3  # energy provided to a scene at rest, which could gain any multiple of nothing: a share of the potential
 
 
 class Outcome(Enum):
-    """How a run ended. The value is its name in tables, ``letter`` its sign in charts."""
+    """How a run ended. The value is its name in tables, ``letter`` its sign in charts.
+
+    ``SOUND`` is what was compared with a truth and is right. Of what was not, the most that can be said is
+    ``NO_TROUBLE``: the checks of the run saw nothing, which a wrong answer can pass. ``RESOLVED`` is a run that met one
+    of Painleve's paradoxes, says so, and got past it; ``WARNED`` one that says itself why it may be wrong.
+    """
 
     SOUND = "sound", "S"
+    RESOLVED = "paradox resolved", "P"
+    NO_TROUBLE = "no sign of trouble", "n"
+    WARNED = "warns", "w"
     DRIFTING = "drifting", "d"
     UNEXPLAINED = "energy unexplained", "u"
     GAINING = "gaining energy", "G"
@@ -49,24 +61,24 @@ class Outcome(Enum):
         member.letter = letter
         return member
 
-
-PARADOXES = {  # the words by which warnings report them
-    "no acceleration was admissible": Outcome.NO_SOLUTION,
-    "several motions were admissible": Outcome.NOT_UNIQUE,
-}
+    @property
+    def success(self) -> bool:
+        """Whether the method did what it should: right, or a paradox that is named and resolved."""
+        return self in (Outcome.SOUND, Outcome.RESOLVED)
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """An outcome, and why."""
+    """An outcome, why, and the error relative to the truth, NaN where none was taken."""
 
     outcome: Outcome
     message: str = ""
+    error: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
 class Criteria:
-    """Where a result ceases to be sound.
+    """Where a result ceases to be sound, or without trouble.
 
     Attributes
     ----------
@@ -86,7 +98,8 @@ class Criteria:
     residual
         Natural-map residual of a contact problem.
     error
-        Largest value of the ``check`` of :func:`stability` for an answer that counts as right.
+        Largest error, of the ``check`` of :func:`stability` and relative to its truth, of an answer that counts as
+        right.
     """
 
     drift: float = 1e-3
@@ -104,16 +117,61 @@ class Criteria:
                 in_range(f"criteria.{field.name}", value, 0.0, math.inf, open_ends=True)
 
 
-def judge_result(result: Result, criteria: Criteria, check: Callable[[Result], float] | None = None) -> Verdict:
-    """The gravest that can be said of a result; ``check`` compares one that seems sound with the truth."""
-    for find in (_divergence, _absence, _growth, _residual, _remainder, _drift):
+def judge_result(
+    result: Result, criteria: Criteria, check: Callable[[Result], float] | None = None, truth: Truth | None = None
+) -> Verdict:
+    """The gravest that can be said of a result; ``check`` and ``truth`` compare it with what is right."""
+    error = truth.error_of(result) if truth is not None else math.nan
+    for find in (_divergence, _growth, _residual, _remainder, _drift):
         verdict = find(result, criteria)
         if verdict is not None:
-            return verdict
-    error = check(result) if check is not None else 0.0
-    if not error <= criteria.error:
-        return Verdict(Outcome.WRONG, f"the error of {error:.3g} is above {criteria.error:g}, and nothing shows it")
-    return Verdict(Outcome.SOUND)
+            return replace(verdict, error=error)
+    if check is not None:
+        error = max(float(check(result)), error if math.isfinite(error) else -math.inf)
+    if check is None and (truth is None or not truth.known):
+        return _unchecked(result, "" if truth is None else truth.source)
+    return replace(_compared(result, criteria, error), error=error)
+
+
+def _unchecked(result: Result, why: str) -> Verdict:
+    """What the run says of itself, where nothing else says whether it is right; ``why`` there is no truth."""
+    if paradox := paradoxes(result):
+        return Verdict(Outcome.RESOLVED, paradox[0])
+    if said := warned(result):
+        return Verdict(Outcome.WARNED, said[0])
+    share = max(error_shares(result) or (0.0, 0.0))
+    if share > COARSE:
+        return Verdict(Outcome.WARNED, f"the errors of its steps sum up to {100.0 * share:.3g} %, as it states itself")
+    return Verdict(Outcome.NO_TROUBLE, why)
+
+
+def _compared(result: Result, criteria: Criteria, error: float) -> Verdict:
+    """What the error says, beside what the run says of itself."""
+    paradox, said = paradoxes(result), warned(result)
+    right = error <= criteria.error
+    wrong = f"the error of {error:.3g} is above {criteria.error:g}"
+    if paradox and (right or SEVERAL in paradox[0]):
+        return Verdict(Outcome.RESOLVED, paradox[0] if right else f"{paradox[0]}; it is not the one of the truth")
+    if right:
+        return Verdict(Outcome.SOUND, said[0] if said else "")
+    if said:
+        return Verdict(Outcome.WARNED, f"{wrong}, and the run warns: {said[0]}")
+    return Verdict(Outcome.WRONG, f"{wrong}, and nothing shows it")
+
+
+def paradoxes(result: Result) -> list[str]:
+    """The warnings of Painleve's paradoxes, which the run got past."""
+    return [text for text in result.warnings if is_paradox(text)]
+
+
+def warned(result: Result) -> list[str]:
+    """Why the run may be wrong by its own words: of its method, and not of what the criteria judge themselves.
+
+    Meshes and modes too coarse for their contacts are no fault of a method, and energies are compared with criteria.
+    """
+    of_scene = scene_warnings(result)
+    own = [w for w in result.warnings if w not in of_scene and not is_of_energy(w) and not is_paradox(w)]
+    return [*own, *result.found_wrong]
 
 
 def judge_error(error: Exception, criteria: Criteria) -> Verdict:
@@ -155,15 +213,6 @@ def _divergence(result: Result, criteria: Criteria) -> Verdict | None:
     gained, provided = _gained(result.energies), _provided(result.energies)
     if provided > 0.0 and gained > criteria.divergence * provided:
         return Verdict(Outcome.DIVERGED, f"the energy grew to {gained / provided:.3g} times what was there")
-    return None
-
-
-def _absence(result: Result, criteria: Criteria) -> Verdict | None:
-    """Painleve's paradoxes, which a stepper gets past and reports."""
-    for words, outcome in PARADOXES.items():
-        for warning in result.warnings:
-            if words in warning:
-                return Verdict(outcome, warning)
     return None
 
 

@@ -20,7 +20,8 @@ from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
-from lcpflex.studies.fidelity_verdict import remedy, scatter
+from lcpflex.studies.fidelity_steps import HalfSteps, half_steps
+from lcpflex.studies.fidelity_verdict import contradictions, remedy
 from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]
@@ -52,10 +53,13 @@ def right_size(
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
     The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
     do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
-    together took as long as two to five of the full mesh (``tests/studies/test_right_size_scenes.py``).
+    together took as long as two to five of the full mesh, and with half the step as four to eight
+    (``tests/studies/test_right_size_scenes.py``).
 
     All rungs are run with the same step, so that their differences measure the model and not the step. What the step
-    does to the scene that was found is measured by one more run with half of it, and told apart.
+    does is measured by one more run with half of it, of the scene that was found, and one of that which all others are
+    compared with. Nothing is promised where one of these changes by more than the tolerance, where richer bodies were
+    off, where rich ones cannot be trusted, or where an output is zero; what was not run is said.
 
     Parameters
     ----------
@@ -121,35 +125,37 @@ def right_size(
             quick = QUICK * limit / SHORTER if k >= own and not last else None
             search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, quick, bar.update)
             others = [] if stepper is None else _defaults(ladders, span)
-            found, step_error, better, complete = _measured(search, others)
+            found, halves, better, complete = _measured(search, others)
             spent += search.spent
             used_step = brief(make(ladders.scene))
             if last or not complete:
                 break
             if search.untrusted:
                 given_up += [f"{used_step} was given up: {note}" for note in search.notes]
-            elif k >= own and step_error > tolerance and SHORTER * search.cost(ladders.top) < QUICK * limit:
+            elif k >= own and halves.largest > tolerance and SHORTER * search.cost(ladders.top) < QUICK * limit:
                 given_up.append(
-                    f"{used_step} was given up: half the step changes the outputs by {100.0 * step_error:.2g} %"
+                    f"{used_step} was given up: half the step changes the outputs by {100.0 * halves.largest:.2g} %"
                 )
             else:
                 break
     search.notes[:0] = given_up
-    return replace(_report(search, found, step_error, spent, complete), better=better)
+    return replace(_report(search, found, halves, spent, complete), better=better)
 
 
-def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[State | None, float, Any, bool]:
+def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[State | None, HalfSteps, Any, bool]:
     """What was found, what half the step changes of it, a better one of other steppers, and whether Ctrl-C was not."""
-    found, step_error = None, math.nan
+    found, halves = None, HalfSteps()
     try:
         found = search.find()
         if found is not None:
-            step_error = search.step_error(found)
-        return found, step_error, remedy(search, others), True
+            halves = half_steps(search, found)
+        elif search.coarse > search.tolerance:  # the search ended there: a shorter step is to come
+            halves = HalfSteps(search.coarse)
+        return found, halves, remedy(search, others), True
     except KeyboardInterrupt:
         if not search.trials:
             raise
-        return found, step_error, None, False
+        return found, halves, None, False
 
 
 def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> tuple[list[Callable[[Any], Any]], int]:
@@ -186,7 +192,7 @@ def _stepper(given: Any) -> Callable[[Any], Any]:
     return made
 
 
-def _report(search: Search, found: State | None, step_error: float, spent: float, complete: bool) -> RightSize:
+def _report(search: Search, found: State | None, halves: HalfSteps, spent: float, complete: bool) -> RightSize:
     ladders = search.ladders
     runs = tuple(
         _run(search, state, found) for state in sorted(search.trials, key=lambda s: (ladders.coordinates(s), s))
@@ -196,7 +202,7 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
     whole = all(ladders.whole(b) for b in range(len(top)))
     return RightSize(
         scene=None if best is None else ladders.at(best),
-        within=found is not None,
+        proved=found is not None,
         tolerance=search.tolerance,
         rungs={} if best is None else ladders.labels(best),
         errors={} if best is None else search.errors(best),
@@ -208,10 +214,12 @@ def _report(search: Search, found: State | None, step_error: float, spent: float
         spent=spent,
         full=search.cost(top) if whole else math.nan,
         full_was_run=whole and top in search.trials and search.trials[top].complete,
-        step_error=step_error,
+        step_error=halves.own,
+        reference_step_error=halves.reference,
         exhausted=search.exhausted,
-        unmeasured=search.unmeasured,
-        notes=(*search.notes, *scatter(search, found)),
+        unmeasured=halves.missing,
+        contradictions=tuple(contradictions(search, found)),
+        notes=tuple(search.notes),
         complete=complete,
     )
 

@@ -12,6 +12,9 @@
     print(chart)
     chart.plot().savefig("map.png")
 
+What a run says of itself is at best "no sign of trouble". With ``truth=True`` every run is compared with a fine one of
+the same scene that two independent methods agree on, and "sound" is what is within ``criteria.error`` of it.
+
 Any parameter of the function that builds the scene and of those that make the steppers can be an axis: step, contact
 stiffness, number of modes, friction, angle, mass ratio, iterations, restitution, number of contacts.
 """
@@ -22,7 +25,7 @@ import inspect
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,8 +34,10 @@ from lcpflex.errors import LcpflexError, ModelError, in_range
 from lcpflex.result import Result
 from lcpflex.simulate import simulate
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
+from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_map import StabilityMap
 from lcpflex.studies.time_limit import TimeLimit
+from lcpflex.studies.truth import LIMIT, Truth, find_truth, truth_outputs
 
 if TYPE_CHECKING:
     from lcpflex.gallery.case import Case
@@ -54,6 +59,9 @@ def stability(
     criteria: Criteria | None = None,
     judge: Judge | None = None,
     check: Check | None = None,
+    truth: Any = None,
+    outputs: Any = None,
+    truth_limit: float = LIMIT,
     time_limit: float | None = None,
     record: float | None = None,
     progress: bool | None = None,
@@ -78,7 +86,19 @@ def stability(
     judge
         Called first with each result: the outcome, or None to leave it to the criteria.
     check
-        Error of a result that seems sound, compared with ``criteria.error``: above it the answer is silently wrong.
+        Error of a result without trouble, compared with ``criteria.error``: above it the answer is silently wrong.
+    truth
+        What results are compared with. None: nothing, and no result is called sound but by ``check``. True: for every
+        scene of the plane a run of this library that another method confirms to a quarter of ``criteria.error``: an
+        event-driven one and a time-stepping one, or two time-stepping schemes with different steps where events do not
+        work. A stepper, or a function of parameters as in ``methods``: a run by it, which one with half the step or
+        half the tolerances has to confirm as well. Where nothing confirms it, the map says that there is no truth. It
+        has Newton's law of impact, and the contact laws of the scene: a method with others is right in other terms.
+    outputs
+        What is compared, as in :func:`work_precision`. By default positions at equal times, the largest difference
+        relative to the largest range; of other curves the mean difference over time.
+    truth_limit
+        Computing time [s] of each run of the truth.
     time_limit
         Computing time of a cell [s] after which it is too slow, compilation not counted.
     record
@@ -100,6 +120,8 @@ def stability(
     table = {name: tuple(values) for name, values in axes.items()}
     _check_axes(table)
     build = getattr(scene, "build", scene)
+    compared = truth_outputs(outputs)
+    truth_limit = in_range("truth_limit", truth_limit, 0.0, math.inf, open_ends=True)
     if duration is None:
         duration = getattr(scene, "duration", None)
     if duration is not None:
@@ -111,9 +133,15 @@ def stability(
     builder = _Maker.of("scene", build, table)
     makers = {label: _Maker.of(f"methods[{label!r}]", method, table) for label, method in methods.items()}
     _check_names(table, builder, makers)
-    if duration is None and any(maker.fixed is not None for maker in makers.values()):
+    own = truth is None or isinstance(truth, (bool, np.bool_))
+    truth_maker = None if own else _Maker.of("truth", truth, table)
+    if duration is None and (truth or any(maker.fixed is not None for maker in makers.values())):
         raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
-    trial = _Trial(builder, duration, criteria or Criteria(), judge, check, time_limit, record)
+    criteria = criteria or Criteria()
+    truths = None
+    if duration is not None and truth is not None and truth is not False:
+        truths = _Truths(builder, truth_maker, duration, compared, criteria.error, truth_limit)
+    trial = _Trial(builder, duration, criteria, judge, check, time_limit, record, truths, [])
     return _fill(trial, makers, table, progress)
 
 
@@ -155,6 +183,47 @@ class _Maker:
         return self.function(**more, **{name: values[name] for name in self.takes})
 
 
+@dataclass(slots=True)
+class _Truths:
+    """The truth of every scene of a plane, each looked for when it is first needed."""
+
+    build: _Maker
+    stepper: _Maker | None
+    duration: float
+    outputs: tuple[Output, ...]
+    tolerance: float
+    limit: float
+    found: dict[tuple[Any, ...], Truth] = field(default_factory=dict)
+
+    def __call__(self, values: Mapping[str, Any]) -> Truth:
+        """The truth of the scene with these values. KeyboardInterrupt where the user pressed Ctrl-C."""
+        taken = {*self.build.takes, *(self.stepper.takes if self.stepper is not None else ())}
+        key = tuple(repr(values[name]) for name in values if name in taken)
+        if key not in self.found:
+            self.found[key] = self._look(values)
+        return self.found[key]
+
+    def _look(self, values: Mapping[str, Any]) -> Truth:
+        def scene() -> Any:
+            return _scene_of(self.build, values)
+
+        try:
+            given = None
+            if self.stepper is not None:
+                given = self.stepper(values, **({BUILT: scene()} if self.stepper.wants_scene else {}))
+                if isinstance(given, type) or not hasattr(given, "start"):
+                    raise TypeError(f"truth: returned {given!r}; expected a stepper")
+            return find_truth(scene, self.duration, self.outputs, self.tolerance, self.limit, given)
+        except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
+            return Truth(f"there is no truth: {error}")
+
+
+def _scene_of(build: _Maker, values: Mapping[str, Any]) -> Any:
+    """The scene with these values; a function may return a case."""
+    scene = build(values)
+    return scene.build() if hasattr(scene, "build") and hasattr(scene, "duration") else scene
+
+
 @dataclass(frozen=True, slots=True)
 class _Trial:
     """How one cell is tried."""
@@ -166,22 +235,22 @@ class _Trial:
     check: Check | None
     time_limit: float | None
     record: float | None
+    truths: _Truths | None
+    touched: list[bool]  # of every result with contacts, whether any was touched
 
     def __call__(self, method: _Maker, values: Mapping[str, Any]) -> Verdict:
         """The verdict on one cell. KeyboardInterrupt where the user pressed Ctrl-C."""
         try:
             made = self._made(method, values)
             if isinstance(made, Result):
-                return self._judged(made)
+                return self._judged(made, None if self.truths is None else self.truths(values))
             return Verdict(made) if isinstance(made, Outcome) else made
         except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
             return judge_error(error, self.criteria)
 
     def _made(self, method: _Maker, values: Mapping[str, Any]) -> Outcome | Verdict | Result:
         """What the method says, or the result of the stepper that it makes."""
-        scene = self.build(values)
-        if hasattr(scene, "build") and hasattr(scene, "duration"):  # a function may return a case
-            scene = scene.build()
+        scene = _scene_of(self.build, values)
         made = method(values, **({BUILT: scene} if method.wants_scene else {}))
         if isinstance(made, (Outcome, Verdict, Result)):
             return made
@@ -192,11 +261,13 @@ class _Trial:
         stepper: Any = made if self.time_limit is None else TimeLimit(made, self.time_limit)
         return simulate(scene, self.duration, stepper, record=self.record, progress=False)
 
-    def _judged(self, result: Result) -> Verdict:
+    def _judged(self, result: Result, truth: Truth | None) -> Verdict:
         if not result.complete and result.message.startswith("interrupted"):
             raise KeyboardInterrupt
+        if result.contact_names:
+            self.touched.append(bool(np.any(result.impulse)))
         said = self.judge(result) if self.judge is not None else None
-        return Verdict(said) if said is not None else judge_result(result, self.criteria, self.check)
+        return Verdict(said) if said is not None else judge_result(result, self.criteria, self.check, truth)
 
 
 def _fill(
@@ -208,7 +279,7 @@ def _fill(
     shape = (len(makers), *(len(values) for values in axes.values()))
     outcomes = np.full(shape, Outcome.NOT_RUN, dtype=object)
     messages = np.full(shape, "", dtype=object)
-    seconds = np.zeros(shape)
+    errors, seconds = np.full(shape, np.nan), np.zeros(shape)
     known: dict[tuple[int, ...], Verdict] = {}
     labels = list(makers)
     bar: Any = tqdm(
@@ -228,9 +299,31 @@ def _fill(
                 except KeyboardInterrupt:
                     break
                 seconds[place] = time.perf_counter() - began
-            outcomes[place], messages[place] = known[same].outcome, known[same].message
+            one = known[same]
+            outcomes[place], messages[place], errors[place] = one.outcome, one.message, one.error
             bar.update()
-    return StabilityMap(tuple(makers), axes, outcomes, messages, seconds)
+    notes = _notes(trial, outcomes)
+    return StabilityMap(tuple(makers), axes, outcomes, messages, seconds, errors, notes)
+
+
+def _notes(trial: _Trial, outcomes: Any) -> tuple[str, ...]:
+    """What a reader of the map must know: what it was compared with, and whether anything touched."""
+    notes = []
+    found = list(trial.truths.found.values()) if trial.truths is not None else []
+    limit = f"sound is an error below {100.0 * trial.criteria.error:g} %"
+    if known := [one.source for one in found if one.known]:
+        more = f", and {len(known) - 1} more" if len(known) > 1 else ""
+        notes.append(f"{limit}, relative to {known[0]}{more}")
+    if lost := [one.source for one in found if not one.known]:
+        scenes = f" for {len(lost)} of {len(found)} scenes" if len(found) > 1 else ""
+        notes.append(f"nothing is called sound{scenes}: {lost[0]}")
+    if trial.truths is None and np.any(outcomes == Outcome.NO_TROUBLE):
+        notes.append(
+            "no truth was taken: a run without a sign of trouble may still be wrong; truth=True compares each with one"
+        )
+    if trial.touched and not any(trial.touched):
+        notes.append("nothing touched in any run: this says nothing about contact")
+    return tuple(notes)
 
 
 def _check_axes(axes: Mapping[str, tuple[Any, ...]]) -> None:

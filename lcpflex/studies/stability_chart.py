@@ -23,7 +23,10 @@ __all__ = ["chart", "draw_map", "outcome_legend"]
 
 # After Okabe and Ito, told apart with any colour vision; the letters say the same without colours.
 COLOURS = {
-    Outcome.SOUND: "#A9DFBF",
+    Outcome.SOUND: "#5DBB7B",
+    Outcome.RESOLVED: "#009E73",
+    Outcome.NO_TROUBLE: "#D6F0DF",
+    Outcome.WARNED: "#FBD9A0",
     Outcome.DRIFTING: "#F0E442",
     Outcome.UNEXPLAINED: "#E69F00",
     Outcome.GAINING: "#D55E00",

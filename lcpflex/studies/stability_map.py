@@ -42,9 +42,13 @@ class StabilityMap:
     outcomes
         (k, n1, n2) of :class:`Outcome`; (k, n1) with one axis.
     messages
-        Of the same shape: why, empty where sound.
+        Of the same shape: why, empty where there is nothing to say.
     seconds
         Of the same shape: time spent on each cell, compilation included [s].
+    errors
+        Of the same shape: error relative to the truth; NaN where none was taken, or the run did not end.
+    notes
+        What the runs were compared with, and what else a reader must know.
     """
 
     methods: tuple[str, ...]
@@ -52,6 +56,8 @@ class StabilityMap:
     outcomes: Objects
     messages: Objects
     seconds: FloatArray
+    errors: FloatArray
+    notes: tuple[str, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -68,39 +74,59 @@ class StabilityMap:
     def largest_sound(self, method: str) -> FloatArray:
         """Largest value of the first axis up to which every cell is sound, for each value of the second: (n2,).
 
-        NaN where not even the smallest is. Raises ModelError where the values are no numbers.
+        A paradox that is named and resolved is a success, too; what was compared with no truth is none, for that see
+        :meth:`largest_untroubled`. NaN where not even the smallest is. Raises ModelError where the values are no
+        numbers.
         """
+        return self._largest(method, (Outcome.SOUND, Outcome.RESOLVED))
+
+    def largest_untroubled(self, method: str) -> FloatArray:
+        """The same of cells that are sound or show no sign of trouble."""
+        return self._largest(method, (Outcome.SOUND, Outcome.RESOLVED, Outcome.NO_TROUBLE))
+
+    def _largest(self, method: str, kinds: tuple[Outcome, ...]) -> FloatArray:
         name, values = next(iter(self.axes.items()))
         if not all(_is_number(value) for value in values):
             raise ModelError(f"axes: the values of {name!r} are no numbers and have no order; expected numbers")
         order = np.argsort(values)
-        cells = self.of(method).reshape(len(values), -1)[order] == Outcome.SOUND
+        cells = _is_one_of(self.of(method).reshape(len(values), -1)[order], kinds)
         whole = np.logical_and.accumulate(cells, axis=0).sum(axis=0)
         ordered = np.concatenate([[np.nan], np.asarray(values, dtype=float)[order]])
         return np.asarray(ordered[whole])
 
     def table(self) -> str:
-        """A table of Markdown for each method: the first axis along the columns, the second along the rows."""
+        """A table of Markdown for each method: the first axis along the columns, the second along the rows.
+
+        Each cell has the outcome and, where a truth was taken, the error relative to it.
+        """
         return "\n\n".join(f"**{method}**\n\n{self._table(method)}" for method in self.methods)
+
+    def _cell(self, place: tuple[int, ...]) -> str:
+        """The outcome, with the error relative to the truth where there is one."""
+        error = float(self.errors[place])
+        return f"{self.outcomes[place].value}{f' ({_percent(error)})' if np.isfinite(error) else ''}"
 
     def _table(self, method: str) -> str:
         (first, columns), *second = self.axes.items()
-        cells = self.of(method).reshape(len(columns), -1)
+        k = self.methods.index(method)
         corner = f"{second[0][0]} \\ {first}" if second else first
         head = (corner, *(axis_label(value) for value in columns))
         rows = second[0][1] if second else ("",)
-        return as_markdown(
-            [head, *((axis_label(row), *(cell.value for cell in cells[:, j])) for j, row in enumerate(rows))]
-        )
+        lines: list[tuple[str, ...]] = [head]
+        for j, row in enumerate(rows):
+            places = [(k, i, j) if second else (k, i) for i in range(len(columns))]
+            lines.append((axis_label(row), *(self._cell(place) for place in places)))
+        return as_markdown(lines)
 
     def csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write one line a cell: method, the values of the axes, outcome, message, seconds."""
+        """Write one line a cell: method, the values of the axes, outcome, error, message, seconds."""
         target = writable_path("path", path)
         with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(("method", *self.axes, "outcome", "message", "seconds"))
+            writer.writerow(("method", *self.axes, "outcome", "error", "message", "seconds"))
             for place, values in self._cells():
-                row = (self.outcomes[place].value, self.messages[place], f"{self.seconds[place]:.6g}")
+                error = f"{self.errors[place]:.6g}" if np.isfinite(self.errors[place]) else ""
+                row = (self.outcomes[place].value, error, self.messages[place], f"{self.seconds[place]:.6g}")
                 writer.writerow((self.methods[place[0]], *values, *row))
         return target
 
@@ -132,22 +158,39 @@ class StabilityMap:
         draw_map(axes, self, method, curves or {})
 
     def __str__(self) -> str:
-        """The counts of each method, and where along the first axis it is sound."""
-        return "\n".join(line for method in self.methods for line in self._words(method))
+        """The counts of each method, where along the first axis it is sound or without trouble, and the notes."""
+        notes = [f"Note: {note}." for note in self.notes]
+        return "\n".join([*(line for method in self.methods for line in self._words(method)), *notes])
 
     def _words(self, method: str) -> Iterator[str]:
         cells = self.of(method)
         counts = Counter(cells.ravel().tolist())
         found = [f"{counts[outcome]} {outcome.value}" for outcome in Outcome if counts[outcome]]
         yield f"{method}: {', '.join(found)} ({cells.size} cells)"
+        successes = [outcome for outcome in counts if outcome.success]
+        if successes or not counts[Outcome.NO_TROUBLE]:
+            yield from self._where("sound", cells, successes)
+        if counts[Outcome.NO_TROUBLE]:
+            yield from self._where(Outcome.NO_TROUBLE.value, cells, [Outcome.NO_TROUBLE])
+
+    def _where(self, words: str, cells: Objects, kinds: Sequence[Outcome]) -> Iterator[str]:
+        """For which values of the first axis the outcome is one of ``kinds``, a line for equal rows."""
         (first, values), *second = self.axes.items()
         rows = second[0][1] if second else (None,)
-        sound = cells.reshape(len(values), -1) == Outcome.SOUND
-        ranges = [(row, _ranges(values, sound[:, j])) for j, row in enumerate(rows)]
+        marked = _is_one_of(cells.reshape(len(values), -1), kinds)
+        ranges = [(row, _ranges(values, marked[:, j])) for j, row in enumerate(rows)]
         for where, group in groupby(ranges, key=lambda entry: entry[1]):
             members = [row for row, _ in group]
             at = f" at {second[0][0]} {_span(members)}" if second and len(members) < len(rows) else ""
-            yield f"  sound for {first} {where}{at}"
+            yield f"  {words} for {first} {where}{at}"
+
+
+def _is_one_of(cells: Objects, kinds: Sequence[Outcome]) -> NDArray[np.bool_]:
+    return np.array([cell in kinds for cell in cells.ravel()], dtype=bool).reshape(cells.shape)
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.2g} %"
 
 
 def axis_label(value: Any) -> str:

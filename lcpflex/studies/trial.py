@@ -19,7 +19,23 @@ from lcpflex.studies.time_limit import TimeLimit
 if TYPE_CHECKING:
     from lcpflex.simulate import Stepper
 
-__all__ = ["Conditions", "Series", "Trial", "brief", "in_order", "predicted", "refined", "run_series", "trial"]
+__all__ = [
+    "NONE",
+    "SEVERAL",
+    "Conditions",
+    "Series",
+    "Trial",
+    "brief",
+    "in_order",
+    "is_paradox",
+    "predicted",
+    "refined",
+    "run_series",
+    "scene_warnings",
+    "trial",
+]
+
+NONE, SEVERAL = "no acceleration was admissible", "several motions were admissible"  # the words that report paradoxes
 
 PATIENCE = 3.0  # a run is ended after this many times the limit that it was predicted to keep
 GUESS = 3.0  # how much longer the next run takes where nothing tells
@@ -82,11 +98,21 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
 
 
 def _distrust(result: Result) -> list[str]:
-    """What the result warns of, but for bodies too coarse for their contacts: that is no fault of a run."""
+    """What the result warns of, but for the scene itself, and for a paradox that was named and resolved."""
+    of_scene = scene_warnings(result)
+    return [warning for warning in result.warnings if warning not in of_scene and not is_paradox(warning)]
+
+
+def is_paradox(warning: str) -> bool:
+    """Whether a run reports by it that it met, and got past, one of Painleve's paradoxes."""
+    return NONE in warning or SEVERAL in warning
+
+
+def scene_warnings(result: Result) -> tuple[str, ...]:
+    """Warnings that are of the scene and not of the run: of bodies too stiff, or too coarse for their contacts."""
     from lcpflex.resolved import unresolved
 
-    coarse = (*unresolved(result), *(result.compiled.warnings if result.compiled is not None else ()))
-    return [warning for warning in result.warnings if warning not in coarse]
+    return (*unresolved(result), *(result.compiled.warnings if result.compiled is not None else ()))
 
 
 def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measured] | None, str]:

@@ -95,7 +95,7 @@ def test_the_error_of_the_step_is_told_apart() -> None:
         search.run((2,))
         search.reference = (2,)
         search.spent = 0.0
-        errors.append(search.step_error((2,)))
+        errors.append(search.half_step((2,), search.used()))
     assert 0.0 < errors[1] < 0.5 * errors[0]
 
 
@@ -191,7 +191,7 @@ def test_a_default_step_is_shortened_until_it_decides_less_than_the_bodies() -> 
 class Flat(Search):
     """A search that takes every run for as expensive as the next."""
 
-    def _usual_cost(self, state) -> float:
+    def usual_cost(self, state) -> float:
         return 1.0
 
 

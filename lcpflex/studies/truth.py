@@ -1,0 +1,232 @@
+"""What a stability map compares its runs with: a fine run of the same scene, where two that are independent agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.energy import EnergyGrowth
+from lcpflex.errors import ModelError
+from lcpflex.result import Result
+from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing, motion_of
+from lcpflex.studies.outputs import two_places as places_of
+from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
+
+__all__ = ["LIMIT", "Truth", "find_truth", "truth_outputs"]
+
+INSTANTS = 4000  # at which the truth is stored
+LIMIT = 10.0  # [s] of computing, of each of its runs
+SHARE = 0.25  # of the tolerance: two runs that agree to less than this may serve as a truth
+RTOL, ATOL = 1e-9, 1e-11  # of event-driven integration
+COARSEST, FINER, LEVELS = 1e-3, 4.0, 6  # first step, as a share of the duration; then finer by factors
+UNEVEN = 0.77  # ratio of the steps of two schemes that are to agree: what falls between the steps of one is met by both
+MOTION = "motion"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """The outputs of a run that another, independent one has confirmed; or why there is none.
+
+    Attributes
+    ----------
+    source
+        Which run it is, and which other agrees with it how well; or why there is no truth.
+    measured
+        Value by output; empty where there is no truth.
+    """
+
+    source: str
+    outputs: tuple[Output, ...] = ()
+    measured: Mapping[str, Measured] = field(default_factory=dict)
+    duration: float = math.nan
+
+    @property
+    def known(self) -> bool:
+        """Whether there is one."""
+        return bool(self.measured)
+
+    def error_of(self, result: Result) -> float:
+        """The largest error of the outputs of a result; NaN without a truth."""
+        if not self.known:
+            return math.nan
+        return apart(self.outputs, {one.name: one.of(result) for one in self.outputs}, self.measured, self.duration)
+
+
+def truth_outputs(outputs: Any) -> tuple[Output, ...]:
+    """The outputs asked for; by default positions at equal times. Raises ModelError."""
+    motion = Output(MOTION, _positions)
+    if outputs is None:
+        return (motion,)
+    if isinstance(outputs, (str, Output)) or callable(outputs):
+        outputs = (outputs,)
+    if not isinstance(outputs, Mapping):
+        outputs = [motion if isinstance(one, str) and one == MOTION else one for one in outputs]
+    return chosen_outputs(outputs)
+
+
+def _positions(result: Result) -> list[Part]:
+    """Positions of two places of each body; every coordinate of a system of the user's own, each with its own scale."""
+    if result.compiled is None:
+        return [Part(name, result.q[:, k].reshape(-1, 1, 1)) for k, name in enumerate(result.coordinate_names())]
+    return motion_of(result, places_of(result.compiled))[:1]
+
+
+def apart(
+    outputs: tuple[Output, ...], one: Mapping[str, Measured], truth: Mapping[str, Measured], duration: float
+) -> float:
+    """Largest difference of two runs over the outputs, relative to the scale of the second."""
+    return max(_difference(output, one[output.name], truth[output.name], duration) for output in outputs)
+
+
+def _difference(output: Output, one: Measured, truth: Measured, duration: float) -> float:
+    """Of numbers; of positions the largest at equal times; of other curves, which may jump, the mean over time."""
+    if one.number is not None or truth.number is not None:
+        return error_between(output, one, truth, duration)
+    worst = 0.0
+    for mine, other in zip(one.parts, truth.parts, strict=True):
+        if not np.isfinite(mine.curves).all():
+            return math.inf
+        distance = np.linalg.norm(mine.curves - _at(one.times, truth.times, other.curves), axis=-1)
+        if output.name != MOTION and len(one.times) > 1:
+            widths = np.gradient(one.times) if len(one.times) > 2 else np.ones(2)
+            distance = (widths[:, None] * distance).sum(axis=0, keepdims=True) / max(widths.sum(), 1e-300)
+        worst = max(worst, float(distance.max(initial=0.0)) / _scale(output, other))
+    return worst
+
+
+def _at(times: FloatArray, known: FloatArray, curves: FloatArray) -> FloatArray:
+    """Curves (m, c, d), given at ``known``, at other times."""
+    flat = curves.reshape(len(known), -1)
+    found = np.stack([np.interp(times, known, column) for column in flat.T], axis=1)
+    return np.asarray(found.reshape(len(times), *curves.shape[1:]))
+
+
+def _scale(output: Output, part: Part) -> float:
+    if output.scale is not None:
+        return output.scale
+    ranges = float(np.linalg.norm(np.ptp(part.curves, axis=0), axis=-1).max(initial=0.0))
+    return max(ranges, part.floor) or 1.0
+
+
+def find_truth(
+    build: Callable[[], Any],
+    duration: float,
+    outputs: tuple[Output, ...],
+    tolerance: float,
+    limit: float = LIMIT,
+    given: Any = None,
+) -> Truth:
+    """A truth for a scene: two sound runs that differ by less than a quarter of the tolerance.
+
+    By default of two methods: event-driven and time stepping; where one of them cannot run the scene, two time-stepping
+    schemes of different steps. Of a ``given`` stepper: the run, and one with half the step or half the tolerances.
+    Refinements of one method alone would be blind to what that method misses at any step.
+    """
+    conditions = Conditions(build, duration, outputs, INSTANTS, 0, limit, EnergyGrowth.WARN)
+    search = _Search(conditions, outputs, SHARE * tolerance)
+    try:
+        truth = search.of(given) if given is not None else search.own()
+    except ModelError as error:
+        return Truth(f"there is no truth: {error}")
+    nothing = [name for name, one in truth.measured.items() if one.number is not None and is_nothing(one)]
+    scaled = {one.name for one in outputs if one.scale is not None}
+    if lost := [name for name in nothing if name not in scaled]:
+        return Truth(f"there is no truth: {lost[0]!r} is zero, and no error can be relative to that; expected a scale")
+    return truth
+
+
+@dataclass(slots=True)
+class _Search:
+    """Runs that are compared until two agree."""
+
+    conditions: Conditions
+    outputs: tuple[Output, ...]
+    enough: float
+    reasons: list[str] = field(default_factory=list)
+    nearest: tuple[float, str] = (math.inf, "")
+    spent: float = 0.0  # [s] in the runs with the present step
+
+    def of(self, stepper: Any) -> Truth:
+        """The truth that a stepper of the user's own makes."""
+        finer = refined(stepper, 2.0)
+        one = self._run(stepper)
+        if one is None:
+            return self._none()
+        if finer is None:
+            return Truth(f"there is no truth: {brief(stepper)} has no step and no tolerance that could be halved")
+        other = self._run(finer)
+        return self._agreed(other, one) or self._none() if other is not None else self._none()
+
+    def own(self) -> Truth:
+        """The truth that the methods of the library agree on."""
+        from lcpflex.steppers.event_driven import EventDriven
+        from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+        from lcpflex.steppers.moreau_jean import MoreauJean
+
+        event = self._run(EventDriven(rtol=RTOL, atol=ATOL))
+        before: Trial | None = None
+        stepping = False
+        for step in self._steps():
+            run = self._run(MoreauJean(step=step))
+            if run is None:
+                before = None
+                continue
+            stepping = True
+            if event is not None and (found := self._agreed(event, run)):
+                return found
+            if event is None and before is not None and self._differ(run, before) <= self.enough:
+                other = self._run(GeneralizedAlpha(step=UNEVEN * step))
+                if other is not None and (found := self._agreed(run, other)):
+                    return found
+            before = run
+        if event is not None and not stepping:
+            for step in self._steps():
+                other = self._run(GeneralizedAlpha(step=step))
+                if other is not None and (found := self._agreed(event, other)):
+                    return found
+        return self._none()
+
+    def _steps(self) -> Iterator[float]:
+        """From coarse to fine, while a run is expected to keep the limit."""
+        for level in range(LEVELS):
+            self.spent = 0.0
+            yield COARSEST * self.conditions.duration / FINER**level
+            if FINER * self.spent > self.conditions.limit:
+                return
+
+    def _run(self, stepper: Any) -> Trial | None:
+        """A run, or None for one that failed or warns, whose reason is kept."""
+        found = trial(self.conditions, stepper, repeats=0)
+        self.spent += sum(found.times)
+        if found.measured is not None and not found.failure:
+            return found
+        self.reasons.append(f"{brief(stepper)}: {found.failure}")
+        return None
+
+    def _differ(self, one: Trial, other: Trial) -> float:
+        assert one.measured is not None
+        assert other.measured is not None
+        found = apart(self.outputs, other.measured, one.measured, self.conditions.duration)
+        if found <= self.nearest[0]:
+            self.nearest = (found, f"{brief(one.stepper)} and {brief(other.stepper)}")
+        return found
+
+    def _agreed(self, best: Trial, other: Trial) -> Truth | None:
+        """The first as the truth, if the second is close to it."""
+        difference = self._differ(best, other)
+        if difference > self.enough or best.measured is None:
+            return None
+        source = f"{brief(best.stepper)}, which {brief(other.stepper)} confirms to {100.0 * difference:.2g} %"
+        return Truth(source, self.outputs, best.measured, self.conditions.duration)
+
+    def _none(self) -> Truth:
+        if self.nearest[1]:
+            told = f"{self.nearest[1]}, the nearest two, differ by {100.0 * self.nearest[0]:.3g} %"
+        else:
+            told = "; ".join(dict.fromkeys(reason[:200] for reason in self.reasons[:2])) or "no two runs"
+        return Truth(f"there is no truth: {told}")
