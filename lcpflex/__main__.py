@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex import __version__
-from lcpflex.errors import LcpflexError, ModelError, StepError
-from lcpflex.studies.command_line import called, in_file, load_named
+from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, writable_path
+from lcpflex.studies.command_line import called, check_picture, in_file, load_named
+from lcpflex.studies.command_parser import Parser
 from lcpflex.studies.commands_chart import add_chart
 from lcpflex.studies.commands_cross_check import add_cross_check
 from lcpflex.studies.commands_right_size import add_right_size
@@ -60,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="lcpflex", description="Frictional contact in flexible multibody systems.")
+    parser = Parser(prog="lcpflex", description="Frictional contact in flexible multibody systems.")
     parser.add_argument("--version", action="version", version=f"lcpflex {__version__}")
     parser.set_defaults(command=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
@@ -126,9 +127,9 @@ def _run(request: argparse.Namespace) -> int:
         value = getattr(request, option)
         if value is not None and not 0.0 < value < float("inf"):
             raise ModelError(f"--{option}: {value!r}; expected a number of {unit} > 0")
-    for path in (request.save, request.plot):
-        if path is not None:
-            _checked_folder(path.parent)
+    check_picture("--plot", request.plot)
+    if request.save is not None:
+        writable_path("--save", request.save)
     scene, duration, stepper = _scene(request.scene)
     duration = request.duration or duration
     if duration is None:
@@ -171,7 +172,10 @@ def _case(name: str) -> Case:
 
     cases = scenes()
     if name not in cases:
-        raise ModelError(f"SCENE: no scene {name!r}; expected file.py:function or one of {', '.join(cases)}")
+        raise ModelError(
+            f"SCENE: no scene {name[:80]!r}{nearest(name[:80], cases)}; expected file.py:function or one of "
+            f"{', '.join(cases)}"
+        )
     return cases[name]
 
 

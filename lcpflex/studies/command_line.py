@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lcpflex.errors import LcpflexError, ModelError, writable_path
+from lcpflex.errors import LcpflexError, ModelError, nearest, writable_path
 from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
@@ -85,9 +85,10 @@ def load_named(option: str, text: str) -> Any:
     try:
         return getattr(module, name)
     except AttributeError:
-        known = ", ".join(key for key in vars(module) if not key.startswith("_"))
+        known = [key for key in vars(module) if not key.startswith("_")]
         raise ModelError(
-            f"{option}: {file[-80:]!r} has no function {name[:40]!r}; expected one of {known[:200]}"
+            f"{option}: {file[-80:]!r} has no function {name[:40]!r}{nearest(name[:40], known)}; expected one of "
+            f"{', '.join(known)[:200]}"
         ) from None
 
 
@@ -127,7 +128,8 @@ def outputs_named(option: str, texts: Sequence[str], known: Sequence[str]) -> li
     for text in texts:
         if not in_file(text):
             if text not in known:
-                raise ModelError(f"{option}: {text[:80]!r}; expected file.py:name or one of {', '.join(known)}")
+                near = nearest(text[:80], known)
+                raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
             chosen.append(text)
             continue
         found = load_named(option, text)
@@ -152,7 +154,8 @@ def methods_named(option: str, texts: Sequence[str], known: Callable[[], dict[st
             continue
         found = {label: one for label, one in known().items() if _plain(label) == _plain(text)}
         if not found:
-            raise ModelError(f"{option}: {text[:80]!r}; expected file.py:name or one of {', '.join(known())}")
+            near = nearest(_plain(text[:80]), map(_plain, known()))
+            raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known())}")
         chosen |= found
     return chosen
 

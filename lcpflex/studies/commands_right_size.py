@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from lcpflex.errors import ModelError
-from lcpflex.studies.command_line import add_files, check_files, duration_of, shown
+from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import shown as value_shown
+from lcpflex.studies.command_line import (
+    add_files,
+    check_files,
+    duration_of,
+    in_file,
+    load_named,
+    outputs_named,
+    shown,
+)
 
 __all__ = ["add_right_size"]
 
@@ -23,17 +33,20 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
         help="the smallest bodies that will do: rigid, a few modes, or the full mesh",
         description="Climb from rigid bodies to full meshes until the outputs are within a tolerance of those of the "
         "full mesh; say which modes that takes, how far off it is, and what it saves. Exit code 1 if nothing is "
-        "within the tolerance.",
+        "promised to be within the tolerance: because nothing is, or because half the step or richer bodies say no.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="RATIO",
                          help=f"largest error of each quantity, relative to its range ({TOLERANCE:g})")  # fmt: skip
     command.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated: motion, impulses, "
-                         "trajectory, peak force or energy (default: motion and impulses)")  # fmt: skip
+                         "trajectory, peak force, energy, or file.py:name of a function of a result (default: motion "
+                         "and impulses)")  # fmt: skip
     add_files(command)
     command.add_argument("--step", type=float, metavar="SECONDS",
                          help="of Moreau-Jean steps; default: the stepper of the scene, another where rich bodies "
                          "cannot be trusted with it")  # fmt: skip
+    command.add_argument("--stepper", metavar="NAME", help="file.py:name of a stepper, or of a function of the scene "
+                         "that makes one")  # fmt: skip
     command.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
                          help=f"leave out what takes longer for one run (default: {LIMIT:g})")  # fmt: skip
     command.set_defaults(command=lambda request: _right_size(request, load))
@@ -41,17 +54,34 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
 
 def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
-    from lcpflex.steppers.moreau_jean import MoreauJean
     from lcpflex.studies.fidelity_scenes import known_outputs
     from lcpflex.studies.right_size import right_size
 
     check_files(request)
-    for quantity in request.quantity or ():
-        if quantity not in known_outputs():
-            raise ModelError(f"--quantity: {quantity!r}; expected one of {', '.join(known_outputs())}")
+    in_range("--tolerance", request.tolerance, 0.0, 1.0, open_ends=True)
+    in_range("--limit", request.limit, 0.0, math.inf, open_ends=True)
+    given = _stepper(request)
+    outputs = outputs_named("--quantity", request.quantity or (), known_outputs())
     scene, duration, stepper = load(request.scene)
-    duration = duration_of(request, duration)
+    duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
     case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
-    given = None if request.step is None else MoreauJean(step=request.step)
-    found = right_size(case, request.quantity, request.tolerance, duration=duration, stepper=given, limit=request.limit)
+    found = right_size(case, outputs or None, request.tolerance, duration=duration, stepper=given, limit=request.limit)
     return shown(request, found, found.within)
+
+
+def _stepper(request: argparse.Namespace) -> Any:
+    """The stepper asked for: Moreau-Jean with a step, or what a file of the user's own has; None where none is."""
+    from lcpflex.steppers.moreau_jean import MoreauJean
+
+    if request.stepper is None:
+        return None if request.step is None else MoreauJean(step=in_range("--step", request.step, 0.0, math.inf,
+                                                                          open_ends=True))  # fmt: skip
+    if request.step is not None:
+        raise ModelError("--step: given with --stepper, which has its own; expected one of them")
+    if not in_file(request.stepper):
+        raise ModelError(f"--stepper: {request.stepper[:80]!r}; expected file.py:name")
+    found = load_named("--stepper", request.stepper)
+    if isinstance(found, type) or not (callable(found) or hasattr(found, "start")):
+        raise ModelError(f"--stepper: {request.stepper[-80:]!r} is {value_shown(found)}; expected a stepper, or a "
+                         "function of the scene that makes one")  # fmt: skip
+    return found

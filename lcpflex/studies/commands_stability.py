@@ -6,14 +6,17 @@ import argparse
 import inspect
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
+from lcpflex.studies.command_line import check_picture, in_file, load_named, outputs_named
+from lcpflex.studies.outcome import Criteria
+from lcpflex.studies.outputs import known_outputs
 from lcpflex.written import whole_file
 
 __all__ = ["add_stability"]
@@ -22,7 +25,9 @@ WIDE = 100.0  # ratio of the ends from which on values are spaced evenly in thei
 FINEST, COARSEST = 0.1, 100.0  # ends of the default axis, in steps of the scene's own stepper
 COUNT = 7
 SHARE = 1e-4  # of the duration, the step around which they lie where the stepper of the scene has none
-CHARTS = (".png", ".pdf", ".svg")
+MOST = 10_000  # cells of a map
+LONGEST = 12  # digits of a count
+OWN = "own"  # the truth of this library
 RANGE = "NAME=START:STOP:COUNT"
 STEPPED = "moreau-jean"
 STEP = 1e-4  # of methods where neither an axis nor the scene's own stepper gives one [s]
@@ -41,14 +46,28 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
         f"are at least {WIDE:g} apart in ratio are spaced logarithmically. Parameters of the methods: step (all; the "
         "longest of event-driven), theta (moreau-jean), rtol (event-driven), rho_inf (generalized-alpha), "
         "dynamic_modes (massless-boundary), stiffness and damping (penalty, Verlet's steps). acceleration-level asks, "
-        "without time stepping, whether the start has one motion.",
+        "without time stepping, whether the start has one motion. What a run says of itself is at best that there is "
+        "no sign of trouble; --truth compares it with a fine run of the same scene, and shows the errors.",
     )
     command.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     command.add_argument("--x", metavar=RANGE, help="default: the step, about that of the scene")
     command.add_argument("--y", metavar=RANGE, help="default: none, one row only")
     command.add_argument(
-        "--method", action="append", choices=tuple(_methods()), help=f"may be repeated; default: {STEPPED}"
-    )
+        "--method", action="append", metavar="NAME", help=f"may be repeated: {', '.join(_methods())}, or file.py:name "
+        f"of a stepper or a function of such parameters that makes one; default: {STEPPED}",
+    )  # fmt: skip
+    command.add_argument(
+        "--truth", metavar="NAME", help="compare every run with a truth: 'own', a run of this library that another "
+        "method confirms; or a method as above, confirmed by half its step or tolerances; default: none",
+    )  # fmt: skip
+    command.add_argument(
+        "--tolerance", type=float, metavar="RATIO",
+        help=f"largest error, relative to the truth, of a run that counts as sound; default: {Criteria().error:g}",
+    )  # fmt: skip
+    command.add_argument(
+        "--quantity", action="append", metavar="NAME", help="compared with the truth, may be repeated: motion (the "
+        "default), trajectory, impulses, peak force, energy, or file.py:name of a function of a result",
+    )  # fmt: skip
     command.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="computing time of a cell; default: none")
     command.add_argument("--plot", type=Path, metavar="FILE", help="write the map to this png, pdf or svg file")
@@ -59,27 +78,42 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
 def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     from lcpflex.studies.stability import stability
 
-    for name in ("plot", "csv"):
+    check_picture("--plot", request.plot)
+    if request.csv is not None:
+        writable_path("--csv", request.csv)
+    for name in ("duration", "time_limit"):
         if getattr(request, name) is not None:
-            writable_path(f"--{name}", getattr(request, name))
-    if request.plot is not None and request.plot.suffix.lower() not in CHARTS:
-        raise ModelError(f"--plot: {str(request.plot)!r}; expected a name that ends in {', '.join(CHARTS)}")
+            in_range(f"--{name.replace('_', '-')}", getattr(request, name), 0.0, math.inf, open_ends=True)
+    if request.truth is None and (request.tolerance is not None or request.quantity):
+        option = "--quantity" if request.quantity else "--tolerance"
+        raise ModelError(f"{option}: given without --truth; nothing is compared")
+    tolerance = Criteria().error if request.tolerance is None else request.tolerance
+    criteria = Criteria(error=in_range("--tolerance", tolerance, 0.0, 1.0, open_ends=True))
+    quantities = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
     scene = find(request.scene)
     if not (callable(scene) or hasattr(scene, "build")):
         raise ModelError(f"SCENE: {request.scene!r} is {scene!r}; expected a Case or a function that builds a scene")
     known = _methods(getattr(getattr(scene, "stepper", None), "step", STEP))
-    methods = {label: known[label] for label in request.method or [STEPPED]}
+    methods = {_label(text): _method("--method", text, known) for text in request.method or [STEPPED]}
+    truth = True if request.truth == OWN else None
+    if request.truth not in (None, OWN):
+        truth = _method("--truth", request.truth, {OWN: None, **known})
     asked = [("--x", request.x), ("--y", request.y)]
     axes: dict[str, list[Any]] = {}
     for option, text in asked:
         if text is not None:
-            name, values = _axis(option, text, (getattr(scene, "build", scene), *methods.values()))
+            owners = [one for one in (getattr(scene, "build", scene), *methods.values()) if callable(one)]
+            name, values = _axis(option, text, owners)
             if name in axes:
                 raise ModelError(f"{option}: {name!r} was given twice; expected two parameters")
             axes[name] = values
     if request.x is None and "step" not in axes:
         axes = {"step": _default_steps(scene, request.duration), **axes}
-    found = stability(scene, methods, axes, request.duration, time_limit=request.time_limit)
+    _check_size(axes, methods)
+    found = stability(
+        scene, methods, axes, request.duration, criteria=criteria, truth=truth, outputs=quantities or None,
+        time_limit=request.time_limit,
+    )  # fmt: skip
     print(f"{found}\n\n{found.table()}")
     if request.csv is not None:
         print(f"\ncells: {found.csv(request.csv).resolve()}")
@@ -90,6 +124,33 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     if not found.complete:
         print("lcpflex: interrupted", file=sys.stderr)
     return 0 if found.complete else 130
+
+
+def _label(text: str) -> str:
+    """The name of a function of a file without the file."""
+    return text.rpartition(":")[2] if in_file(text) else text
+
+
+def _method(option: str, text: str, known: Mapping[str, Any]) -> Any:
+    """The method of that name, or the stepper or function of a file of the user's own."""
+    if not in_file(text):
+        if text not in known:
+            near = nearest(text[:80], known)
+            raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
+        return known[text]
+    found = load_named(option, text)
+    if isinstance(found, type) or not (callable(found) or hasattr(found, "start")):
+        raise ModelError(
+            f"{option}: {text[-80:]!r} is {shown(found)}; expected a stepper, or a function that makes one"
+        )
+    return found
+
+
+def _check_size(axes: Mapping[str, Sequence[Any]], methods: Mapping[str, Any]) -> None:
+    """Refuse a map of more cells than anybody waits for."""
+    cells = len(methods) * math.prod(map(len, axes.values()))
+    if cells > MOST:
+        raise ModelError(f"--x, --y: {cells} cells with {len(methods)} methods; expected at most {MOST}")
 
 
 def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
@@ -141,15 +202,18 @@ def _acceleration_level(scene: Any) -> Any:
     return acceleration_level(scene)
 
 
-def _axis(option: str, text: str, owners: tuple[Callable[..., Any], ...]) -> tuple[str, list[Any]]:
+def _axis(option: str, text: str, owners: Sequence[Callable[..., Any]]) -> tuple[str, list[Any]]:
     """Name and values; whole numbers where the default of the parameter is one."""
     name, equals, values = text.partition("=")
+    count = values.rpartition(":")[2] if ":" in values else ""
+    if count.strip().isdigit() and (len(count) > LONGEST or int(count) > MOST):
+        raise ModelError(f"{option}: {text[:80]!r}; expected at most {MOST} values")
     try:
         numbers = _spread(values) if ":" in values else [float(part) for part in values.split(",")]
     except ValueError:
         numbers = []
     if not (name and equals and numbers and np.isfinite(numbers).all()):
-        raise ModelError(f"{option}: {text!r}; expected {RANGE} or NAME=VALUE,VALUE,... of finite numbers")
+        raise ModelError(f"{option}: {text[:80]!r}; expected {RANGE} or NAME=VALUE,VALUE,... of finite numbers")
     for owner in owners:
         parameter = inspect.signature(owner).parameters.get(name)
         if parameter is not None and isinstance(parameter.default, int) and not isinstance(parameter.default, bool):

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FidelityRun", "NextRung", "RightSize"]
 
+NOTABLE = 0.1  # part of the tolerance from which on the error of the step is told with the choice
 SHOWN = 60  # characters of a reason in a table
 
 
@@ -181,6 +182,9 @@ class RightSize:
         if reasons and self.proved:
             said = [f"Nothing is promised: {reasons[0]}.", *(f"Also, {reason}." for reason in reasons[1:])]
             said.append(f"With this step alone: {self._unpromised()}")
+        adds = max((e for e in (self.step_error, self.reference_step_error) if math.isfinite(e)), default=0.0)
+        if self.within and adds > NOTABLE * self.tolerance:
+            said.append(f"Half the step changes the outputs by {_percent(adds)}, which adds to this.")
         if self.chosen is not None and self.unmeasured and not reasons:
             said.append(f"But {self.unmeasured}: the error of the step is not known there, and adds to this.")
         if self.better is not None:

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import LcpflexError, ModelError, in_range
+from lcpflex.errors import LcpflexError, ModelError, in_range, nearest, shown
 from lcpflex.result import Result
 from lcpflex.simulate import simulate
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 
 __all__ = ["stability"]
 
+MOST = 100_000  # cells of a map
+MANY = 1000  # values of an axis, of which none is compared with all others
 BUILT = "scene"  # parameter by which a method asks for the built scene
 
 
@@ -133,6 +135,9 @@ def stability(
     builder = _Maker.of("scene", build, table)
     makers = {label: _Maker.of(f"methods[{label!r}]", method, table) for label, method in methods.items()}
     _check_names(table, builder, makers)
+    cells = len(makers) * math.prod(map(len, table.values()))
+    if cells > MOST:
+        raise ModelError(f"axes: {cells} cells with {len(makers)} methods; expected at most {MOST}")
     own = truth is None or isinstance(truth, (bool, np.bool_))
     truth_maker = None if own else _Maker.of("truth", truth, table)
     if duration is None and (truth or any(maker.fixed is not None for maker in makers.values())):
@@ -332,8 +337,8 @@ def _check_axes(axes: Mapping[str, tuple[Any, ...]]) -> None:
     for name, values in axes.items():
         if not values:
             raise ModelError(f"axes[{name!r}]: no values were given; expected at least one")
-        if any(value == other for i, value in enumerate(values) for other in values[:i]):
-            raise ModelError(f"axes[{name!r}]: {values!r}; expected values that differ")
+        if len(values) <= MANY and any(value == other for i, value in enumerate(values) for other in values[:i]):
+            raise ModelError(f"axes[{name!r}]: {shown(values)}; expected values that differ")
 
 
 def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, _Maker]) -> None:
@@ -342,4 +347,5 @@ def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, 
             owners = "; ".join(
                 f"{maker.label}: {', '.join(maker.known) or 'none'}" for maker in (builder, *makers.values())
             )
-            raise ModelError(f"axes: nothing takes {name!r}; expected a parameter of one of these ({owners})")
+            near = nearest(name, {known for maker in (builder, *makers.values()) for known in maker.known})
+            raise ModelError(f"axes: nothing takes {name!r}{near}; expected a parameter of one of these ({owners})")

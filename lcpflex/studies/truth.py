@@ -13,8 +13,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.energy import EnergyGrowth
 from lcpflex.errors import ModelError
 from lcpflex.result import Result
-from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing, motion_of
-from lcpflex.studies.outputs import two_places as places_of
+from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
 
 __all__ = ["LIMIT", "Truth", "find_truth", "truth_outputs"]
@@ -26,6 +25,7 @@ RTOL, ATOL = 1e-9, 1e-11  # of event-driven integration
 COARSEST, FINER, LEVELS = 1e-3, 4.0, 6  # first step, as a share of the duration; then finer by factors
 UNEVEN = 0.77  # ratio of the steps of two schemes that are to agree: what falls between the steps of one is met by both
 MOTION = "motion"
+STILL = 1e-9  # a range below this, relative to the values, is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,21 +59,7 @@ class Truth:
 
 def truth_outputs(outputs: Any) -> tuple[Output, ...]:
     """The outputs asked for; by default positions at equal times. Raises ModelError."""
-    motion = Output(MOTION, _positions)
-    if outputs is None:
-        return (motion,)
-    if isinstance(outputs, (str, Output)) or callable(outputs):
-        outputs = (outputs,)
-    if not isinstance(outputs, Mapping):
-        outputs = [motion if isinstance(one, str) and one == MOTION else one for one in outputs]
-    return chosen_outputs(outputs)
-
-
-def _positions(result: Result) -> list[Part]:
-    """Positions of two places of each body; every coordinate of a system of the user's own, each with its own scale."""
-    if result.compiled is None:
-        return [Part(name, result.q[:, k].reshape(-1, 1, 1)) for k, name in enumerate(result.coordinate_names())]
-    return motion_of(result, places_of(result.compiled))[:1]
+    return chosen_outputs(MOTION if outputs is None else outputs)
 
 
 def apart(
@@ -110,7 +96,8 @@ def _scale(output: Output, part: Part) -> float:
     if output.scale is not None:
         return output.scale
     ranges = float(np.linalg.norm(np.ptp(part.curves, axis=0), axis=-1).max(initial=0.0))
-    return max(ranges, part.floor) or 1.0
+    size = float(np.linalg.norm(part.curves, axis=-1).max(initial=0.0))
+    return max(ranges if ranges > STILL * size else size, part.floor) or 1.0
 
 
 def find_truth(
@@ -133,10 +120,6 @@ def find_truth(
         truth = search.of(given) if given is not None else search.own()
     except ModelError as error:
         return Truth(f"there is no truth: {error}")
-    nothing = [name for name, one in truth.measured.items() if one.number is not None and is_nothing(one)]
-    scaled = {one.name for one in outputs if one.scale is not None}
-    if lost := [name for name in nothing if name not in scaled]:
-        return Truth(f"there is no truth: {lost[0]!r} is zero, and no error can be relative to that; expected a scale")
     return truth
 
 
@@ -204,9 +187,17 @@ class _Search:
         found = trial(self.conditions, stepper, repeats=0)
         self.spent += sum(found.times)
         if found.measured is not None and not found.failure:
+            self._refuse_nothing(found.measured)
             return found
         self.reasons.append(f"{brief(stepper)}: {found.failure}")
         return None
+
+    def _refuse_nothing(self, measured: Mapping[str, Measured]) -> None:
+        """Raise ModelError for a number that is zero, unless its scale is given."""
+        for one in self.outputs:
+            number = measured[one.name].number is not None
+            if number and one.scale is None and is_nothing(measured[one.name]):
+                raise ModelError(f"{one.name!r} is zero, and no error can be relative to that; expected a scale")
 
     def _differ(self, one: Trial, other: Trial) -> float:
         assert one.measured is not None

@@ -91,10 +91,50 @@ def test_run_by_every_stepper(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (["stabilty", "pendulum"], "'stabilty' (did you mean 'stability'?); expected one of demo"),
+        (["rightsize", "pendulum"], "(did you mean 'right-size'?)"),
+        (["run", "pendulum", "--stepp", "1"], "'--stepp' (did you mean '--step'?)"),
+        (["stability", "pendulum", "--plott=x.png"], "'--plott=x.png' (did you mean '--plot'?)"),
+        (["chart", "pendulum", "--reapets", "3"], "'--reapets' (did you mean '--repeats'?)"),
+        (["run", "pendulum", "--stepper", "moreau"], "'moreau' (did you mean 'moreau-jean'?); expected one of"),
+        (["run", "pendulum", "--colour", "1"], "unrecognized arguments: '--colour', '1'"),
+    ],
+)
+def test_the_nearest_name_of_a_typing_error(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
         (["run", "{file}:ball", "--duration", "1", "--stepper", "smooth"], "--stiffness: not given"),
         (["run", "{file}:ball", "--duration", "1", "--stiffness", "1"], "--stiffness: given without"),
         (["run", "{file}:ball", "--duration", "1", "--stepper", "massless-boundary"], "MoreauJean"),
         (["run", "no such scene"], "no scene 'no such scene'; expected file.py:function or one of"),
+        (["run", "bouncing_bal"], "no scene 'bouncing_bal' (did you mean 'bouncing_ball'?); expected"),
+        (["run", "bouncing-ball"], "(did you mean 'bouncing_ball'?)"),
+        (["chart", "pendulm"], "(did you mean 'pendulum'?)"),
+        (["stability", "penduulum"], "(did you mean 'pendulum'?)"),
+        (["right-size", "hemispher"], "(did you mean 'hemisphere'?)"),
+        (["right-size", "hemisphere", "--quantity", "mtion"], "--quantity: 'mtion' (did you mean 'motion'?)"),
+        (["right-size", "hemisphere", "--tolerance", "0"], "--tolerance: 0.0 was given"),
+        (["right-size", "hemisphere", "--limit", "0"], "--limit: 0.0 was given"),
+        (["right-size", "hemisphere", "--step", "-1"], "--step: -1.0 was given"),
+        (["right-size", "hemisphere", "--stepper", "{file}:number"], "--stepper: "),
+        (["right-size", "hemisphere", "--stepper", "event-driven"], "expected file.py:name"),
+        (["chart", "pendulum", "--quantity", "peek force"], "(did you mean 'peak force'?)"),
+        (["chart", "pendulum", "--method", "event-drivn"], "(did you mean 'event-driven'?)"),
+        (["stability", "pendulum", "--method", "event-drivn"], "(did you mean 'event-driven'?)"),
+        (["stability", "pendulum", "--x", "stpe=1,2"], "(did you mean 'step'?)"),
+        (["stability", "pendulum", "--plot", "x.xyz"], "--plot: 'x.xyz'; expected a name that ends in .png"),
+        (["run", "{file}:ball", "--duration", "1", "--plot", "x.xyz"], "--plot: 'x.xyz'; expected a name that ends"),
+        (["cross-check", "x.npz", "--plot", "x.xyz"], "--plot: 'x.xyz'; expected a name that ends in .png"),
+        (["cross-check", "x.npz", "--repeats", "0"], "--repeats: 0; expected at least 1"),
         (["run", "missing.py:ball"], "no file 'missing.py'"),
         (["run", "{file}:bal"], "has no function 'bal'"),
         (["run", "{file}:number"], "has no function 'number'"),

@@ -7,6 +7,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.energy import Energies, energy_warnings
 
 STEPPERS = (lf.EventDriven(), lf.MoreauJean(step=1e-5))
 
@@ -45,3 +46,23 @@ def test_an_error_is_no_error_where_nothing_grows() -> None:
 def test_refuses_a_word() -> None:
     with pytest.raises(lf.ModelError, match="energy_growth"):
         lf.simulate(gallery.bouncing_ball(), 0.1, STEPPERS[0], energy_growth="error")
+
+
+@pytest.mark.parametrize(
+    ("growth", "tolerance", "warns"),
+    [(2e-4, 0.0, True), (2e-4, 1e-8, True), (2e-4, 1e-3, False), (3e-3, 1e-3, True), (1.5e-2, 1e-2, False),
+     (3e-2, 1e-2, True), (3e-2, 1.0, True), (5e-5, 0.0, False)],
+)  # fmt: skip
+def test_growth_is_judged_by_the_tolerance_that_was_asked_for(growth: float, tolerance: float, warns: bool) -> None:
+    """Twice the relative error of a step, as energies are squares; never more than what is unexplained."""
+    kinetic, still = np.array([1.0, 1.0 + growth]), np.zeros(2)
+    energies = Energies.audit(kinetic, still, still, still, still, still, still)
+    found = energy_warnings(energies, np.zeros(3), True, lf.EnergyGrowth.WARN, 10, "", tolerance)
+    assert any("the energy grew" in warning for warning in found) is warns
+
+
+def test_a_loose_tolerance_is_no_failure() -> None:
+    """The flexible pendulum at rtol 1e-3 gains 2e-4 of its energy: what was asked for, and at 1e-5 it would be news."""
+    case = gallery.scenes()["pendulum"]
+    loose = lf.simulate(case.build(), 0.2, lf.EventDriven(rtol=1e-3, atol=1e-4), progress=False)
+    assert not any("the energy grew" in warning for warning in loose.warnings)

@@ -106,13 +106,14 @@ def test_the_scene_that_is_returned_runs_as_it_did(found) -> None:
 
 def test_a_smaller_tolerance_climbs_to_the_full_mesh() -> None:
     whole = right_size(lambda: wall(8), tolerance=1e-4, duration=1.5, stepper=STEP, progress=False)
-    assert whole.within
+    assert whole.proved
     assert whole.rungs == {"bar": "full mesh"}
     assert whole.full_was_run
     assert whole.step_error > 1e-4
-    needed, step = whole.sentence().split(" But ")
-    assert needed == "The full mesh is needed: nothing less is within 0.01 % of it."
-    assert "at this tolerance the step decides more than the bodies do" in step
+    assert not whole.within  # the full mesh itself moves by more than that with half the step
+    assert whole.sentence().startswith("Nothing is promised: half the step changes the outputs by ")
+    assert "with full mesh for the bar: at this tolerance the step decides more than the bodies do" in whole.sentence()
+    assert "is needed" not in whole.sentence()
 
 
 def test_what_is_not_proved_is_said_to_be_so() -> None:
@@ -395,7 +396,7 @@ def test_the_command(tmp_path, capsys) -> None:
 def test_a_sentence_names_what_may_be_rigid() -> None:
     run = FidelityRun({"pendulum": "4 modes", "rod": "rigid"}, 10, 100, 0.01, {"peak force": 0.008}, True, True)
     study = RightSize(
-        scene=None, within=True, tolerance=0.01, rungs=run.rungs, errors=run.errors, runs=(run,), next=(),
+        scene=None, proved=True, tolerance=0.01, rungs=run.rungs, errors=run.errors, runs=(run,), next=(),
         reference={}, stepper=STEP, duration=1.0, spent=0.5, full=0.3, full_was_run=True,
     )  # fmt: skip
     assert study.sentence() == (
@@ -405,7 +406,7 @@ def test_a_sentence_names_what_may_be_rigid() -> None:
     assert replace(study, full=1.38).sentence().endswith(" 140 times cheaper.")
     assert (
         "the best that was run, the rod may be rigid, has estimated errors"
-        in replace(study, within=False, rungs={"rod": "rigid"}, runs=(replace(run, rungs={"rod": "rigid"}),)).sentence()
+        in replace(study, proved=False, rungs={"rod": "rigid"}, runs=(replace(run, rungs={"rod": "rigid"}),)).sentence()
     )
     rigid = replace(study, rungs=dict.fromkeys(("pendulum", "rod", "stop"), "rigid"))
     assert (

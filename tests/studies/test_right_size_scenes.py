@@ -92,18 +92,20 @@ def check(name: str) -> None:
     print(f"{name}: true error {true:.2e} of {question.tolerance:g}, cost {truth.cost(chosen) / best:.2f} of the "
           f"cheapest, study {spent:.2f} runs of the full mesh")  # fmt: skip
     assert truth.cost(chosen) <= 1.5 * best
-    assert spent < 5.0
+    assert spent < 8.0
+    assert found.step_error <= question.tolerance
+    assert found.reference_step_error <= question.tolerance
 
 
 def spent_on(found) -> float:
-    """Counted cost of a study, the run with half the step included: of the choice, or else of one with few modes."""
+    """Counted cost of a study with the runs of half the step: of the choice, and of what all are compared with."""
     spent = sum(counted(run.steps, run.coordinates) for run in found.runs)
-    if not np.isfinite(found.step_error):
-        return spent
-    full = max(counted(run.steps, run.coordinates) for run in found.runs)
-    half = 2 * counted(found.chosen.steps, found.chosen.coordinates)
-    (middle,) = [run for run in found.runs if len({*run.rungs.values(), "8 modes"} - {"4 modes"}) == 1]
-    return spent + (half if spent + half <= 5 * full else 2 * counted(middle.steps, middle.coordinates))
+    richest = next(run for run in found.runs if run.reference)
+    if np.isfinite(found.step_error):
+        spent += 2 * counted(found.chosen.steps, found.chosen.coordinates)
+    if np.isfinite(found.reference_step_error) and richest != found.chosen:
+        spent += 2 * counted(richest.steps, richest.coordinates)
+    return spent
 
 
 def test_rigid_is_chosen_where_rigid_suffices() -> None:
@@ -122,17 +124,18 @@ def test_modes_that_nothing_excites_prove_nothing() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [0.01, 1e-5])
-def test_a_study_of_three_bodies_costs_less_than_five_runs_of_the_full_mesh(tolerance: float) -> None:
+def test_a_study_of_three_bodies_costs_less_than_eight_runs_of_the_full_mesh(tolerance: float) -> None:
     question = replace(QUESTIONS["chain"], tolerance=tolerance)
     found = asked(question)
     truth = Truth(question)
-    assert found.within
+    assert found.proved
+    assert found.within == (max(found.step_error, found.reference_step_error) <= tolerance)
     true = max(truth.errors(truth.state(found.rungs)).values())
     print(f"{tolerance:g}: {found.sentence()} {spent_on(found) / truth.cost(truth.top):.2f} runs, true {true:.2e}")
     assert true <= tolerance
-    assert spent_on(found) < 5.0 * truth.cost(truth.top)
+    assert spent_on(found) < 8.0 * truth.cost(truth.top)
     # where there is nothing left for the run that tells, that is said
-    assert np.isfinite(found.step_error) or (found.unmeasured and "was not measured" in str(found))
+    assert np.isfinite(found.step_error) or (found.unmeasured and "alf the step was not run" in str(found))
 
 
 @pytest.mark.slow
