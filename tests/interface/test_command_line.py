@@ -93,7 +93,7 @@ def test_run_by_every_stepper(
     [
         (["stabilty", "pendulum"], "'stabilty' (did you mean 'stability'?); expected one of demo"),
         (["rightsize", "pendulum"], "(did you mean 'right-size'?)"),
-        (["run", "pendulum", "--stepp", "1"], "'--stepp' (did you mean '--step'?)"),
+        (["run", "pendulum", "--sttep", "1"], "'--sttep' (did you mean '--step'?)"),
         (["stability", "pendulum", "--plott=x.png"], "'--plott=x.png' (did you mean '--plot'?)"),
         (["chart", "pendulum", "--reapets", "3"], "'--reapets' (did you mean '--repeats'?)"),
         (["run", "pendulum", "--stepper", "moreau"], "'moreau' (did you mean 'moreau-jean'?); expected one of"),

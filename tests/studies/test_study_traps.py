@@ -21,6 +21,7 @@ from lcpflex.studies.fidelity_report import RightSize
 from lcpflex.studies.fidelity_scenes import comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
 from lcpflex.studies.fidelity_verdict import contradictions
+from tests.studies.fidelity_scenes import sled
 
 FLOOR = ((0.0, 0.0), (0.0, 1.0))
 
@@ -62,10 +63,10 @@ def test_a_disc_that_flies_through_a_plate_is_never_sound(truth: bool | None) ->
 
 
 def pulsed() -> Scene:
-    """A box on ice, pushed by 100 N for 2 ms after half a second, as a function that tells nothing of itself."""
+    """A box on ice, pushed by up to 1 kN for 2 ms, as a function that tells nothing of itself."""
 
     def pulse(t: float) -> float:
-        return 1e3 * max(0.0, 1.0 - abs(t - 0.501) / 1e-3)
+        return 1e3 * max(0.0, 1.0 - abs(t - 0.051) / 1e-3)
 
     scene = Scene()
     box = scene.add(lf.Box(0.4, 0.2, mass=1.0), name="box", position=(0.0, 0.1))
@@ -74,13 +75,14 @@ def pulsed() -> Scene:
     return scene
 
 
+@pytest.mark.slow
 def test_a_load_that_is_stepped_over_is_never_sound() -> None:
-    steps = [4e-4, 7e-3, 4.9e-2]
+    steps = [5e-5, 7e-3, 4.9e-2]
     found = stability(
-        pulsed, {"m": moreau}, {"step": steps}, duration=0.6, truth=lf.MoreauJean(step=2e-4), progress=False
+        pulsed, {"m": moreau}, {"step": steps}, duration=0.1, truth=lf.MoreauJean(step=2.5e-5), progress=False
     )
-    moved = [lf.simulate(pulsed(), 0.6, moreau(step), progress=False).q[-1, 0] for step in steps]
-    wrong = np.abs(np.array(moved) / 0.099 - 1.0) > 0.02
+    moved = [lf.simulate(pulsed(), 0.1, moreau(step), progress=False).q[-1, 0] for step in steps]
+    wrong = np.abs(np.array(moved) / 0.049 - 1.0) > 0.02
     assert wrong.any()
     assert not promised(found)[wrong].any()
     assert found.of("m")[0] is Outcome.SOUND
@@ -183,6 +185,7 @@ def test_chaos_has_no_truth() -> None:
     assert "the nearest two, differ by" in str(found)
 
 
+@pytest.mark.slow
 def test_impacts_that_create_energy_are_no_truth() -> None:
     """Kane's pendulum by Newton's law: two methods agree on what cannot be."""
     axes = {"restitution": [0.5]}
@@ -287,17 +290,8 @@ def test_an_output_that_is_zero_promises_nothing() -> None:
 
 
 def test_vibrations_shorter_than_two_steps_promise_nothing() -> None:
-    """Steel, 0.1 m: a period of some 60 microseconds, steps of a millisecond, and half of them agrees."""
-
-    def stout() -> Scene:
-        scene = Scene()
-        beam = lf.Beam(0.1, 0.03, 0.03, density=7800.0, youngs_modulus=2.1e11, elements=6).reduce(2, damping=0.02)
-        body = scene.add(beam, "stout", (0.0, 0.02))
-        for x in (0.0, 0.1):
-            scene.contact(body.node(x, -0.015), scene.ground.half_plane(*FLOOR))
-        return scene
-
-    found = right_size(stout, "motion", 0.05, duration=0.1, stepper=lf.GeneralizedAlpha(step=1e-3), progress=False)
+    """A sled of steel that slides to rest: a period of .9 ms, steps of a millisecond, and half of them agrees."""
+    found = right_size(sled, "motion", 0.05, duration=0.15, stepper=lf.GeneralizedAlpha(step=1e-3), progress=False)
     assert not found.within
     assert found.proved
     assert found.step_error <= 0.05
