@@ -97,7 +97,8 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     methods = {_label(text): _method("--method", text, known) for text in request.method or [STEPPED]}
     truth = True if request.truth == OWN else None
     if request.truth not in (None, OWN):
-        truth = _method("--truth", request.truth, {OWN: None, **known})
+        steppers = {name: one for name, one in known.items() if one is not _acceleration_level}
+        truth = _method("--truth", request.truth, {OWN: None, **steppers})
     asked = [("--x", request.x), ("--y", request.y)]
     axes: dict[str, list[Any]] = {}
     for option, text in asked:
@@ -206,7 +207,7 @@ def _axis(option: str, text: str, owners: Sequence[Callable[..., Any]]) -> tuple
     """Name and values; whole numbers where the default of the parameter is one."""
     name, equals, values = text.partition("=")
     count = values.rpartition(":")[2] if ":" in values else ""
-    if count.strip().isdigit() and (len(count) > LONGEST or int(count) > MOST):
+    if count.strip().isdecimal() and (len(count) > LONGEST or int(count) > MOST):
         raise ModelError(f"{option}: {text[:80]!r}; expected at most {MOST} values")
     try:
         numbers = _spread(values) if ":" in values else [float(part) for part in values.split(",")]

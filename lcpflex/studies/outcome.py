@@ -135,10 +135,10 @@ def judge_result(
 
 def _unchecked(result: Result, why: str) -> Verdict:
     """What the run says of itself, where nothing else says whether it is right; ``why`` there is no truth."""
-    if paradox := paradoxes(result):
-        return Verdict(Outcome.RESOLVED, paradox[0])
     if said := warned(result):
         return Verdict(Outcome.WARNED, said[0])
+    if paradox := paradoxes(result):
+        return Verdict(Outcome.RESOLVED, paradox[0])
     share = max(error_shares(result) or (0.0, 0.0))
     if share > COARSE:
         return Verdict(Outcome.WARNED, f"the errors of its steps sum up to {100.0 * share:.3g} %, as it states itself")
@@ -150,7 +150,8 @@ def _compared(result: Result, criteria: Criteria, error: float) -> Verdict:
     paradox, said = paradoxes(result), warned(result)
     right = error <= criteria.error
     wrong = f"the error of {error:.3g} is above {criteria.error:g}"
-    if paradox and (right or SEVERAL in paradox[0]):
+    several = any(SEVERAL in text for text in paradox) and not said
+    if paradox and (right or several):
         return Verdict(Outcome.RESOLVED, paradox[0] if right else f"{paradox[0]}; it is not the one of the truth")
     if right:
         return Verdict(Outcome.SOUND, said[0] if said else "")

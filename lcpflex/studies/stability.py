@@ -37,6 +37,7 @@ from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, jud
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_map import StabilityMap
 from lcpflex.studies.time_limit import TimeLimit
+from lcpflex.studies.trial import scene_warnings
 from lcpflex.studies.truth import LIMIT, Truth, find_truth, truth_outputs
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ def stability(
     truths = None
     if duration is not None and truth is not None and truth is not False:
         truths = _Truths(builder, truth_maker, duration, compared, criteria.error, truth_limit)
-    trial = _Trial(builder, duration, criteria, judge, check, time_limit, record, truths, [])
+    trial = _Trial(builder, duration, criteria, judge, check, time_limit, record, truths, [], {})
     return _fill(trial, makers, table, progress)
 
 
@@ -217,7 +218,7 @@ class _Truths:
             if self.stepper is not None:
                 given = self.stepper(values, **({BUILT: scene()} if self.stepper.wants_scene else {}))
                 if isinstance(given, type) or not hasattr(given, "start"):
-                    raise TypeError(f"truth: returned {given!r}; expected a stepper")
+                    raise ModelError(f"truth: returned {shown(given)}; expected a stepper")
             return find_truth(scene, self.duration, self.outputs, self.tolerance, self.limit, given)
         except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
             return Truth(f"there is no truth: {error}")
@@ -242,6 +243,7 @@ class _Trial:
     record: float | None
     truths: _Truths | None
     touched: list[bool]  # of every result with contacts, whether any was touched
+    said: dict[str, None]  # what results warn of their scenes
 
     def __call__(self, method: _Maker, values: Mapping[str, Any]) -> Verdict:
         """The verdict on one cell. KeyboardInterrupt where the user pressed Ctrl-C."""
@@ -271,6 +273,7 @@ class _Trial:
             raise KeyboardInterrupt
         if result.contact_names:
             self.touched.append(bool(np.any(result.impulse)))
+        self.said.update(dict.fromkeys(scene_warnings(result)))
         said = self.judge(result) if self.judge is not None else None
         return Verdict(said) if said is not None else judge_result(result, self.criteria, self.check, truth)
 
@@ -328,6 +331,9 @@ def _notes(trial: _Trial, outcomes: Any) -> tuple[str, ...]:
         )
     if trial.touched and not any(trial.touched):
         notes.append("nothing touched in any run: this says nothing about contact")
+    if trial.said:
+        more = f" (and {len(trial.said) - 1} more)" if len(trial.said) > 1 else ""
+        notes.append(f"whatever the method, the scene itself is doubtful: {next(iter(trial.said))}{more}")
     return tuple(notes)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.energy import EnergyGrowth
-from lcpflex.errors import ModelError
+from lcpflex.errors import LcpflexError, ModelError
 from lcpflex.result import Result
 from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
@@ -51,10 +51,19 @@ class Truth:
         return bool(self.measured)
 
     def error_of(self, result: Result) -> float:
-        """The largest error of the outputs of a result; NaN without a truth."""
+        """The largest error of the outputs of a result; NaN without a truth. Raises ModelError for another scene's."""
         if not self.known:
             return math.nan
-        return apart(self.outputs, {one.name: one.of(result) for one in self.outputs}, self.measured, self.duration)
+        try:
+            measured = {one.name: one.of(result) for one in self.outputs}
+            return apart(self.outputs, measured, self.measured, self.duration)
+        except LcpflexError:
+            raise
+        except Exception as error:  # whatever a function of the user's own may raise
+            names = ", ".join(one.name for one in self.outputs)
+            raise ModelError(
+                f"outputs: {names} of a result cannot be compared with the truth: {type(error).__name__}: {error}"
+            ) from error
 
 
 def truth_outputs(outputs: Any) -> tuple[Output, ...]:

@@ -223,6 +223,26 @@ def test_a_truth_of_ones_own_is_confirmed_or_none() -> None:
     assert promised(tight).all()
 
 
+def test_outputs_that_fail_and_methods_that_are_none_are_said() -> None:
+    def broken(result: lf.Result) -> float:
+        return float(result.q[-1, 99])
+
+    axes, case = {"step": [1e-3]}, gallery.oblique_bounce
+    found = stability(case, {"m": moreau}, axes, duration=0.1, truth=True, outputs=broken, progress=False)
+    assert not promised(found).any()
+    assert "IndexError" in str(found)
+    none = stability(case, {"m": moreau}, axes, duration=0.1, truth=lambda: Outcome.SOUND, progress=False)
+    assert not promised(none).any()
+    assert "truth: returned" in str(none)
+
+    def other(step: float) -> lf.Result:
+        return lf.simulate(plate(), 0.01, lf.MoreauJean(step=1e-5), progress=False)
+
+    strange = stability(gallery.three_balls, {"m": other}, axes, duration=0.1, truth=True, progress=False)
+    assert strange.of("m").tolist() == [Outcome.REFUSED]
+    assert "cannot be compared with the truth" in strange.messages[0, 0]
+
+
 # ---------------------------------------------------------------- right_size
 
 
