@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError, nearest, writable_path
 from lcpflex.studies.command_line import called, check_picture, in_file, load_named
 
 __all__ = ["add_cross_check"]
@@ -126,8 +126,9 @@ def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
         found = {key: solver for key, solver in known.items() if name in (key, key.partition("(")[0])}
         if not found:
             known_names = ", ".join(known)
+            near = nearest(name[:60], [*known, *(key.partition("(")[0] for key in known)])
             raise ModelError(
-                f"--solver: no solver {name[:60]!r}; expected one of {known_names}, or file.py:name or module:name"
+                f"--solver: no solver {name[:60]!r}{near}; expected one of {known_names}, or file.py:name or module:name"
             )
         chosen |= found
     return chosen
