@@ -128,7 +128,8 @@ def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
             known_names = ", ".join(known)
             near = nearest(name[:60], [*known, *(key.partition("(")[0] for key in known)])
             raise ModelError(
-                f"--solver: no solver {name[:60]!r}{near}; expected one of {known_names}, or file.py:name or module:name"
+                f"--solver: no solver {name[:60]!r}{near}; expected one of {known_names}, or "
+                "file.py:name or module:name"
             )
         chosen |= found
     return chosen
