@@ -32,7 +32,8 @@ from lcpflex.dynamics.acceleration import (
     sliding_sign,
 )
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
-from lcpflex.errors import ModelError, SolverError, in_range
+from lcpflex.errors import ModelError, SolverError, in_range, shown
+from lcpflex.given import numbers
 from lcpflex.linking import link
 from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
@@ -175,10 +176,10 @@ def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
 
 
 def _state(name: str, given: npt.ArrayLike | None, start: FloatArray) -> FloatArray:
-    value = np.array(start if given is None else given, dtype=float)
-    if value.shape != start.shape or not np.isfinite(value).all():
-        raise ModelError(f"{name}: {given!r} was given, expected finite numbers of shape {start.shape}")
-    return value
+    value = numbers(start if given is None else given)
+    if value is None or value.shape != start.shape or not np.isfinite(value).all():
+        raise ModelError(f"{name}: {shown(given)} was given, expected finite numbers of shape {start.shape}")
+    return np.array(value)
 
 
 class _Instant:

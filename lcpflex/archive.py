@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
 from lcpflex.written import whole_file
 
 __all__ = ["read", "write"]
@@ -52,10 +52,7 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
 
 def read(path: str | os.PathLike[str]) -> Any:
     """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
-    try:
-        target = Path(path)
-    except TypeError:
-        raise ModelError(f"path: {path!r} was given, expected the name of a file") from None
+    target = path_of("path", path)
     try:
         with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             if "format" not in file or str(file["format"]) != FORMAT:

@@ -15,6 +15,7 @@ import numpy as np
 from lcpflex.errors import ModelError, as_number, in_range, shown
 
 __all__ = [
+    "absent",
     "array_of",
     "flag",
     "listed",
@@ -22,14 +23,17 @@ __all__ = [
     "nearest",
     "numbers",
     "one_of",
+    "optional_flag",
     "point_of",
     "positive",
+    "sequence_of",
     "text",
     "unknown",
     "whole_number",
 ]
 
 FLOAT = np.dtype(np.float64)
+LARGEST = 2**30  # elements of an array: 8 GiB
 SCALE = 1e60  # up to which positive quantities go, and down to its inverse: products of five are numbers
 LISTED = 8  # names in a message
 
@@ -40,7 +44,7 @@ def numbers(value: Any) -> Any:
     Texts, dates, complex numbers, truth values, objects and masked arrays are no numbers here, although numpy would
     read some of them and drop what it cannot keep. Integers beyond the range of floats make objects.
     """
-    if type(value) is np.ndarray and value.dtype is FLOAT:
+    if type(value) is np.ndarray and value.dtype is FLOAT and value.size <= LARGEST:
         return value
     try:
         with np.errstate(all="ignore"):
@@ -49,7 +53,7 @@ def numbers(value: Any) -> Any:
             if isinstance(value, list | tuple) and any(isinstance(part, np.ma.MaskedArray) for part in value):
                 return None
             array = np.asarray(value)
-            if array.dtype.kind not in "iuf" and array.size:
+            if (array.dtype.kind not in "iuf" and array.size) or array.size > LARGEST:
                 return None
             return np.asarray(array, dtype=np.float64)
     except Exception:  # ragged, endless, larger than the memory, or an object of the user that raises what it likes
@@ -108,6 +112,21 @@ def flag(name: str, value: Any) -> bool:
     return number == 1.0
 
 
+def optional_flag(name: str, value: Any) -> bool | None:
+    """:func:`flag`, or None."""
+    return None if value is None else flag(name, value)
+
+
+def sequence_of(name: str, value: Any, expected: str, most: int = 1_000_000) -> list[Any]:
+    """The items of a list, tuple or array of no more than so many; raises :class:`ModelError` for anything else."""
+    try:
+        if not isinstance(value, str | bytes | Mapping | np.ma.MaskedArray) and len(value) <= most:
+            return list(value)
+    except Exception:  # what has no length, and objects of a user
+        pass
+    raise ModelError(f"{name}: {shown(value)} was given, expected {expected}")
+
+
 def text(name: str, value: Any, expected: str = "a text") -> str:
     """``value`` if it is a text that is not empty."""
     if not isinstance(value, str) or not value:
@@ -132,8 +151,17 @@ def one_of(name: str, value: Any, known: Iterable[str]) -> str:
 
 def unknown(value: Any, known: Iterable[str]) -> str:
     """``value`` was given, what is known instead, and what was meant most likely: the end of a message."""
+    return f"{shown(value)} was given, {_instead(value, known)}"
+
+
+def absent(value: Any, known: Iterable[str]) -> str:
+    """The same for something that is not there: "no body " and this."""
+    return f"{shown(value)}, {_instead(value, known)}"
+
+
+def _instead(value: Any, known: Iterable[str]) -> str:
     names = list(known)
-    return f"{shown(value)} was given, expected one of {listed(names)}{nearest(value, names)}"
+    return f"expected one of {listed(names)}{nearest(value, names)}"
 
 
 def listed(names: Iterable[str]) -> str:

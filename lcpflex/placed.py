@@ -16,7 +16,8 @@ from lcpflex import slots
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.contact import shapes
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import absent, flag, sequence_of
 
 if TYPE_CHECKING:
     from lcpflex.compiled import FloatArray
@@ -88,11 +89,12 @@ class Placed:
         """A named point of the body."""
         known = {} if self.source is None else self.source.points
         if not isinstance(name, str) or name not in known:
-            raise ModelError(f"point: {self.name!r} has no point {name!r}, expected one of {listed(list(known))}")
+            raise ModelError(f"name: {shown(self.name)} has no point {absent(name, known)}")
         return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], methodcaller("point", name))
 
     def at(self, x: float, y: float) -> PlacedPoint:
         """The material point at (x, y)."""
+        x, y = in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf)
         material = self._located((x, y))
         label = f"{self.name}.at({float(x):g}, {float(y):g})"
         return PlacedPoint(self.scene, self.body, label, material, methodcaller("at", x, y))
@@ -102,9 +104,7 @@ class Placed:
         known = {} if self.source is None else self.source.surfaces
         if not isinstance(name, str) or name not in known:
             hint = "; make one with circle, arc, half_plane, chain or node" if not known else ""
-            raise ModelError(
-                f"surface: {self.name!r} has no surface {name!r}, expected one of {listed(list(known))}{hint}"
-            )
+            raise ModelError(f"name: {shown(self.name)} has no surface {absent(name, known)}{hint}")
         outline = known[name]
         if isinstance(outline, Chain):
             shape = shapes.chain(outline.points, outline.closed)
@@ -119,14 +119,14 @@ class Placed:
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
-        middle, size = self._located(center), _radius(radius)
+        middle, size = self._located(center, "center"), _radius(radius)
         again = partial(_again, "circle", center, (radius,))
         return self._made("circle", shapes.circle(middle, size), again, (middle, size))
 
     def hole(self, center: Place, radius: float) -> PlacedSurface:
         """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
         again = partial(_again, "hole", center, (radius,))
-        return self._made("hole", shapes.hole(self._located(center), _radius(radius)), again)
+        return self._made("hole", shapes.hole(self._located(center, "center"), _radius(radius)), again)
 
     def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
         """Part of a circle, counter-clockwise from the angle ``start`` over ``extent`` in (0, 2 pi] [rad].
@@ -134,14 +134,18 @@ class Placed:
         Solid inside, or outside with ``hole``, as at the end of a slot.
         """
         start = in_range("start", start, -math.inf, math.inf)
+        hole = flag("hole", hole)
         extent = in_range("extent", extent, 0.0, 2.0 * math.pi)
         if extent == 0.0:
             raise ModelError("extent: 0 was given, expected an angle in (0, 2 pi]")
         again = partial(_again, "arc", center, (radius, start, extent, hole))
-        return self._made("arc", shapes.arc(self._located(center), _radius(radius), start, extent, hole), again)
+        return self._made(
+            "arc", shapes.arc(self._located(center, "center"), _radius(radius), start, extent, hole), again
+        )
 
     def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
         """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
+        x, y = in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf)
         middle, size = self._located((x, y)), in_range("radius", radius, 0.0, math.inf)
         disc = (middle, size) if size > 0.0 else None
         return self._made("node", shapes.node(middle, size), methodcaller("node", x, y, radius), disc)
@@ -152,17 +156,16 @@ class Placed:
         if not direction.any():
             raise ModelError(f"normal: {normal!r} was given, expected a direction (x, y), not both 0")
         again = partial(_again, "half_plane", point, (direction,))
-        return self._made("half_plane", shapes.half_plane(self._located(point), direction), again)
+        return self._made("half_plane", shapes.half_plane(self._located(point, "point"), direction), again)
 
     def chain(self, places: Sequence[Place], closed: bool = False) -> PlacedSurface:
         """Straight pieces from place to place, at least two, solid on the left and outward normal on the right.
 
         Around a solid, places run counter-clockwise. ``closed`` runs on from the last place to the first.
         """
-        if isinstance(places, str) or not hasattr(places, "__iter__"):
-            raise ModelError(f"places: {places!r} was given, expected a sequence of places")
-        places = tuple(places)
-        points = tuple(self._located(place) for place in places)
+        places = tuple(sequence_of("places", places, "a sequence of places"))
+        closed = flag("closed", closed)
+        points = tuple(self._located(place, f"places[{k}]") for k, place in enumerate(places))
         if len(points) < (3 if closed else 2):
             raise ModelError(f"places: {len(points)} were given, expected at least {3 if closed else 2}")
         return self._made(
@@ -179,6 +182,7 @@ class Placed:
         of width / 2 about the end of the middle line. All is carried rigidly by the material at ``center``. Declare
         what a pin does in it by ``scene.contact_slot``.
         """
+        self._located(center, "center")
         return slots.curved_slot(self, center, radius, width, start, extent)
 
     def straight_slot(self, first: Place, last: Place, width: float) -> Slot:
@@ -186,6 +190,8 @@ class Placed:
 
         On a flexible body each end moves with the material at its place, and the tracks run between them.
         """
+        for argument, place in (("first", first), ("last", last)):
+            self._located(place, argument)
         return slots.straight_slot(self, first, last, width)
 
     def made_of(self, kind: str, places: Sequence[Place], shape: Callable[..., Surface]) -> PlacedSurface:
@@ -215,14 +221,17 @@ class Placed:
             return shapes.on_body(shape, self.source.surfaces["outline"], self.source.axisymmetric)
         return shape
 
-    def _located(self, place: Place) -> MaterialPoint:
+    def _located(self, place: Place, argument: str = "place") -> MaterialPoint:
         if isinstance(place, str):
-            return self.point(place).material
+            known = {} if self.source is None else self.source.points
+            if place not in known:
+                raise ModelError(f"{argument}: {shown(self.name)} has no point {absent(place, known)}")
+            return known[place]
         if isinstance(place, PlacedPoint):
             if place.scene is not self.scene or place.body != self.body:
-                raise ModelError(f"{place.label} was given, expected a point of {self.name!r}")
+                raise ModelError(f"{argument}: {shown(place.label)} was given, expected a point of {shown(self.name)}")
             return place.material
-        x, y = array_of("place", place, (2,))
+        x, y = array_of(argument, place, (2,))
         if self.source is None:
             return MaterialPoint(np.array([x, y]), np.zeros((0, 2)), np.zeros(0))
         return self.source.locate(float(x), float(y))

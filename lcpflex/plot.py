@@ -6,6 +6,7 @@ which notebooks show and ``figure.savefig(path)`` writes.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
 from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
 from lcpflex.written import whole_file
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 __all__ = ["animate", "draw"]
 
+RATES = 0.1, 1000.0  # least and most pictures a second of a film
+MOST_FRAMES = 20_000
 _FILM = 6.0  # length of a film whose slowdown is not given [s]
 
 
@@ -45,11 +48,11 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     from matplotlib.figure import Figure
 
     compiled = _scene_of(result)
-    if not isinstance(t, (int, float, np.number)):
-        raise ModelError(f"t: {t!r} was given; expected a time [s]")
+    t, given = as_number(t), t
+    check_axes(axes)
     if not (result.times.size and result.times[0] <= t <= result.times[-1]):
         reached = f"{result.times[0]:g} to {result.times[-1]:g} s" if result.times.size else "no instant"
-        raise ModelError(f"t: {t!r} s; expected a time within the result, {reached}")
+        raise ModelError(f"t: {shown(given)} was given; expected a time within the result, {reached}")
     record = int(np.argmin(np.abs(result.times - t)))
     scale = usual_force(result)
     view = view_of(result, compiled, np.array([record]))
@@ -81,12 +84,15 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
         raise ModelError(f"path: {str(target)!r}; expected a name that ends in .gif or .mp4")
     if ending == ".mp4" and not animation.FFMpegWriter.isAvailable():
         raise ModelError(f"path: {str(target)!r} needs ffmpeg, which is not installed; install it or expect .gif")
-    if not (np.isfinite(fps) and fps > 0.0):
-        raise ModelError(f"fps: {fps!r}; expected a number > 0")
-    if slowdown is not None and not (np.isfinite(slowdown) and slowdown > 0.0):
-        raise ModelError(f"slowdown: {slowdown!r}; expected a number > 0, or None")
+    fps = in_range("fps", fps, *RATES)
+    if slowdown is not None:
+        slowdown = in_range("slowdown", slowdown, 0.0, math.inf, open_ends=True)
     if not result.times.size:
         raise ModelError("result: it holds no instant; expected at least one")
+    frames = _FILM * fps if slowdown is None else float(np.ptp(result.times)) * slowdown * fps
+    if not frames <= MOST_FRAMES:
+        given = f"fps: {fps:g}" if slowdown is None else f"fps, slowdown: {fps:g} and {slowdown:g}"
+        raise ModelError(f"{given} make a film of {frames:.3g} pictures, expected at most {MOST_FRAMES}")
     records, slower = _frames(result.times, fps, slowdown)
     view = view_of(result, compiled, records)
     figure = Figure(figsize=_figure_size(view), dpi=80, layout="constrained")
@@ -114,6 +120,14 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
                         paint(int(record))
                         writer.grab_frame()
     return target
+
+
+def check_axes(axes: Any) -> None:
+    """Raise ModelError for what is neither None nor axes of matplotlib."""
+    from matplotlib.axes import Axes
+
+    if not (axes is None or isinstance(axes, Axes)):
+        raise ModelError(f"axes: {shown(axes)} was given, expected Axes of matplotlib, or None")
 
 
 def _write_gif(

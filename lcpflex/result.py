@@ -12,7 +12,8 @@ import numpy as np
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.laws.creep import CREEP
 from lcpflex.energy import Energies
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import absent, numbers
 from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model import OPEN, SLIP, STICK, Model
 
@@ -185,8 +186,8 @@ class Result:
 
     def contact(self, name: str) -> ContactHistory:
         """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name."""
-        if name not in self.contact_names:
-            raise ModelError(f"name: no contact {name!r}; expected one of {_listed(self.contact_names)}")
+        if not isinstance(name, str) or name not in self.contact_names:
+            raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         k = self.contact_names.index(name)
         first = min((event.time for event in self.events if event.contact == name), default=float("inf"))
         pressed = (self.spots.contact == k) & (self.spots.force[:, 0] > 0.0)
@@ -305,8 +306,8 @@ class Result:
         if self.compiled is None:
             raise ModelError("modes_of: a system of the user's own has no modes; expected the result of a Scene")
         bodies = self.compiled.layout.bodies
-        if body not in bodies:
-            raise ModelError(f"body: no body {body!r}; expected one of {_listed(bodies)}")
+        if not isinstance(body, str) or body not in bodies:
+            raise ModelError(f"body: no body {absent(body, bodies)}")
         return modal_coordinates(self.compiled, bodies.index(body))
 
     def _material(self, body: str, point: str | tuple[float, float]) -> tuple[Model, int, FloatArray, FloatArray]:
@@ -314,23 +315,25 @@ class Result:
         if self.compiled is None:
             raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
         layout, model = self.compiled.layout, self.compiled.model
-        if body not in layout.bodies:
-            raise ModelError(f"body: no body {body!r}; expected one of {_listed(layout.bodies)}")
+        if not isinstance(body, str) or body not in layout.bodies:
+            raise ModelError(f"body: no body {absent(body, layout.bodies)}")
         b = layout.bodies.index(body)
         if isinstance(point, str):
             if (body, point) not in layout.points:
                 known = tuple(name for owner, name in layout.points if owner == body)
-                raise ModelError(f"point: {body!r} has no point {point!r}; expected one of {_listed(known)}")
+                raise ModelError(f"point: {shown(body)} has no point {absent(point, known)}")
             p = layout.points[body, point]
             return model, b, model.points.place[p], material_shapes(model, np.array([p]))[0]
-        place = np.asarray(point, dtype=float)
-        if place.shape != (2,) or not np.isfinite(place).all():
-            raise ModelError(f"point: {point!r}; expected the name of a point or two finite numbers (x, y)")
+        place = numbers(point)
+        if place is None or place.shape != (2,) or not np.isfinite(place).all():
+            raise ModelError(
+                f"point: {shown(point)} was given, expected the name of a point or two finite numbers (x, y)"
+            )
         phi = self._shapes_at(b, place)
         if phi is None:
             raise ModelError(
-                f"point: {point!r} is neither a named point nor on the outline of the flexible body {body!r}; "
-                "expected one of these (body.node(x, y) before the simulation makes a place known)"
+                f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
+                f"{shown(body)}; expected one of these (body.node(x, y) before the simulation makes a place known)"
             )
         return model, b, place, phi
 
@@ -361,10 +364,6 @@ class Result:
                     phi = material_shapes(model, ends[k])
                     return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
         return None
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return ", ".join(repr(name) for name in names) if names else "(there are none)"
 
 
 def _turned(angle: FloatArray, s: FloatArray) -> FloatArray:

@@ -16,7 +16,8 @@ from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.clearances import Clearances
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
-from lcpflex.errors import ModelError, ModelWarning, in_range
+from lcpflex.errors import ModelError, ModelWarning, in_range, shown
+from lcpflex.given import absent, flag
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Axis, Model, refrozen
@@ -275,7 +276,7 @@ class Scene(Clearances):
     def body(self, name: str) -> Placed:
         """The body of that name."""
         if not isinstance(name, str) or name not in self._placed:
-            raise ModelError(f"name: no body {name!r}, expected one of {listed(list(self._placed))}")
+            raise ModelError(f"name: no body {absent(name, self._placed)}")
         return self._placed[name]
 
     def join(self, joint: Joint) -> str:
@@ -411,7 +412,9 @@ class Scene(Clearances):
         ModelWarning
             Where a body with modes gives way too little at a joint, load or contact: see ``Compiled.warnings``.
         """
-        compiled = self.compiled(project, indents)
+        if indents is not None and (isinstance(indents, type) or not callable(indents)):
+            raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
+        compiled = self.compiled(flag("project", project), indents)
         for text in compiled.warnings:
             warnings.warn(text, ModelWarning, stacklevel=2)
         return compiled

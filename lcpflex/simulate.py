@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import time
 from dataclasses import replace
@@ -15,13 +14,14 @@ from lcpflex.checkpoint import Checkpoints
 from lcpflex.contact.impact_laws import Newton
 from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
-from lcpflex.errors import LcpflexError, ModelError, StepError, in_range
+from lcpflex.errors import LcpflexError, StepError
 from lcpflex.initial_state import started_from
 from lcpflex.kept_depth import kept_depths
 from lcpflex.rebound import rebounds
 from lcpflex.recorder import Recorder, RecordProblems
 from lcpflex.resolved import unresolved
 from lcpflex.result import ContactSpots, Event, Result
+from lcpflex.run_request import checked_request
 from lcpflex.run_setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.stated_error import stated_errors
 from lcpflex.steppers.law_run import friction_warnings
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Stepper", "carry_out", "simulate"]
 
-INSTANTS = 1000  # stored when no interval is asked for
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
 NAMED = 8  # closed contacts that an error names
 
@@ -100,14 +99,9 @@ def simulate(
     StepError
         If a step cannot be made; its ``result`` holds everything up to there.
     """
-    duration = in_range("duration", duration, 0.0, math.inf, open_ends=True)
-    interval = duration / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
-    if isinstance(stepper, type) or not hasattr(stepper, "start"):
-        raise ModelError(f"stepper: {stepper!r} was given, expected a stepper such as MoreauJean(step=1e-4)")
-    if not isinstance(energy_growth, EnergyGrowth):
-        raise ModelError(
-            f"energy_growth: {energy_growth!r} was given, expected one of {', '.join(map(str, EnergyGrowth))}"
-        )
+    duration, interval, progress, project = checked_request(
+        duration, stepper, record, progress, project, energy_growth, record_problems
+    )
     source = compiled_for(scene, stepper, project)
     notes: tuple[str, ...] = ()
     if initial is not None:

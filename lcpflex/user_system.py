@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import numbers
 from lcpflex.model import bodiless_model
 
 if TYPE_CHECKING:
@@ -108,7 +109,7 @@ class UserSystem:
             raise ModelError("q: an empty array was given, expected at least one coordinate")
         for name in ("force", *OPTIONAL):
             if not callable(getattr(self, name)) and not (name in OPTIONAL and getattr(self, name) is None):
-                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected a function")
+                raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
         u = _array("u", self.u, q.shape)
         object.__setattr__(self, "q", q)
         object.__setattr__(self, "u", u)
@@ -119,16 +120,16 @@ class UserSystem:
             raise ModelError("constraints and jacobian: one was given without the other, expected both or neither")
         m = len(_call("gaps", self.gaps, (None,), q)) if self.gaps is not None else 0
         for name, high in (("friction", math.inf), ("restitution", 1.0), ("tangential_restitution", 1.0)):
-            given = np.asarray(getattr(self, name))
-            if given.shape not in ((), (m,)):
-                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected a number or {m} of them")
+            given = numbers(getattr(self, name))
+            if given is None or given.shape not in ((), (m,)):
+                raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a number or {m} of them")
             values = [in_range(name, value, 0.0, high) for value in given.reshape(-1).tolist()]
             object.__setattr__(self, name, np.array(values * m if given.shape == () else values))
-        listed = isinstance(self.names, Sequence) and not isinstance(self.names, str)
+        listed = isinstance(self.names, Sequence) and not isinstance(self.names, str) and len(self.names) in (0, m)
         names = (tuple(self.names) or tuple(f"contact{k + 1}" for k in range(m))) if listed else ()
         texts = all(isinstance(name, str) and name for name in names)
         if not listed or not texts or len(names) != m or len(set(names)) != m:
-            raise ModelError(f"names: {self.names!r} was given, expected {m} different names")
+            raise ModelError(f"names: {shown(self.names)} was given, expected {m} different names")
         object.__setattr__(self, "names", names)
         if self.tangents is None and np.any(self.friction):
             raise ModelError("tangents: None was given, expected W_T because friction is not zero")
@@ -183,15 +184,15 @@ def _semidefinite(name: str, matrix: FloatArray) -> FloatArray:
 
 def _array(name: str, value: Any, shape: tuple[int | None, ...]) -> FloatArray:
     """``value`` as a finite float array of ``shape`` (None: any length)."""
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError):
-        raise ModelError(f"{name}: {value!r} was given, expected an array of numbers of shape {shape}") from None
+    given = numbers(value)
+    if given is None:
+        raise ModelError(f"{name}: {shown(value)} was given, expected an array of numbers of shape {shape}")
+    array = np.array(given)
     fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
     if not fits:
         raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {shape}")
     if not np.isfinite(array).all():
-        raise ModelError(f"{name}: {array!r} was given, expected finite numbers")
+        raise ModelError(f"{name}: {shown(array)} was given, expected finite numbers")
     return array
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -10,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, in_range
+from lcpflex.given import sequence_of
 
 __all__ = ["Interface", "Interfaces", "interfaces_of"]
 
@@ -62,6 +64,8 @@ class Interface:
             raise ModelError("forces, moment: both are False, expected at least one: nothing would act there")
 
 
+MOST = 10_000  # interfaces of a body
+
 Interfaces: TypeAlias = (
     Interface | str | Sequence[Interface | str | float | tuple[float, float]] | npt.NDArray[np.integer]
 )
@@ -71,10 +75,7 @@ def interfaces_of(given: Any) -> tuple[Interface, ...]:
     """The interfaces that were given, places made interfaces. Raises ModelError for anything else."""
     if isinstance(given, (str, Interface)):
         given = [given]
-    if not isinstance(given, (Sequence, np.ndarray)):
-        raise ModelError(
-            f"interfaces: {given!r} was given, expected a list of places, such as ['left', (0.5, 0.0)], or Interfaces"
-        )
+    given = sequence_of("interfaces", given, "a list of places, such as ['left', (0.5, 0.0)], or Interfaces", MOST)
     found = []
     for k, one in enumerate(given):
         try:
@@ -86,8 +87,8 @@ def interfaces_of(given: Any) -> tuple[Interface, ...]:
 
 def _place(value: Any) -> float | tuple[float, float]:
     """x, the number of a node, or (x, y)."""
-    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        array_of("place", [float(value)], (1,))
-        return int(value) if isinstance(value, (int, np.integer)) else float(value)
+    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, (bool, np.timedelta64)):
+        number = in_range("place", value, -math.inf, math.inf)
+        return int(value) if isinstance(value, (int, np.integer)) else number
     x, y = array_of("place", value, (2,))
     return float(x), float(y)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from copy import copy
 from functools import partial
@@ -14,6 +13,7 @@ from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import in_range
+from lcpflex.given import positive
 from lcpflex.model import frozen
 
 __all__ = ["FINE_ENOUGH", "check_positive", "coarser", "end_points", "line_mass", "line_moments", "locator", "strip"]
@@ -45,7 +45,7 @@ def coarser(line: Meshed, most: int) -> Meshed:
 def check_positive(part: Any, names: tuple[str, ...]) -> None:
     """Make attributes floats > 0. Raises ModelError, naming the one that is not."""
     for name in names:
-        object.__setattr__(part, name, in_range(name, getattr(part, name), 0.0, math.inf, open_ends=True))
+        object.__setattr__(part, name, positive(name, getattr(part, name)))
 
 
 def line_mass(values: FloatArray, element_mass: float, lumped: bool) -> FloatArray:

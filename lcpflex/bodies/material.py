@@ -7,6 +7,7 @@ import warnings
 from typing import Any
 
 from lcpflex.errors import ModelWarning, in_range
+from lcpflex.given import positive
 
 __all__ = ["check_material"]
 
@@ -17,7 +18,7 @@ DIMENSIONLESS = 10.0  # density and modulus both below it are numbers of a scene
 def check_material(part: Any) -> None:
     """Positive finite density and modulus, a ratio, if any, in (-1, 0.5); warns of waves that no material has."""
     for name in ("density", "youngs_modulus"):
-        object.__setattr__(part, name, in_range(name, getattr(part, name), 0.0, math.inf, open_ends=True))
+        object.__setattr__(part, name, positive(name, getattr(part, name)))
     if hasattr(part, "poissons_ratio"):
         ratio = in_range("poissons_ratio", part.poissons_ratio, -1.0, 0.5, open_ends=True)
         object.__setattr__(part, "poissons_ratio", ratio)

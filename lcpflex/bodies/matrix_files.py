@@ -23,7 +23,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
 
 __all__ = ["matrices_from_files"]
 
@@ -120,10 +120,7 @@ def _renumbered(name: str, nodes: Any, numbers: IntArray | None) -> Any:
 
 
 def _path(name: str, value: Any) -> Path:
-    try:
-        path = Path(value)
-    except TypeError:
-        raise ModelError(f"{name}: {value!r} was given, expected the name of a file") from None
+    path = path_of(name, value)
     if not path.is_file():
         raise ModelError(f"{name}: {str(value)!r} was given, expected the name of a file that is there")
     return path

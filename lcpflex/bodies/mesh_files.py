@@ -18,7 +18,7 @@ import numpy as np
 
 from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
 
 __all__ = ["read_mesh"]
 
@@ -35,7 +35,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
     ModelError
         For files that cannot be read, spatial meshes, and elements of several or other kinds.
     """
-    name = os.fspath(path)
+    name = str(path_of("mesh", path))
     source = f"mesh {name!r}"
     if not Path(name).is_file():
         raise ModelError(f"mesh: {name!r} was given, expected the name of a file that is there")

@@ -22,6 +22,7 @@ from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.mesh_grading import Zone, named_again, refined_to
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
+from lcpflex.given import positive
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
 
@@ -228,7 +229,7 @@ def quadratic(mesh: Any) -> Any:
 
 
 def _positive(name: str, value: Any) -> float:
-    return in_range(name, value, 0.0, math.inf, open_ends=True)
+    return positive(name, value)
 
 
 def _is_quadratic(order: Any) -> bool:

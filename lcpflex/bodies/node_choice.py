@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.compiled import IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import sequence_of, unknown
 
 __all__ = ["Nodes", "chosen_nodes", "rows_of"]
 
@@ -29,12 +30,15 @@ def chosen_nodes(mesh: FiniteElements, argument: str, choice: Nodes) -> IntArray
         return _named(mesh, argument, choice)
     listed: list[object] = [choice]
     if isinstance(choice, (Sequence, np.ndarray)) and not isinstance(choice, bytes):
-        listed = list(choice)
+        listed = sequence_of(argument, choice, "the name of a node set, several, or node numbers", len(mesh.places))
     if listed and all(isinstance(name, str) for name in listed):
         return np.unique(np.concatenate([_named(mesh, argument, str(name)) for name in listed]))
-    whole = all(isinstance(node, (int, np.integer)) and not isinstance(node, bool) for node in listed)
-    if not listed or not whole:
-        raise ModelError(f"{argument}: {choice!r} was given, expected the name of a node set, several, or node numbers")
+    kinds = (bool, np.timedelta64)
+    whole = all(isinstance(node, (int, np.integer)) and not isinstance(node, kinds) for node in listed)
+    if not listed or not whole or any(abs(node) > 2**62 for node in listed if isinstance(node, int)):
+        raise ModelError(
+            f"{argument}: {shown(choice)} was given, expected the name of a node set, several, or node numbers"
+        )
     numbers = np.array(listed, dtype=np.int64)
     count = len(mesh.places)
     outside = numbers[(numbers < 0) | (numbers >= count)]
@@ -55,8 +59,7 @@ def _named(mesh: FiniteElements, argument: str, name: str) -> IntArray:
         nodes = np.unique(np.asarray(mesh.chains[name][0], dtype=np.int64))
     else:
         known = sorted({*mesh.sets, *mesh.points, *mesh.chains})
-        shown = ", ".join(known) if known else "none at all"
-        raise ModelError(f"{argument}: {name!r} was given, expected a node set of the mesh: {shown}")
+        raise ModelError(f"{argument}: {unknown(name, known)}, the node sets of the mesh")
     if not len(nodes):
         raise ModelError(f"{argument}: the node set {name!r} is empty, expected one node or more")
     return nodes

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import Displacement, array_of, whole_number
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range
+from lcpflex.given import numbers
 
 __all__ = [
     "Damping",
@@ -63,12 +64,18 @@ def modal_damping(damping: Damping, omega: FloatArray) -> FloatArray:
     """
     if isinstance(damping, Rayleigh):
         return np.asarray(damping.alpha + damping.beta * omega**2)
-    if np.ndim(damping) == 0:
+    if is_one(damping):
         return 2.0 * in_range("damping", damping, 0.0, math.inf) * omega
     ratios = array_of("damping", damping, (len(omega),))
     if len(ratios) and ratios.min() < 0.0:
         raise ModelError(f"damping: a ratio of {ratios.min()!r} was given, expected ratios >= 0")
     return 2.0 * ratios * omega
+
+
+def is_one(damping: object) -> bool:
+    """Whether it is not several numbers: one, or nothing that could be a damping."""
+    given = numbers(damping)
+    return given is None or given.ndim == 0
 
 
 def check_damping(damping: Damping, modes: int) -> None:
@@ -91,7 +98,7 @@ def with_residual(damping: Damping, residual_damping: float | None, omega: Float
     if residual_damping is not None:
         ratio = in_range("residual_damping", residual_damping, 0.0, math.inf)
         return np.concatenate([modal_damping(damping, omega[:free]), 2.0 * ratio * rest])
-    if isinstance(damping, Rayleigh) or np.ndim(damping) == 0:
+    if isinstance(damping, Rayleigh) or is_one(damping):
         return modal_damping(damping, omega)
     own = modal_damping(damping, omega[:free])
     last = float(np.asarray(damping, dtype=np.float64)[-1]) if free else 0.0

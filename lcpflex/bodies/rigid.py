@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError
+from lcpflex.given import positive
 
 __all__ = ["Box", "Disc", "Polygon", "RigidBody"]
 
@@ -43,7 +44,7 @@ def RigidBody(
     m = _positive("mass", mass)
     about_center = _positive("inertia", inertia)
     places = {"center": array_of("center", center, (2,))}
-    for name, place in named("points", points or {}).items():
+    for name, place in named("points", {} if points is None else points).items():
         places[name] = array_of(f"points[{name!r}]", place, (2,))
     return _rigid(m, about_center, places["center"], places, {})
 
@@ -184,7 +185,7 @@ def _check_convex(ring: FloatArray) -> None:
 
 
 def _positive(name: str, value: Any) -> float:
-    return in_range(name, value, 0.0, math.inf, open_ends=True)
+    return positive(name, value)
 
 
 def _mass(area: float, density: float | None, mass: float | None, thickness: float) -> float:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import numbers
 from lcpflex.studies.graph_distance import graph_distance
 
 if TYPE_CHECKING:
@@ -90,7 +91,9 @@ class Output:
         value = self.function(result)
         if isinstance(value, (list, tuple)) and value and all(isinstance(part, Part) for part in value):
             return Measured(result.times, tuple(value), None)
-        array = np.asarray(value, dtype=float)
+        array = numbers(value)
+        if array is None:
+            raise ModelError(f"outputs[{self.name!r}]: the function returned {shown(value)}, expected numbers")
         if array.ndim == 0:
             return Measured(result.times, (), float(array))
         if array.ndim > 3 or len(array) != len(result.times):

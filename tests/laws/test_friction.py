@@ -26,6 +26,7 @@ from lcpflex.contact.laws.friction import (
 from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
 from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.errors import ModelError
 from lcpflex.model import SLIP, STICK
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
@@ -403,3 +404,24 @@ def test_slope_at_rest_is_free_of_cancellation() -> None:
     assert BengisuAkay(SPEED, 1.0, STATIC).force(slip, 1.0, MU) == pytest.approx(
         -2.0 * STATIC / SPEED * slip * (1.0 - 0.5 * slip / SPEED), rel=1e-14
     )
+
+
+@pytest.mark.parametrize(
+    "force",
+    [
+        BrownMcPhee(viscous=0.5).force,
+        BrownMcPhee(viscous=0.5, static_friction=0.4).force,
+        BengisuAkay(static_friction=0.4).force,
+        LuGre(viscous=0.5, static_friction=0.4).steady_force,
+    ],
+)
+def test_a_contact_without_friction_has_none_as_in_a_run(force) -> None:
+    assert force(0.7, 10.0, 0.0) == 0.0
+    assert force(np.array([0.7, -0.7]), 10.0, np.array([0.0, 0.3])).tolist() == [0.0, force(-0.7, 10.0, 0.3)]
+    assert force(-0.7, 10.0, 1e-12) > 0.0
+
+
+def test_arrays_that_do_not_go_together_are_refused() -> None:
+    for force in (BrownMcPhee().force, LuGre().steady_force):
+        with pytest.raises(ModelError, match=r"^slip, normal, mu: arrays of shapes .* expected ones that go together"):
+            force([1.0, 2.0], [1.0, 2.0, 3.0], 0.3)

@@ -311,3 +311,30 @@ def test_what_is_no_law(law: Any) -> None:
         restitution_of(law, 0.5)
     with pytest.raises(ModelError, match="law: "):
         prescribed_restitution(law, 0.5)
+
+
+@pytest.mark.parametrize("law", [*F, Jankowski, KelvinVoigt, Tsuji, PermanentIndentation])
+@pytest.mark.parametrize("e", [5e-324, 1e-320, 1e-308, 1e-300, 1e-200, 1e-155, 1e-30])
+def test_tiny_restitution_has_a_rebound_or_an_error(law, e):
+    endless = law in (Jankowski, PermanentIndentation) or (law in list(F) and law.needs_rebound)
+    if endless and (e < 1e-300 or (law is F.PANT and e < 1e-154)):  # the rebound of PANT goes with the square of e
+        with pytest.raises(ModelError, match=f"^restitution: {e} was given, expected"):
+            restitution_of(law, e)
+    else:
+        assert 0.0 <= restitution_of(law, e) <= 1.0
+
+
+def test_jankowski_is_linear_in_a_tiny_restitution():
+    exact = 8.0 / 9.0  # e_out = 1 / (2 zeta) = 8 e / 9 for a small e
+    for e in (1e-299, 1e-250, 1e-154, 1e-100, 1e-20):
+        assert restitution_of(Jankowski, e) == pytest.approx(exact * e, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [KuwabaraKono, Ristow])
+def test_strong_drag_leaves_a_positive_rebound_or_is_refused(law):
+    found = [restitution_of(law, strength) for strength in (1e3, 1e4, 1e5, 1e6)]
+    assert np.all(np.diff(found) < 0.0)
+    assert found[-1] > 0.0
+    for strength in (1e7, 1e100, 1e300):
+        with pytest.raises(ModelError, match=r"^parameter: .* expected numbers in \[0, 1e\+06\]"):
+            restitution_of(law, strength)

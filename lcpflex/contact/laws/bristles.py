@@ -20,6 +20,7 @@ import numpy.typing as npt
 from lcpflex.contact.laws.layout import BRISTLE, LUGRE
 from lcpflex.contact.laws.static_friction import (
     check_static_friction,
+    common_shape,
     keep_static_friction,
     slip_of,
     static_coefficient,
@@ -100,17 +101,20 @@ class LuGre:
     def steady_force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
         """Tangential force [N] after sliding at constant velocities [m/s] under normal forces >= 0 [N], broadcast.
 
+        Where mu is 0 there is none, as in a run.
+
         Raises
         ------
         ModelError
             For what is no finite number, a negative normal force or coefficient, and mu_s < mu.
         """
         slip, normal, mu = slip_of(slip, normal, mu)
+        common_shape((slip, normal, mu))
         if mu.size > 0:
             self.check(float(mu.max()), "mu")
         static = np.maximum(static_coefficient(self.static_friction), mu)
         sliding = mu + (static - mu) * np.exp(-((slip / self.stribeck_speed) ** 2))
-        return -normal * (np.sign(slip) * sliding + self.viscous * slip)
+        return -normal * (mu > 0.0) * (np.sign(slip) * sliding + self.viscous * slip)
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,7 @@ from lcpflex.contact.laws.layout import (
     ElasticLaw,
 )
 from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
+from lcpflex.errors import ModelError
 from lcpflex.options import keep_number
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
@@ -40,9 +41,15 @@ def keep_mass(law: Any) -> None:
         keep_number(law, "mass", 0.0, math.inf, open_ends=True)
 
 
+STRONGEST = 1e6  # A' or g': e_out is below 1e-10
+
+
 def strengths(values: ArrayLike) -> Any:
-    """Values as an array if they are finite and not negative."""
-    return finite_numbers("parameter", values, 0.0)
+    """Values as an array if they are finite, not negative, and leave a rebound that can be told from rounding."""
+    given = finite_numbers("parameter", values, 0.0)
+    if given.size and given.max() > STRONGEST:
+        raise ModelError(f"parameter: {given.max():g} was given, expected numbers in [0, {STRONGEST:g}]")
+    return given
 
 
 class Speedless:

@@ -31,6 +31,7 @@ from lcpflex.contact.laws.layout import (
 )
 from lcpflex.contact.laws.static_friction import (
     check_static_friction,
+    common_shape,
     keep_static_friction,
     slip_of,
     static_coefficient,
@@ -77,7 +78,8 @@ class MemorylessFriction:
     def force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
         """Tangential force [N] at slip velocities [m/s], under normal forces >= 0 [N], with coefficients mu >= 0.
 
-        Arrays are broadcast; a float for three numbers.
+        Arrays are broadcast; a float for three numbers. Where mu is 0 there is none, as in a run: a contact without
+        friction has no static and no viscous part either.
 
         Raises
         ------
@@ -87,7 +89,7 @@ class MemorylessFriction:
         from lcpflex.contact.laws.friction_kernels import friction_forces  # a scene is built without compiling
 
         given = slip_of(slip, normal, mu)
-        shape = np.broadcast_shapes(*(x.shape for x in given))
+        shape = common_shape(given)
         flat = [np.broadcast_to(x, shape).ravel() for x in given]
         if flat[2].size > 0:
             self.check(float(flat[2].max()), "mu")
@@ -95,6 +97,7 @@ class MemorylessFriction:
         p[FRICTION : FRICTION + len(self.parameters)] = self.parameters
         out = np.empty(len(flat[0]))
         friction_forces(np.array([0, 0, self.kind, 0]), p, flat[0], flat[1], flat[2], out)
+        out[flat[2] == 0.0] = 0.0
         return out.reshape(shape) if shape else float(out[0])
 
 

@@ -90,7 +90,7 @@ class HysteresisFactor(Enum):
         """
         e = fractions(restitution, zero=True)
         with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-            endless = self.needs_rebound & ~np.isfinite(1.0 / e)
+            endless = self.needs_rebound & (e < LEAST)
             factor = FACTORS[self](np.where(endless, 1.0, e))
         endless |= ~np.isfinite(factor)
         if np.any(endless):
@@ -119,6 +119,7 @@ FACTORS: dict[HysteresisFactor, Callable[[Any], Any]] = {
     HysteresisFactor.YE: lambda e: 1.5 * (1.0 - e) / e,
     HysteresisFactor.PANT: lambda e: 1.5 * (1.0 - e**2) / e**2,
 }
+LEAST = 1e-300  # restitution: the inverse of a smaller one has no number, or soon has none
 FINITE = (
     HysteresisFactor.HUNT_CROSSLEY,
     HysteresisFactor.HERBERT_MCWHANNELL,
@@ -130,11 +131,12 @@ FINITE = (
 
 
 def fractions(restitution: ArrayLike, *, zero: bool) -> FloatArray:
-    """Restitution as an array if all of it is in [0, 1], or in (0, 1]."""
+    """Restitution as an array if all of it is in [0, 1], or in (0, 1] and no smaller than its inverse has a number."""
     e = numbers_of("restitution", restitution)
-    wrong = e[~((e <= 1.0) & ((e >= 0.0) if zero else (e > 0.0)))]
+    wrong = e[~((e <= 1.0) & ((e >= 0.0) if zero else (e >= LEAST)))]
     if wrong.size > 0:
-        raise ModelError(f"restitution: {wrong[0]} was given, expected a number in {'[' if zero else '('}0, 1]")
+        expected = "[0, 1]" if zero else f"(0, 1], and not below {LEAST:g}"
+        raise ModelError(f"restitution: {wrong[0]} was given, expected a number in {expected}")
     return e
 
 

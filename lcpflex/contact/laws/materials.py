@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lcpflex.errors import ModelError, ModelWarning, in_range
+from lcpflex.errors import ModelError, ModelWarning, as_number, in_range
 
 __all__ = ["Material", "check_materials", "check_units", "contact_modulus"]
 
@@ -38,9 +38,8 @@ class Material:
     poissons_ratio: float
 
     def __post_init__(self) -> None:
-        modulus = self.youngs_modulus
-        if modulus != math.inf:
-            modulus = in_range("youngs_modulus", modulus, 0.0, math.inf, open_ends=True)
+        rigid = as_number(self.youngs_modulus) == math.inf and not isinstance(self.youngs_modulus, int)
+        modulus = math.inf if rigid else in_range("youngs_modulus", self.youngs_modulus, 0.0, math.inf, open_ends=True)
         ratio = in_range("poissons_ratio", self.poissons_ratio, -1.0, 0.5, open_ends=True)
         object.__setattr__(self, "youngs_modulus", modulus)
         object.__setattr__(self, "poissons_ratio", ratio)

@@ -93,8 +93,9 @@ def damping_ratio(e: ArrayLike) -> Any:
 def half_oscillation(zeta: ArrayLike) -> Any:
     """Largest s over v_0 of s'' + 2 zeta s' + s = 0 from s = 0, for zeta >= 0."""
     ratio = np.asarray(zeta, dtype=float)
-    q = np.sqrt(np.maximum((1.0 - ratio) * (1.0 + ratio), 0.0))
-    p = np.sqrt(np.maximum((ratio - 1.0) * (ratio + 1.0), 0.0))
+    low, high = np.minimum(ratio, 1.0), np.maximum(ratio, 1.0)
+    q = np.sqrt((1.0 - low) * (1.0 + low))
+    p = high * np.sqrt((high - 1.0) / high * ((high + 1.0) / high))  # the square of a large ratio has no number
     with np.errstate(divide="ignore", invalid="ignore"):
         under = np.arctan2(q, ratio) / q
         over = np.log1p(ratio - 1.0 + p) / p  # artanh(p / zeta) without its loss of digits

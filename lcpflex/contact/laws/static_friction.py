@@ -3,19 +3,37 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import finite_numbers
 from lcpflex.errors import ModelError
 from lcpflex.options import keep_number
 
-__all__ = ["check_static_friction", "keep_static_friction", "slip_of", "static_coefficient"]
+LARGEST = 10**8  # forces at a time
+
+__all__ = ["check_static_friction", "common_shape", "keep_static_friction", "slip_of", "static_coefficient"]
 
 
 def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Slip velocities, normal forces >= 0 and coefficients of friction >= 0 as arrays."""
     return finite_numbers("slip", slip, -math.inf), finite_numbers("normal", normal, 0.0), finite_numbers("mu", mu, 0.0)
+
+
+def common_shape(given: Sequence[FloatArray]) -> tuple[int, ...]:
+    """The shape that slip, normal force and coefficient are broadcast to."""
+    shapes = [x.shape for x in given]
+    try:
+        shape = np.broadcast_shapes(*shapes)
+        if math.prod(shape) <= LARGEST:
+            return shape
+    except ValueError:
+        pass
+    given_shapes = ", ".join(map(str, shapes))
+    raise ModelError(f"slip, normal, mu: arrays of shapes {given_shapes} were given, expected ones that go together")
 
 
 def check_static_friction(static: float | None, mu: float, contact: str) -> None:

@@ -1,0 +1,51 @@
+"""What ``simulate`` is asked for, checked before time is spent."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from lcpflex.energy import EnergyGrowth
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import flag, optional_flag
+from lcpflex.recorder import RecordProblems
+
+__all__ = ["checked_request"]
+
+INSTANTS = 1000  # stored when no interval is asked for
+MOST_STEPS = 1e12  # of fixed length: weeks of computing
+
+
+def checked_request(
+    duration: Any,
+    stepper: Any,
+    record: Any,
+    progress: Any,
+    project: Any,
+    energy_growth: Any,
+    record_problems: Any,
+) -> tuple[float, float, bool | None, bool]:
+    """Duration, time between stored instants [s], progress and project, as ``simulate`` takes them.
+
+    Raises
+    ------
+    ModelError
+        Naming the argument, the value and what was expected.
+    """
+    span = in_range("duration", duration, 0.0, math.inf, open_ends=True)
+    if isinstance(stepper, type) or not callable(getattr(stepper, "start", None)):
+        raise ModelError(f"stepper: {shown(stepper)} was given, expected a stepper such as MoreauJean(step=1e-4)")
+    step = getattr(stepper, "step", None)
+    if isinstance(step, float) and span > MOST_STEPS * step:
+        raise ModelError(
+            f"duration: {span:g} s was given, {span / step:.3g} steps of {step:g} s, expected at most {MOST_STEPS:g}"
+        )
+    interval = span / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
+    if interval > span:
+        raise ModelError(f"record: {interval:g} s was given, expected at most the duration of {span:g} s")
+    if not isinstance(energy_growth, EnergyGrowth):
+        known = ", ".join(f"EnergyGrowth.{one.name}" for one in EnergyGrowth)
+        raise ModelError(f"energy_growth: {shown(energy_growth)} was given, expected one of {known}")
+    if not (record_problems is None or isinstance(record_problems, RecordProblems)):
+        raise ModelError(f"record_problems: {shown(record_problems)} was given, expected RecordProblems(path), or None")
+    return span, interval, optional_flag("progress", progress), flag("project", project)
