@@ -59,11 +59,12 @@ def strip(kg, m):
     beam = scene.add(body, position=(0.0, 0.001 * m), velocity=(0.1 * m, -0.2 * m))
     floor = scene.ground.half_plane((0, 0), (0, 1))
     for x in (0.0, 0.5):
-        scene.contact(beam.node(x * m, 0.0), floor, friction=0.3)
+        scene.contact(beam.node(x * m, 0.0), floor)
     return scene
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:youngs_modulus, density")  # it knows tonnes and millimetres when it sees them
 def test_same_motion_at_position_level():
     reference = None
     for kg, m in ((1.0, 1.0), *UNITS.values()):
