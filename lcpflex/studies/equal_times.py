@@ -11,8 +11,9 @@ import math
 from typing import NamedTuple
 
 from lcpflex.compiled import FloatArray, kernel
+from lcpflex.studies.outputs import Measured, Output, coarsened, scale_of_part
 
-__all__ = ["EqualTimes", "difference_at_equal_times"]
+__all__ = ["UNKNOWN", "EqualTimes", "apart_at_equal_times", "blur_at_equal_times", "difference_at_equal_times"]
 
 
 class EqualTimes(NamedTuple):
@@ -22,7 +23,33 @@ class EqualTimes(NamedTuple):
     largest: float
 
 
-UNKNOWN = EqualTimes(math.nan, math.nan)
+UNKNOWN = EqualTimes(math.nan, math.nan)  # of numbers, which have no time
+
+
+def apart_at_equal_times(output: Output, measured: Measured, reference: Measured) -> EqualTimes:
+    """Of the curves of an output the worst, relative to the scale of the reference; infinite for what is not finite."""
+    if not reference.parts or not measured.parts:
+        return UNKNOWN
+    if not measured.finite:
+        return EqualTimes(math.inf, math.inf)
+    mean, largest = 0.0, 0.0
+    for part, other in zip(measured.parts, reference.parts, strict=True):
+        scale = scale_of_part(output, other)
+        if scale == 0.0:
+            continue
+        for k in range(part.curves.shape[1]):
+            found = difference_at_equal_times(
+                measured.times, part.curves[:, k].copy(), reference.times, other.curves[:, k].copy()
+            )
+            mean, largest = max(mean, found[0] / scale), max(largest, found[1] / scale)
+    return EqualTimes(mean, largest)
+
+
+def blur_at_equal_times(output: Output, measured: Measured) -> float:
+    """How well the stored instants describe the curves, on average over time: every second of them against all."""
+    if not measured.parts or len(measured.times) < 3:
+        return 0.0
+    return apart_at_equal_times(output, coarsened(measured), measured).mean
 
 
 @kernel

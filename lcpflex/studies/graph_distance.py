@@ -31,6 +31,7 @@ GRAIN = 1e-5  # least spacing of the points tried on a segment: finely sampled g
 HALVINGS = 10  # of a segment, at most
 SMALLEST = 1.0 / 2**HALVINGS
 RUN = 8  # segments in a box
+WALK = 16  # segments tried about the time of a point before the boxes are
 SPARSE = 61  # the first look takes every so manieth segment
 
 
@@ -176,7 +177,8 @@ def _bound(a: FloatArray, i: int, b: FloatArray, pieces: FloatArray, k: int, poi
     _point(a, i, pieces[k, 0], point)
     least = min(least, max(first, math.sqrt(_to_segment(point, b, int(pieces[k - 1, 2])))))
     _point(a, i, pieces[k - 1, 0], point)
-    return min(least, max(last, math.sqrt(_to_segment(point, b, int(pieces[k, 2])))))
+    least = min(least, max(last, math.sqrt(_to_segment(point, b, int(pieces[k, 2])))))
+    return float(least)
 
 
 @kernel
@@ -194,13 +196,30 @@ def _nearest(
 ) -> tuple[float, int]:  # fmt: skip
     """Distance of the point a_i + s (a_{i+1} - a_i) from polyline b, or one up to ``enough``; and a segment there.
 
-    Segments ``near`` and ``last`` are tried first; then the boxes that come nearer than what is found.
+    Segments ``near`` and ``last`` are tried first, then those about ``near``; then the boxes that come nearer than what
+    is found.
     """
     _point(a, i, s, point)
     best, where = _to_segment(point, b, near), near
     square = _to_segment(point, b, last)
     if square < best:
         best, where = square, last
+    left, right = near, near  # segments farther in time than what is found can be left out, as in most cases all are
+    while right - left < WALK and best > enough * enough:
+        ahead = right < len(b) - 2 and max(b[right + 1, 0] - point[0], 0.0) ** 2 < best
+        behind = left > 0 and max(point[0] - b[left, 0], 0.0) ** 2 < best
+        if not ahead and not behind:
+            return math.sqrt(best), where
+        if ahead:
+            right += 1
+            square = _to_segment(point, b, right)
+            if square < best:
+                best, where = square, right
+        if behind:
+            left -= 1
+            square = _to_segment(point, b, left)
+            if square < best:
+                best, where = square, left
     leaves = low.shape[0] // 2
     stack[0] = 1
     count = 1
@@ -216,13 +235,13 @@ def _nearest(
                 if square < best:
                     best, where = square, k
         else:
-            left = _to_box(point, low, high, 2 * node)
-            right = _to_box(point, low, high, 2 * node + 1)
-            farther = 2 * node + (1 if left <= right else 0)
-            if max(left, right) < best:
+            first_half = _to_box(point, low, high, 2 * node)
+            second_half = _to_box(point, low, high, 2 * node + 1)
+            farther = 2 * node + (1 if first_half <= second_half else 0)
+            if max(first_half, second_half) < best:
                 stack[count] = farther
                 count += 1
-            if min(left, right) < best:
+            if min(first_half, second_half) < best:
                 stack[count] = 4 * node + 1 - farther  # the other one, looked at first
                 count += 1
     return math.sqrt(best), where

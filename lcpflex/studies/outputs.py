@@ -12,6 +12,7 @@ from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import numbers
 from lcpflex.studies.graph_distance import graph_distance
+from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
     from lcpflex.result import Result
@@ -23,15 +24,19 @@ __all__ = [
     "Part",
     "as_curves",
     "chosen_outputs",
+    "coarsened",
     "error_between",
+    "has_scale",
     "is_nothing",
     "known_outputs",
     "motion_of",
     "resolution",
+    "scale_of_part",
     "scale_text",
     "standard_outputs",
     "trajectory",
     "two_places",
+    "unscaled",
 ]
 
 STILL = 1e-9  # a range below this, relative to the values, is rounding
@@ -88,7 +93,10 @@ class Output:
 
     def of(self, result: Result) -> Measured:
         """The output of a result. Raises ModelError for what is neither a number nor one row for each instant."""
-        value = self.function(result)
+        try:
+            value = self.function(result)
+        except NotDefined as error:
+            return Measured(result.times, (), float("nan"), str(error))
         if isinstance(value, (list, tuple)) and value and all(isinstance(part, Part) for part in value):
             return Measured(result.times, tuple(value), None)
         array = numbers(value)
@@ -111,6 +119,7 @@ class Measured:
     times: FloatArray
     parts: tuple[Part, ...]
     number: float | None
+    undefined: str = ""  # why it has no value
 
     @property
     def finite(self) -> bool:
@@ -130,16 +139,21 @@ def error_between(
 ) -> float:
     """Error relative to the scale of ``scale_of``, by default the reference; infinite for what is not finite.
 
-    Raises ModelError where the two cannot be compared.
+    Raises ModelError where the two cannot be compared. A part that is 0 throughout has no scale, and is left out.
     """
+    if measured.undefined or reference.undefined:
+        raise ModelError(measured.undefined or reference.undefined)
     if (measured.number is None) != (reference.number is None):
         raise ModelError(f"reference: {output.name!r} is a number here and a curve there; expected twice the same")
     if measured.number is not None and reference.number is not None:
-        scale = _scale_of_number(output, reference.number)
+        by = reference if scale_of is None or scale_of.number is None else scale_of
+        scale = _scale_of_number(output, by.number or 0.0)
         error = abs(measured.number - reference.number) / scale
         return error if np.isfinite(error) else float("inf")
     worst = 0.0
     scales = (scale_of or reference).parts
+    if unscaled(output, scale_of or reference) == tuple(part.name for part in scales):
+        raise ModelError(_without_scale(output))
     for part, other, scaling in zip(measured.parts, reference.parts, scales, strict=True):
         if part.curves.shape[1:] != other.curves.shape[1:]:
             raise ModelError(
@@ -148,7 +162,9 @@ def error_between(
             )
         if not np.isfinite(part.curves).all():
             return float("inf")
-        scale = _scale_of_part(output, scaling)
+        scale = scale_of_part(output, scaling)
+        if scale == 0.0:
+            continue
         for k in range(part.curves.shape[1]):
             distance = graph_distance(
                 measured.times, part.curves[:, k], reference.times, other.curves[:, k], duration, scale
@@ -165,9 +181,14 @@ def resolution(output: Output, measured: Measured, duration: float, scale_of: Me
     """
     if measured.number is not None or len(measured.times) < 3:
         return 0.0
+    return error_between(output, coarsened(measured), measured, duration, scale_of)
+
+
+def coarsened(measured: Measured) -> Measured:
+    """The same at every second instant, events and their neighbours kept."""
     kept = _every_second(measured.times)
-    coarser = tuple(Part(part.name, part.curves[kept], part.floor) for part in measured.parts)
-    return error_between(output, Measured(measured.times[kept], coarser, None), measured, duration, scale_of)
+    parts = tuple(Part(part.name, part.curves[kept], part.floor) for part in measured.parts)
+    return Measured(measured.times[kept], parts, measured.number)
 
 
 def _every_second(times: FloatArray) -> IntArray:
@@ -185,33 +206,53 @@ def scale_text(output: Output, reference: Measured) -> str:
     """What the errors of this output are relative to."""
     if reference.number is not None:
         return f"{_scale_of_number(output, reference.number):.4g}"
-    scales = ", ".join(f"{part.name} {_scale_of_part(output, part):.4g}" for part in reference.parts)
+    scales = ", ".join(
+        f"{part.name} {scale:.4g}" for part in reference.parts if (scale := scale_of_part(output, part)) > 0.0
+    )
     return f"{scales}; time: the duration"
 
 
 def _scale_of_number(output: Output, reference: float) -> float:
     scale = output.scale if output.scale is not None else abs(reference)
     if scale == 0.0:
-        raise ModelError(f"outputs[{output.name!r}].scale: not given, and the reference is 0; expected a number > 0")
+        raise ModelError(_without_scale(output))
     return scale
 
 
-def _scale_of_part(output: Output, part: Part) -> float:
-    """Largest range of a curve, its size where it does not change, and never less than the floor."""
+def _without_scale(output: Output) -> str:
+    return f"outputs[{output.name!r}].scale: not given, and the reference is 0 throughout; expected a number > 0"
+
+
+def has_scale(output: Output, reference: Measured) -> bool:
+    """Whether an error can be relative to anything: to a scale that was given, or to what is not 0 throughout."""
+    if output.scale is not None:
+        return True
+    if reference.number is not None:
+        return reference.number != 0.0
+    return len(unscaled(output, reference)) < len(reference.parts)
+
+
+def unscaled(output: Output, reference: Measured) -> tuple[str, ...]:
+    """Names of the parts that are 0 throughout: no error of them is relative to anything."""
+    return tuple(part.name for part in reference.parts if scale_of_part(output, part) == 0.0)
+
+
+def scale_of_part(output: Output, part: Part) -> float:
+    """Largest range of a curve, its size where it does not change, and never less than the floor; 0 if all is 0."""
     if output.scale is not None:
         return output.scale
     ranges = float(np.linalg.norm(np.ptp(part.curves, axis=0), axis=-1).max(initial=0.0))
     size = float(np.linalg.norm(part.curves, axis=-1).max(initial=0.0))
-    scale = max(ranges if ranges > STILL * size else size, part.floor)
-    return scale if scale > 0.0 else 1.0
+    return max(ranges if ranges > STILL * size else size, part.floor)
 
 
 def standard_outputs() -> tuple[Output, ...]:
-    """Trajectory, impulses of the contacts, peak force and stored energy."""
+    """Trajectory, impulses of the contacts, their peak force and peak impulse, and stored energy."""
     return (
         Output("trajectory", trajectory),
         Output("impulses", _impulses),
-        Output("peak force", _peak_force),
+        Output("peak force", peak_force),
+        Output("peak impulse", peak_impulse),
         Output("energy", _energy),
     )
 
@@ -316,10 +357,6 @@ def _two_of(compiled: Compiled, body: str, ends: bool) -> list[tuple[float, floa
 def _impulses(result: Result) -> list[Part]:
     """Accumulated impulse of each contact, normal and tangential."""
     return [Part("impulse", result.impulse)]
-
-
-def _peak_force(result: Result) -> float:
-    return float(result.force[:, :, 0].max(initial=0.0))
 
 
 def _energy(result: Result) -> list[Part]:

@@ -64,6 +64,8 @@ class Trial:
     measured: Mapping[str, Measured] | None = None
     failure: str = ""
     refused: bool = False  # before time was spent: it does not apply
+    duration: float = math.nan  # [s]
+    thinned: bool = False  # instants were stored by the clock, not one for each step
 
     @property
     def complete(self) -> bool:
@@ -89,12 +91,21 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
     except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
         return Trial(stepper, failure=f"{type(error).__name__}: {error}")
     measured, failure = _measured(conditions, first)
+    thinned = _thinned(first, conditions.duration / conditions.instants)
     if failure:
-        return Trial(stepper, first.steps, (first.wall_time,), measured, failure)
+        return Trial(stepper, first.steps, (first.wall_time,), measured, failure, False, conditions.duration, thinned)
     times = [first.wall_time]
     if repeats and first.wall_time <= conditions.limit:
         times = [_run(conditions, limited, None).wall_time for _ in range(repeats)]
-    return Trial(stepper, first.steps, tuple(times), measured, "; ".join(_distrust(first)))
+    told = "; ".join(_distrust(first))
+    return Trial(stepper, first.steps, tuple(times), measured, told, False, conditions.duration, thinned)
+
+
+def _thinned(result: Result, interval: float) -> bool:
+    """Whether instants lie where the clock asked for them, about every ``interval`` [s], and not at every step."""
+    spans = np.diff(result.times)
+    spans = spans[spans > 0.0]
+    return bool(len(spans) and len(spans) != result.steps and np.median(spans) < 1.5 * interval)
 
 
 def _distrust(result: Result) -> list[str]:
@@ -125,7 +136,7 @@ def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measure
             raise
         except Exception as error:  # whatever a function of the user's own may raise
             return None, f"outputs[{output.name!r}] raised {type(error).__name__}: {error}"
-    wild = [name for name, one in measured.items() if not one.finite]
+    wild = [name for name, one in measured.items() if not one.finite and not one.undefined]
     return measured, f"outputs[{wild[0]!r}] is not finite" if wild else ""
 
 

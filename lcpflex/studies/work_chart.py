@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.studies.equal_times import UNKNOWN
+from lcpflex.studies.looks import looks_of
 from lcpflex.studies.work_points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
@@ -17,37 +19,50 @@ if TYPE_CHECKING:
 
 __all__ = ["chart"]
 
-# Okabe and Ito's colours, told apart with any colour vision; markers say the same without colours.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#7B3294")
-MARKERS = "osD^vPX*"
 LIMIT = "#D9D9D9"
+DOUBT = "#8A8A8A"
 FRONT = "#FFE680"
 WIDTH = 34  # characters of a line of the legend
+LEAST = 1e-12  # smallest error shown
+
+
+class _Measure(NamedTuple):
+    """What a panel shows of the points: a value, what it may be wrong by, and how far the reference goes."""
+
+    value: Callable[[WorkPoint], float]
+    floor: Callable[[WorkPoint], float]
+    recorded: Callable[[WorkPoint], bool]
+    own: float
+    reach: float
 
 
 def chart(work: WorkPrecision, output: str | None) -> Figure:
-    """A row a scene: error against wall time, error against steps, and who is who."""
+    """A row a scene: error and difference at equal times against wall time, error against steps, and who is who."""
     from matplotlib.figure import Figure
 
     count = len(work.studies)
-    figure = Figure(figsize=(13.0, 0.2 + 4.0 * count), layout="constrained")
-    rows = figure.subplots(count, 3, squeeze=False, width_ratios=(1.0, 1.0, 0.62))
-    methods = tuple(dict.fromkeys(label for study in work.studies for label in study.methods))
-    looks = {
-        label: {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
-        for k, label in enumerate(methods)
-    }
+    figure = Figure(figsize=(16.5, 0.2 + 4.0 * count), layout="constrained")
+    rows = figure.subplots(count, 4, squeeze=False, width_ratios=(1.0, 1.0, 1.0, 0.72))
+    steppers = {p.method: p.stepper for study in work.studies for p in study.points if p.method in study.methods}
+    looks = looks_of(steppers)
     for study, axes in zip(work.studies, rows, strict=True):
         name = study.output(output)
-        bottom, top = _range(study, name)
-        for ax, abscissa in zip(axes, (_milliseconds, _steps), strict=False):
-            _panel(ax, study, name, looks, abscissa, (bottom, top))
+        shape, timing = _shape(study, name), _timing(study, name)
+        _panel(axes[0], study, shape, looks, _milliseconds)
         axes[0].set(xlabel="wall time [ms]", ylabel=f"error of {name}, relative")
-        axes[1].set(xlabel="steps")
         axes[0].set_title(f"{study.scene}: {name}", fontsize="medium", loc="left")
-        axes[1].tick_params(labelleft=False)
-        axes[2].set_axis_off()
-        _legend(axes[2], study, looks, name)
+        if study.reference.measured[name].parts:
+            _panel(axes[1], study, timing, looks, _milliseconds)
+            _bars(axes[1], study, name, looks)
+            axes[1].set(xlabel="wall time [ms]", ylabel="mean difference at equal times, relative")
+            axes[1].set_title("at equal times", fontsize="medium", loc="left")
+            axes[0].set_title(f"{study.scene}: {name}, shape", fontsize="medium", loc="left")
+        else:
+            axes[1].set_axis_off()
+        _panel(axes[2], study, shape, looks, _steps)
+        axes[2].set(xlabel="steps", ylabel=f"error of {name}, relative")
+        axes[3].set_axis_off()
+        _legend(axes[3], study, looks, name)
     return figure
 
 
@@ -59,49 +74,58 @@ def _steps(point: WorkPoint) -> float:
     return float(point.steps) if point.steps else math.nan
 
 
-def _range(study: SceneStudy, output: str) -> tuple[float, float]:
+def _shape(study: SceneStudy, output: str) -> _Measure:
+    return _Measure(
+        lambda point: point.errors.get(output, math.nan),
+        lambda point: study.floor(point, output),
+        lambda point: study.recorded(point, output),
+        study.reference.error[output],
+        study.reference.reach(output),
+    )
+
+
+def _timing(study: SceneStudy, output: str) -> _Measure:
+    own = study.reference.at_equal_times.get(output, UNKNOWN).mean
+    return _Measure(
+        lambda point: point.at_equal_times.get(output, UNKNOWN).mean,
+        lambda point: own + point.unseen_at_equal_times.get(output, 0.0),
+        lambda point: point.unseen_at_equal_times.get(output, 0.0) > 0.5 * own,
+        own,
+        study.reference.reach_at_equal_times(output),
+    )
+
+
+def _range(study: SceneStudy, measure: _Measure) -> tuple[float, float]:
     """Lowest and highest error shown: whole decades about the finite ones and that of the reference."""
-    own = study.reference.error[output]
-    values = [point.errors[output] for point in study.points if output in point.errors and not point.failure]
-    known = [min(value, 10.0) for value in (*values, own) if 0.0 < value < math.inf]
+    values = [measure.value(point) for point in study.points if not point.failure]
+    known = [min(value, 10.0) for value in (*values, measure.own) if 0.0 < value < math.inf]
     if not known:
         return 1e-6, 1.0
-    low = max(min(known), 1e-12)
-    if 0.0 < own < math.inf:
-        low = max(low, 0.1 * own)
+    low = max(min(known), LEAST)
+    if 0.0 < measure.own < math.inf:
+        low = max(low, 0.1 * measure.own)
     return 10.0 ** math.floor(math.log10(low)), 10.0 ** math.ceil(math.log10(1.01 * max(known)))
 
 
-def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, limits: tuple[float, float]) -> None:
-    bottom, top = limits
+def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa: Callable[[WorkPoint], float]) -> None:
+    bottom, top = _range(study, measure)
     failures = top * (top / bottom) ** 0.06  # where the crosses are
-    ceiling = top * (top / bottom) ** 0.12
-    ax.set(xscale="log", yscale="log", ylim=(bottom, ceiling))
-    own = study.reference.error[output]
-    if own > bottom:
-        ax.axhspan(bottom, own, color=LIMIT, zorder=0.5, linewidth=0.0)
+    ax.set(xscale="log", yscale="log", ylim=(bottom, top * (top / bottom) ** 0.12))
+    if measure.own > bottom:
+        ax.axhspan(bottom, measure.own, color=LIMIT, zorder=0.5, linewidth=0.0)
+    if bottom < measure.reach < math.inf:
+        ax.axhline(measure.reach, color=DOUBT, linewidth=1.0, linestyle="--", zorder=1.0)
     ax.axhline(top, color="#999999", linewidth=0.8, zorder=1.0)
-    sound = [p for p in study.points if _is_sound(p, output) and math.isfinite(abscissa(p))]
-    front = _front([(abscissa(p), max(p.errors[output], _least(study, p, output, bottom))) for p in sound])
+    sound = [p for p in study.points if _is_sound(p, measure) and math.isfinite(abscissa(p))]
+    front = _front([(abscissa(p), max(measure.value(p), _least(measure, p, bottom))) for p in sound])
     if len(front) > 1:
         ax.plot(*zip(*front, strict=True), color=FRONT, linewidth=9.0, zorder=1.5, solid_capstyle="round")
     for label in study.methods:
-        look = looks[label]
-        own_points = [p for p in sound if p.method == label]
-        x = [abscissa(p) for p in own_points]
-        y = [min(max(p.errors[output], bottom * 1.15), top) for p in own_points]
-        ax.plot(x, y, color=look["color"], linewidth=1.4, zorder=2.0)
-        hollow = [study.limited(p, output) for p in own_points]
-        for empty in (False, True):
-            chosen = [k for k, flag in enumerate(hollow) if flag == empty]
-            ax.plot(
-                [x[k] for k in chosen], [y[k] for k in chosen], linestyle="none", markersize=6.5, zorder=3.0, **look,
-                markerfacecolor="white" if empty else look["color"],
-            )  # fmt: skip
+        _series(ax, [p for p in sound if p.method == label], measure, looks[label], abscissa, (bottom, top))
         failed = [abscissa(p) for p in study.points if p.method == label and p.failure and not p.refused]
         failed = [cost for cost in failed if math.isfinite(cost)]
         ax.plot(
-            failed, [failures] * len(failed), linestyle="none", marker="x", color=look["color"],
+            failed, [failures] * len(failed), linestyle="none", marker="x", color=looks[label]["color"],
             markersize=7.0, markeredgewidth=1.8, zorder=3.0,
         )  # fmt: skip
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
@@ -111,13 +135,44 @@ def _panel(ax: Axes, study: SceneStudy, output: str, looks: Any, abscissa: Any, 
     )  # fmt: skip
 
 
-def _is_sound(point: WorkPoint, output: str) -> bool:
-    return not point.failure and math.isfinite(point.errors.get(output, math.nan))
+def _series(
+    ax: Axes, points: Sequence[WorkPoint], measure: _Measure, look: Any, abscissa: Any, limits: tuple[float, float]
+) -> None:
+    """One method: full markers, hollow ones below what is known, half full ones where the record is to blame."""
+    bottom, top = limits
+    x = [abscissa(p) for p in points]
+    y = [min(max(measure.value(p), bottom * 1.15), top) for p in points]
+    ax.plot(x, y, color=look["color"], linestyle=look["linestyle"], linewidth=1.4, zorder=2.0)
+    unknown = [not measure.value(p) > measure.floor(p) for p in points]
+    blurred = [empty and measure.recorded(p) for empty, p in zip(unknown, points, strict=True)]
+    for style, chosen in (
+        ("full", [k for k, empty in enumerate(unknown) if not empty]),
+        ("none", [k for k, empty in enumerate(unknown) if empty and not blurred[k]]),
+        ("bottom", [k for k, blur in enumerate(blurred) if blur]),
+    ):
+        ax.plot(
+            [x[k] for k in chosen], [y[k] for k in chosen], linestyle="none", markersize=6.5, zorder=3.0,
+            color=look["color"], marker=look["marker"], fillstyle=style, markerfacecoloralt="white",
+        )  # fmt: skip
 
 
-def _least(study: SceneStudy, point: WorkPoint, output: str, bottom: float) -> float:
+def _bars(ax: Axes, study: SceneStudy, output: str, looks: Any) -> None:
+    """From the mean difference at equal times up to the largest."""
+    low, high = ax.get_ylim()
+    for point in study.points:
+        found = point.at_equal_times.get(output, UNKNOWN)
+        if not point.failure and math.isfinite(found.largest) and found.largest > low:
+            ends = [max(found.mean, low), min(found.largest, high)]
+            ax.plot([_milliseconds(point)] * 2, ends, color=looks[point.method]["color"], linewidth=0.8, alpha=0.6)
+
+
+def _is_sound(point: WorkPoint, measure: _Measure) -> bool:
+    return not point.failure and math.isfinite(measure.value(point))
+
+
+def _least(measure: _Measure, point: WorkPoint, bottom: float) -> float:
     """The smallest error that may be claimed of a point."""
-    floor = study.floor(point, output)
+    floor = measure.floor(point)
     return max(floor, bottom) if math.isfinite(floor) else bottom
 
 
@@ -132,29 +187,44 @@ def _front(points: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
 
 def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str) -> None:
     """Beside the panels of a scene: methods, signs, reference and what does not apply."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
+    lines = [f"reference: {study.reference.source}", *(f"{label}: does not apply" for label in study.refusals)]
+    title = "\n".join(textwrap.fill(line, 44, subsequent_indent="  ", max_lines=5) for line in lines)
+    legend = ax.legend(
+        handles=[*_methods(study, looks), *_signs(study, output)], loc="upper left", bbox_to_anchor=(0.0, 1.0),
+        borderaxespad=0.0, frameon=False, fontsize="small", title=title, title_fontsize="small", alignment="left",
+    )  # fmt: skip
+    legend.set_in_layout(False)  # its axes are wide enough; the panels shall not shrink for it
 
-    handles: list[Any] = [
+
+def _methods(study: SceneStudy, looks: Any) -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    return [
         Line2D([], [], label=textwrap.fill(label, WIDTH, max_lines=3), linewidth=1.4, **looks[label])
         for label in study.methods
     ]
-    handles.append(Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)"))
-    if any(_is_sound(point, output) and study.limited(point, output) for point in study.points):
-        handles.append(
-            Line2D([], [], color="#666666", marker="o", markerfacecolor="white", linestyle="none",
-                   label="hollow: error too small to tell")
-        )  # fmt: skip
+
+
+def _signs(study: SceneStudy, output: str) -> list[Any]:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    grey: Any = {"color": "#666666", "linestyle": "none"}
+    signs: list[Any] = [Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)")]
+    limited = [p for p in study.points if not p.failure and output in p.errors and study.limited(p, output)]
+    if any(not study.recorded(p, output) for p in limited):
+        signs.append(Line2D([], [], marker="o", fillstyle="none", label="hollow: error too small to tell", **grey))
+    if any(study.recorded(p, output) for p in limited):
+        half = "half full: below the error of the record"
+        signs.append(Line2D([], [], marker="o", fillstyle="bottom", markerfacecoloralt="white", label=half, **grey))
     if any(point.failure and not point.refused for point in study.points):
-        handles.append(Line2D([], [], color="#666666", marker="x", linestyle="none", label="failed"))
-    own = study.reference.error[output]
-    handles.append(Patch(color=LIMIT, label=f"below the reference's error {own:.1e}" if np.isfinite(own)
-                         else "error of the reference: unknown"))  # fmt: skip
-    lines = [f"reference: {study.reference.source}"]
-    lines += [f"{label}: does not apply" for label in study.refusals]
-    title = "\n".join(textwrap.fill(line, 40, subsequent_indent="  ", max_lines=4) for line in lines)
-    legend = ax.legend(
-        handles=handles, loc="upper left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, frameon=False,
-        fontsize="small", title=title, title_fontsize="small", alignment="left",
-    )  # fmt: skip
-    legend.set_in_layout(False)  # its axes are wide enough; the panels shall not shrink for it
+        signs.append(Line2D([], [], marker="x", label="failed", **grey))
+    if study.reference.measured[output].parts:
+        signs.append(Line2D([], [], color="#666666", linewidth=0.8, label="at equal times: mean up to largest"))
+    own, reach = study.reference.error[output], study.reference.reach(output)
+    known = f"below the reference's error {own:.1e}" if np.isfinite(own) else "error of the reference: unknown"
+    signs.append(Patch(color=LIMIT, label=known))
+    if not math.isnan(reach) and reach > own:
+        doubt = "no independent method confirms any" if math.isinf(reach) else f"confirmed down to {reach:.1e}"
+        signs.append(Line2D([], [], color=DOUBT, linestyle="--", linewidth=1.0, label=doubt))
+    return signs

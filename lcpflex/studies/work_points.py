@@ -7,11 +7,12 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lcpflex.errors import ModelError, in_range, writable_path
-from lcpflex.studies.outputs import Output, scale_text
-from lcpflex.summary import with_unit
+from lcpflex.studies.equal_times import UNKNOWN, EqualTimes
+from lcpflex.studies.outputs import Output
+from lcpflex.studies.trial import brief
 from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 __all__ = ["SceneStudy", "WorkPoint", "WorkPrecision"]
 
 TOLERANCES = (1e-2, 1e-3, 1e-4)  # that advice is given for
-SHOWN = 60  # characters of a reason in a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +31,10 @@ class WorkPoint:
 
     Attributes
     ----------
-    scene, method, stepper
-        Labels, and the stepper with all numbers that differ from the default.
+    scene, method
+        Labels.
+    stepper
+        The stepper itself, ready to run; ``told`` names it with the numbers that differ from the default.
     steps
         Steps made.
     wall_time, fastest, slowest
@@ -40,7 +42,8 @@ class WorkPoint:
     repeats
         Runs that the times come from.
     errors
-        By output, relative to the scale of the output; empty where the run did not reach its end.
+        By output, relative to the scale of the output; empty where the run did not reach its end. Of curves the
+        distance of graphs, which forgives what comes too early or too late.
     failure
         Why the run counts as failed: it ended early, or its result warns; empty if it is sound.
     refused
@@ -48,11 +51,15 @@ class WorkPoint:
     unseen
         By output, how far what happened between stored instants may be from the lines that join them, relative to the
         same scale; 0 where every step was stored.
+    at_equal_times
+        By output the difference to the reference at equal times: mean over time, and largest; NaN for numbers.
+    unseen_at_equal_times
+        As ``unseen``, of that mean.
     """
 
     scene: str
     method: str
-    stepper: str
+    stepper: Any
     steps: int
     wall_time: float
     fastest: float
@@ -62,6 +69,13 @@ class WorkPoint:
     failure: str = ""
     refused: bool = False
     unseen: Mapping[str, float] = field(default_factory=dict)
+    at_equal_times: Mapping[str, EqualTimes] = field(default_factory=dict)
+    unseen_at_equal_times: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def told(self) -> str:
+        """The stepper with all numbers that differ from the default."""
+        return brief(self.stepper)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,48 +119,45 @@ class SceneStudy:
         """What cannot be told from 0: the error of the reference, and what lies between the instants of the run."""
         return self.reference.error[output] + point.unseen.get(output, 0.0)
 
-    def bound(self, point: WorkPoint, output: str) -> float:
-        """Error of a point plus what is not known of it: the true error is not larger; NaN if nothing is known."""
-        return point.errors.get(output, math.nan) + self.floor(point, output)
+    def recorded(self, point: WorkPoint, output: str) -> bool:
+        """Whether an error is not known for what lies between stored instants, of the run or of the reference."""
+        blur = max(point.unseen.get(output, 0.0), self.reference.recorded.get(output, 0.0))
+        return self.limited(point, output) and blur > 0.5 * self.floor(point, output)
 
-    def cheapest(self, tolerance: float, output: str | None = None) -> WorkPoint | None:
-        """The sound run of least wall time whose error is certainly at most ``tolerance``."""
+    def bound(self, point: WorkPoint, output: str) -> float:
+        """Error of a point plus what is not known of it and of the reference; NaN if nothing is known."""
+        return point.errors.get(output, math.nan) + self.reference.reach(output) + point.unseen.get(output, 0.0)
+
+    def bound_at_equal_times(self, point: WorkPoint, output: str) -> float:
+        """The same of the difference at equal times, on average over time; of a number :meth:`bound`."""
+        if self.reference.measured[output].number is not None:
+            return self.bound(point, output)
+        mean = point.at_equal_times.get(output, UNKNOWN).mean
+        return mean + self.reference.reach_at_equal_times(output) + point.unseen_at_equal_times.get(output, 0.0)
+
+    def cheapest(
+        self, tolerance: float, output: str | None = None, *, at_equal_times: bool = False
+    ) -> WorkPoint | None:
+        """The sound run of least wall time whose error is certainly at most ``tolerance``.
+
+        ``at_equal_times``: its mean difference at equal times, too.
+        """
         tolerance = in_range("tolerance", tolerance, 0.0, math.inf, open_ends=True)
         name = self.output(output)
-        good = [p for p in self.points if not p.failure and self.bound(p, name) <= tolerance]
+        good = [
+            p
+            for p in self.points
+            if not p.failure
+            and self.bound(p, name) <= tolerance
+            and (not at_equal_times or self.bound_at_equal_times(p, name) <= tolerance)
+        ]
         return min(good, key=lambda p: p.wall_time, default=None)
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> tuple[str, ...]:
-        """A sentence for each tolerance, and what the reference leaves open: another method may converge elsewhere."""
-        name = self.output(output)
-        return (*(self._sentence(tolerance, name) for tolerance in tolerances), *self.reference.notes)
+        """Sentences for each tolerance, and what the reference leaves open: who agrees with it, and who does not."""
+        from lcpflex.studies.work_words import advice
 
-    def _sentence(self, tolerance: float, output: str) -> str:
-        best = self.cheapest(tolerance, output)
-        wanted = f"{100.0 * tolerance:g} % in {output}"
-        if best is not None:
-            error, known = best.errors[output], self.floor(best, output)
-            size = f"error {_percent(error)}" if error > known else f"error too small to tell, below {_percent(known)}"
-            return (
-                f"cheapest method for {wanted}: {best.method}, {best.stepper} ({with_unit(best.wall_time, 's')}, "
-                f"{best.steps} steps, {size})"
-            )
-        own = self.reference.error[output]
-        if not math.isfinite(own):
-            return f"no method can be said to have reached {wanted}: the error of the reference is not known"
-        if own >= tolerance:
-            return (
-                f"no method can be said to have reached {wanted}: the reference itself is only within {_percent(own)}"
-            )
-        sound = [point for point in self.points if not point.failure]
-        if any(point.errors.get(output, math.nan) <= tolerance for point in sound):
-            least = min(bound for point in sound if math.isfinite(bound := self.bound(point, output)))
-            return f"no method can be said to have reached {wanted}: all that is certain is {_percent(least)}"
-        return f"no method reached {wanted}"
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g} %"
+        return advice(self, tolerances, self.output(output))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,12 +195,16 @@ class WorkPrecision:
             raise ModelError(f"scene: no scene {scene!r}; expected one of {', '.join(names)}")
         return self.studies[0 if scene is None else names.index(scene)]
 
-    def cheapest(self, tolerance: float, output: str | None = None, scene: str | None = None) -> WorkPoint | None:
+    def cheapest(
+        self, tolerance: float, output: str | None = None, scene: str | None = None, *, at_equal_times: bool = False
+    ) -> WorkPoint | None:
         """The sound run of least wall time whose error, with that of the reference, is at most ``tolerance``.
 
-        ``output`` and ``scene`` are the first ones by default. None if no run is that good.
+        ``output`` and ``scene`` are the first ones by default. Errors of curves are distances of graphs, which forgive
+        phase; ``at_equal_times`` asks for their mean difference at equal times, too. None if no run is that good, or
+        no independent method confirms the reference so far. Its ``stepper`` can be run.
         """
-        return self.of(scene).cheapest(tolerance, output)
+        return self.of(scene).cheapest(tolerance, output, at_equal_times=at_equal_times)
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> str:
         """A sentence for each scene and tolerance: which method is the cheapest, what it costs, and its error."""
@@ -202,30 +217,37 @@ class WorkPrecision:
 
     def table(self) -> str:
         """Markdown: one table a scene, then its reference, scales and notes."""
-        return "\n\n".join(_table(study) for study in self.studies)
+        from lcpflex.studies.work_words import table
+
+        return "\n\n".join(table(study) for study in self.studies)
 
     def csv(self, path: str | os.PathLike[str]) -> None:
         """Write every run to a CSV file. Raises ModelError where it cannot be written."""
         target = writable_path("path", path)
         names = tuple(dict.fromkeys(output.name for study in self.studies for output in study.outputs))
-        columns = ("scene", "method", "stepper", "steps", "wall_time", "fastest", "slowest", "repeats")
+        columns = ("scene", "method", "told", "steps", "wall_time", "fastest", "slowest", "repeats")
+        timing = ("mean difference at equal times of", "largest difference at equal times of")
+        named = [f"{head} {name}" for name in names for head in ("error of", "reference error of", *timing)]
         with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            errors = [column for name in names for column in (f"error of {name}", f"reference error of {name}")]
-            writer.writerow([*columns, *errors, "failure", "refused"])
+            heads = [column.replace("told", "stepper") for column in columns]
+            writer.writerow([*heads, *named, "failure", "refused"])
             for study in self.studies:
                 own = study.reference.error
                 for point in study.points:
-                    values = [value for name in names for value in (point.errors.get(name, ""), own.get(name, ""))]
-                    writer.writerow(
-                        [*(getattr(point, name) for name in columns), *values, point.failure, point.refused]
-                    )
+                    values: list[Any] = [getattr(point, name) for name in columns]
+                    for name in names:
+                        values += [point.errors.get(name, ""), own.get(name, "")]
+                        values += point.at_equal_times.get(name, ("", ""))
+                    writer.writerow([*values, point.failure, point.refused])
 
     def plot(self, output: str | None = None) -> Figure:
-        """Error against wall time and against steps, both logarithmic, a row a scene.
+        """Error and difference at equal times against wall time, error against steps, logarithmic, a row a scene.
 
         A thick line joins the runs that no other one beats in both (Pareto front). Crosses at the top are failures.
-        In the grey band errors are below that of the reference, and not known: markers are hollow there.
+        In the grey band errors are below that of the reference, and not known: markers are hollow there, and half full
+        where the stored instants are to blame. Below the dashed line no independent method confirms the reference.
+        Each family of steppers has its own colour.
         """
         from lcpflex.studies.work_chart import chart
 
@@ -233,61 +255,3 @@ class WorkPrecision:
 
     def __str__(self) -> str:
         return f"{self.table()}\n\n{self.advice()}"
-
-
-def _table(study: SceneStudy) -> str:
-    names = [output.name for output in study.outputs]
-    head = ["method", "numbers", "steps", "wall time", "spread", *(f"error: {name}" for name in names), "remark"]
-    rows = [_row(study, point, names) for point in study.points if point.method in study.methods]
-    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    lines = [
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |"
-        for row in (head, ["-" * width for width in widths], *rows)
-    ]
-    own = ", ".join(f"{name} {_shown(study.reference.error[name])}" for name in names)
-    scales = "; ".join(f"{o.name} ({scale_text(o, study.reference.measured[o.name])})" for o in study.outputs)
-    text = [
-        f"**{study.scene}**, {with_unit(study.duration, 's')}",
-        "\n".join(lines),
-        f"Reference: {study.reference.source}; its own error: {own}. `<` marks errors below "
-        "that and what lies between the stored instants of the run.  \n"
-        f"Errors are relative to: {scales}.",
-        *(f"{label} does not apply: {reason}" for label, reason in study.refusals.items()),
-        *study.reference.notes,
-        *study.notes,
-    ]
-    return "\n\n".join(text)
-
-
-def _row(study: SceneStudy, point: WorkPoint, names: Sequence[str]) -> list[str]:
-    wall = with_unit(point.wall_time, "s") if math.isfinite(point.wall_time) else "-"
-    spread = f"{with_unit(point.fastest, 's')} .. {with_unit(point.slowest, 's')}" if point.repeats > 1 else "-"
-    errors = [
-        "-" if name not in point.errors
-        else f"< {_shown(study.floor(point, name))}" if study.limited(point, name)
-        else _shown(point.errors[name])
-        for name in names
-    ]  # fmt: skip
-    reason = " ".join(point.failure.replace("|", "/").split())
-    remark = "" if not reason else f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"
-    return [
-        point.method.replace("|", "/"),
-        _numbers(point.stepper),
-        str(point.steps or "-"),
-        wall,
-        spread,
-        *errors,
-        remark,
-    ]
-
-
-def _numbers(stepper: str) -> str:
-    """The step or tolerance in the repr of a stepper."""
-    inner = stepper.partition("(")[2]
-    if "adaptive=AdaptiveStep(" in inner:
-        inner = inner.partition("adaptive=AdaptiveStep(")[2]
-    return inner.partition(",")[0].rstrip(")").replace("|", "/")
-
-
-def _shown(value: float) -> str:
-    return f"{value:.1e}" if math.isfinite(value) else "unknown"

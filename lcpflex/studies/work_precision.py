@@ -27,10 +27,25 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.bodies.body import whole_number
 from lcpflex.energy import EnergyGrowth
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.outputs import Output, chosen_outputs, error_between, is_nothing, resolution, standard_outputs
-from lcpflex.studies.reference import Reference, analytic_reference, converged_reference, series_reference
+from lcpflex.studies.equal_times import apart_at_equal_times, blur_at_equal_times
+from lcpflex.studies.outputs import (
+    Output,
+    chosen_outputs,
+    error_between,
+    has_scale,
+    resolution,
+    standard_outputs,
+    unscaled,
+)
+from lcpflex.studies.reference import (
+    Reference,
+    analytic_reference,
+    converged_reference,
+    series_reference,
+    with_witnesses,
+)
 from lcpflex.studies.standard_methods import standard_methods
-from lcpflex.studies.trial import Conditions, Trial, brief, run_series
+from lcpflex.studies.trial import Conditions, Trial, run_series
 from lcpflex.studies.work_points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
@@ -72,10 +87,12 @@ def work_precision(
     reference
         Exact values by output: a number, or a function of times (m,) that returns a row for each. Or a stepper, which
         is run, and run once more with twice the step or ten times the tolerances: the difference is the error of the
-        reference. Or None: the method that has converged best is refined once more.
+        reference. Or None: of the methods that most others confirm, the one that has converged best is refined once
+        more. Advice goes only as far as a method of another family of steppers agrees with a reference that was run.
     outputs
         By name functions of a :class:`Result` that return a number or an array with a row for each stored instant, or
-        :class:`Output`; or names of standard ones. By default trajectory, impulses, peak force and energy.
+        :class:`Output`; or names of standard ones. By default trajectory, impulses, peak force (without impacts only),
+        peak impulse and energy; ``"motion"`` is the trajectory without velocities.
     duration
         Time to simulate [s]; that of the case by default.
     repeats
@@ -208,20 +225,38 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
             break
     if reference is None:
         reference, interrupted = _found_reference(one, last, interrupted)
-    used = tuple(output for output in request.outputs if output.name in reference.measured)
-    known = {output.name for output in standard_outputs()}
-    used = (
-        tuple(  # what never was, as contact forces without contacts, cannot be relative to anything
-            output
-            for output in used
-            if output.name not in known or output.scale is not None or not is_nothing(reference.measured[output.name])
-        )
-        or used[:1]
-    )
-    points = tuple(
-        _point(label, method, one, used, reference, duration) for method, trials in series.items() for one in trials
-    )
-    return SceneStudy(label, duration, used, reference, points, tuple(notes), complete=not interrupted)
+    reference = with_witnesses(reference, one, last)
+    used, why = _used_outputs(request.outputs, reference, [t for trials in series.values() for t in trials])
+    points = tuple(_point(label, method, one, used, reference) for method, trials in series.items() for one in trials)
+    return SceneStudy(label, duration, used, reference, points, (*notes, *why), complete=not interrupted)
+
+
+def _used_outputs(
+    outputs: Sequence[Output], reference: Reference, trials: Sequence[Trial]
+) -> tuple[tuple[Output, ...], list[str]]:
+    """Those that have values in all runs and a scale that errors can be relative to; why the others are left out."""
+    used, notes = [], []
+    standard = {output.name for output in standard_outputs()}
+    for output in outputs:
+        target = reference.measured.get(output.name)
+        if target is None:
+            continue
+        measured = [target, *(one.measured[output.name] for one in trials if one.measured is not None)]
+        reason = next((one.undefined for one in measured if one.undefined), "")
+        if not reason and not has_scale(output, target):
+            if output.name in standard:  # such as impulses without contacts: nobody asked for them
+                continue
+            reason = f"{output.name}: 0 throughout, no error is relative to that; expected Output(..., scale=...)"
+        if reason:
+            notes.append(reason)
+            continue
+        used.append(output)
+        still = unscaled(output, target)
+        if still:
+            notes.append(f"{output.name}: {', '.join(still)[:200]} not compared, 0 throughout")
+    if not used:
+        raise ModelError(f"outputs: none can be compared. {'; '.join(notes)[:400]}")
+    return tuple(used), notes
 
 
 def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[], Any]:
@@ -310,27 +345,18 @@ def _found_reference(
         raise KeyboardInterrupt from error
 
 
-def _point(
-    scene: str, method: str, one: Trial, outputs: Sequence[Output], reference: Reference, duration: float
-) -> WorkPoint:
-    errors, unseen = {}, {}
-    if one.measured is not None:
-        errors = {
-            output.name: error_between(output, one.measured[output.name], reference.measured[output.name], duration)
-            for output in outputs
-        }
-        unseen = {output.name: _unseen(output, one, reference, duration) for output in outputs}
+def _point(scene: str, method: str, one: Trial, outputs: Sequence[Output], reference: Reference) -> WorkPoint:
+    errors, timing, unseen, late = {}, {}, {}, {}
+    runs = one.measured or {}
+    for output in outputs if runs else ():
+        name, measured, target = output.name, runs[output.name], reference.measured[output.name]
+        errors[name] = error_between(output, measured, target, one.duration)
+        timing[name] = apart_at_equal_times(output, measured, target)
+        thinned = measured.finite and one.thinned
+        unseen[name] = resolution(output, measured, one.duration, target) if thinned else 0.0
+        late[name] = blur_at_equal_times(output, measured) if thinned else 0.0
     return WorkPoint(
-        scene, method, brief(one.stepper), one.steps, one.wall_time,
+        scene, method, one.stepper, one.steps, one.wall_time,
         min(one.times, default=math.nan), max(one.times, default=math.nan), len(one.times),
-        errors, one.failure, one.refused, unseen,
+        errors, one.failure, one.refused, unseen, timing, late,
     )  # fmt: skip
-
-
-def _unseen(output: Output, one: Trial, reference: Reference, duration: float) -> float:
-    """What lies between the stored instants of a run; nothing where every step was stored, or for numbers."""
-    assert one.measured is not None
-    measured = one.measured[output.name]
-    if one.steps < len(measured.times) or not measured.finite:
-        return 0.0
-    return resolution(output, measured, duration, reference.measured[output.name])
