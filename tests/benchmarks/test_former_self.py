@@ -17,6 +17,7 @@ import pytest
 TREE = Path(__file__).parents[2]
 WORKER = Path(__file__).parent / "peers" / "former_self.py"
 SLOWER = 1.03  # what is allowed
+QUICKER = 10.0  # distances of graphs, against the library before they were sought in a tree
 
 
 class Worker:
@@ -67,3 +68,13 @@ def test_no_slower_than_the_former_self(
     former, now = contestants
     medians = interleave(contestants, rounds=21)
     assert medians[now] <= SLOWER * medians[former]
+
+
+@pytest.mark.parametrize("contestants", ["late_wave", "near_wave"], indirect=True)
+def test_distances_of_graphs_no_longer_take_seconds(
+    contestants: Mapping[str, Worker], interleave: Callable[..., Mapping[str, float]]
+) -> None:
+    """For a former library in which the nearest point was sought along the graph, as it was up to 891607a."""
+    former, now = contestants
+    medians = interleave(contestants, rounds=5)
+    assert QUICKER * medians[now] <= medians[former]
