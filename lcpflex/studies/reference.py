@@ -180,7 +180,7 @@ def series_reference(conditions: Conditions, series: Mapping[str, Sequence[Trial
         reasons = {label: next((t.failure for t in trials if t.failure), "") for label, trials in series.items()}
         told = "; ".join(f"{label}: {reason[:80]}" for label, reason in reasons.items() if reason)
         raise ModelError(
-            "reference: not given, and no method has two sound runs to compare; expected a reference"
+            "reference: not given, and no method has two sound runs to compare; expected a reference, or a longer limit"
             + (f" ({told[:300]})" if told else "")
         )
     first = conditions.outputs[0]

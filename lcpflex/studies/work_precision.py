@@ -96,7 +96,7 @@ def work_precision(
     duration
         Time to simulate [s]; that of the case by default.
     repeats
-        Timed runs; 0 takes the time of the first one.
+        Timed runs, fewer where they take longer than ``limit`` together; 0 takes the time of the first one.
     limit
         Wall time [s] of a run. Where the next one of a series is predicted to take longer, the series ends.
     instants

@@ -53,6 +53,7 @@ def chart(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     }
     for module in ("standard_methods", "work_precision"):  # the functions hide the modules of their names
         monkeypatch.setattr(sys.modules[f"lcpflex.studies.{module}"], "standard_methods", lambda duration: short)
+    monkeypatch.setattr(sys.modules["lcpflex.studies.work_precision"], "MOST", 2000)  # instants: quick
     parser = argparse.ArgumentParser()
     case = gallery.scenes()["stick_slip"]
     add_chart(parser.add_subparsers(), lambda text: (case.build(), case.duration, case.stepper))
