@@ -113,7 +113,7 @@ def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa:
     ax.set(xscale="log", yscale="log", ylim=(bottom, top * (top / bottom) ** 0.12))
     if measure.own > bottom:
         ax.axhspan(bottom, measure.own, color=LIMIT, zorder=0.5, linewidth=0.0)
-    if bottom < measure.reach < math.inf:
+    if max(bottom, measure.own) < measure.reach < math.inf:
         ax.axhline(measure.reach, color=DOUBT, linewidth=1.0, linestyle="--", zorder=1.0)
     ax.axhline(top, color="#999999", linewidth=0.8, zorder=1.0)
     sound = [p for p in study.points if _is_sound(p, measure) and math.isfinite(abscissa(p))]

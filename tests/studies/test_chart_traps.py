@@ -343,7 +343,8 @@ def test_flexible_and_multiple_contacts_are_advised_on_or_told_apart(name: str) 
     try:
         work = work_precision(case, limit=1.0, repeats=0, outputs=["motion"])
     except ModelError as refusal:  # on a slow machine, of steps as long as the limit asks for
-        assert "no method has two sound runs" in str(refusal)
+        if "no method has two sound runs" not in str(refusal):
+            raise
         return
     best = work.cheapest(1e-2)
     if best is None:
