@@ -43,10 +43,9 @@ def chart(work: WorkPrecision, output: str | None) -> Figure:
     count = len(work.studies)
     figure = Figure(figsize=(16.5, 0.2 + 4.0 * count), layout="constrained")
     rows = figure.subplots(count, 4, squeeze=False, width_ratios=(1.0, 1.0, 1.0, 0.72))
-    steppers = {p.method: p.stepper for study in work.studies for p in study.points if p.method in study.methods}
-    looks = looks_of(steppers)
     for study, axes in zip(work.studies, rows, strict=True):
         name = study.output(output)
+        looks = looks_of({p.method: p.stepper for p in study.points if p.method in study.methods})
         shape, timing = _shape(study, name), _timing(study, name)
         _panel(axes[0], study, shape, looks, _milliseconds)
         axes[0].set(xlabel="wall time [ms]", ylabel=f"error of {name}, relative")
@@ -108,6 +107,8 @@ def _range(study: SceneStudy, measure: _Measure) -> tuple[float, float]:
 
 
 def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa: Callable[[WorkPoint], float]) -> None:
+    from matplotlib.ticker import NullFormatter
+
     bottom, top = _range(study, measure)
     failures = top * (top / bottom) ** 0.06  # where the crosses are
     ax.set(xscale="log", yscale="log", ylim=(bottom, top * (top / bottom) ** 0.12))
@@ -128,6 +129,7 @@ def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa:
             failed, [failures] * len(failed), linestyle="none", marker="x", color=looks[label]["color"],
             markersize=7.0, markeredgewidth=1.8, zorder=3.0,
         )  # fmt: skip
+    ax.xaxis.set_minor_formatter(NullFormatter())  # several of them do not fit into a panel
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
     ax.text(
         0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
