@@ -62,7 +62,7 @@ def test_contact_history_of_a_bounce(bounce: Result) -> None:
 
 
 def test_unknown_contact_names_the_known_ones(bounce: Result) -> None:
-    with pytest.raises(ModelError, match=r"no contact 'flor'; expected one of 'floor'"):
+    with pytest.raises(ModelError, match=r"no contact 'flor', expected one of 'floor'"):
         bounce.contact("flor")
 
 
@@ -163,7 +163,7 @@ def test_point_on_an_outline_lies_between_its_neighbours(swing: Result) -> None:
 @pytest.mark.parametrize(
     ("body", "point", "words"),
     [
-        ("pendul", "right", "no body 'pendul'; expected one of 'pendulum', 'disc'"),
+        ("pendul", "right", "no body 'pendul', expected one of 'pendulum', 'disc'"),
         ("pendulum", "rigth", "has no point 'rigth'"),
         ("pendulum", (0.35, 0.5), "neither a named point nor on the outline"),
         ("disc", (math.nan, 0.0), "two finite numbers"),
