@@ -18,7 +18,9 @@ import numpy as np
 import lcpflex.solvers
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import TimeLimit, check_time_limit
+from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
 from lcpflex.solvers.own import TARGET, named_solvers, own_part, own_tolerance
 from lcpflex.solvers.problem import Solution, Status, check_limit, check_tolerance
 from lcpflex.solvers.records import version_of
@@ -341,11 +343,15 @@ def _same(problem: Any, a: FloatArray, b: FloatArray) -> bool:
 
 
 def _is_unique(problem: Any) -> bool:
-    """Whether all solutions share w: M is symmetric positive semidefinite."""
+    """Whether all solutions share w: M is symmetric positive semidefinite, that of the problem or that of its LCP."""
+    if isinstance(problem, MixedLcp | BoxedLcp) and is_symmetric(np.array(problem.M), problem.size):
+        return _semidefinite(problem.M)
     lcp = problem.lcp() if hasattr(problem, "lcp") else problem
-    if not lcp.symmetric:
-        return False
-    values = np.linalg.eigvalsh(lcp.M) if lcp.size else np.zeros(1)
+    return bool(lcp.symmetric) and _semidefinite(lcp.M)
+
+
+def _semidefinite(M: FloatArray) -> bool:
+    values = np.linalg.eigvalsh(M) if len(M) else np.zeros(1)
     return bool(values[0] >= -1e-12 * values[-1])
 
 

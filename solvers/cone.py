@@ -28,6 +28,7 @@ from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.polishing import equilibrium, polish
 from lcpflex.solvers.problem import (
     Lcp,
     PosedProblem,
@@ -37,7 +38,6 @@ from lcpflex.solvers.problem import (
     keep_tolerance,
 )
 from lcpflex.solvers.proofs import infeasibility
-from lcpflex.solvers.quadratic_program import equilibrium, polish
 from lcpflex.solvers.relaxation import ConvexContactProblem
 
 __all__ = ["ConvexFriction"]

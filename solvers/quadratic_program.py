@@ -6,59 +6,57 @@ With M symmetric and positive semidefinite, 0 <= z _|_ M z + q >= 0 is the optim
     min 1/2 |v|^2         subject to J v + q >= 0, where M = J J^T       (the velocity form: v = J^T z)
 
 z is the multiplier of the latter, which a backend delivers too; both optima add up to zero, |v|^2 + q.z = z.w = 0. The
-velocity form is posed where the factor J is known: its objective is the best conditioned there is.
+velocity form is posed where the factor J is known: its objective is the best conditioned there is. Boxed and mixed
+problems are the box form with other bounds, lower <= z <= upper, those of free unknowns infinite: they are posed as
+they are, not as the LCP that they can be brought to, which two bounds of an unknown make unsymmetric.
 
-Backends stop near 1e-8, some at 1e-4. What they find out reliably is which unknowns are positive: that set is read
-off, and the linear equations on it are solved, which gives full accuracy. Nothing is believed: the result passes the
-residual test of the complementarity problem, or is not called solved.
+Backends stop near 1e-8, some at 1e-4. What they find out reliably is which unknowns are between their bounds: that set
+is read off, and the linear equations on it are solved, which gives full accuracy. Nothing is believed: the result
+passes the residual test of the complementarity problem, or is not called solved.
 """
 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
-from lcpflex.solvers.clock import limited, out_of_time, remaining
-from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.certificate import is_symmetric
+from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
+from lcpflex.solvers.polishing import equilibrium, polish, shortest
 from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
-from lcpflex.solvers.proofs import Proof, infeasibility, nearly_infeasible
+from lcpflex.solvers.program_backends import Answer, Program
+from lcpflex.solvers.proofs import NEAR, Proof, infeasibility, nearly_infeasible
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 
-# Settings close to what the backend can reach in double precision; a backend that is not listed runs with its own.
-SETTINGS: dict[str, dict[str, Any]] = {
-    "clarabel": {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
-    "osqp": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000},
-    "proxqp": {"eps_abs": 1e-12, "eps_rel": 0.0, "max_iter": 1000},
-    "piqp": {"eps_abs": 1e-12, "eps_rel": 0.0},
-}
-# How a backend is told its limit of time; those that are not listed are asked only while there is time.
-TIME_LIMITS = {"clarabel": "time_limit", "osqp": "time_limit", "scs": "time_limit_secs", "highs": "time_limit"}
-DEFINITE_ONLY = ("quadprog",)  # backends that fail for a singular M, and are given a velocity form in any case
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
-FARTHEST = 1e8  # entry of a guess in scaled units, beyond which it is none
-POLISHING = 10  # corrections on the active set: one to three suffice when the backend came near
-EXACT = 1e-14  # w on the active set that is rounding, relative to the terms it is made of
-RANK = 1e-12  # eigenvalue of M_AA, relative to the largest, below which contacts are redundant
+UNSYMMETRIC = (
+    "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality condition; "
+    "use Lemke(), which takes any matrix"
+)
 
 
 @dataclass(frozen=True, slots=True)
 class QuadraticProgram:
-    """A quadratic-programming solver for frictionless contact (symmetric matrices).
+    """A quadratic-programming solver for frictionless contact (symmetric matrices), with bounds of every kind.
 
     backend: name of a solver known to qpsolvers and installed ("clarabel" and "osqp" come with lcpflex); tolerance:
     largest accepted residual [-]. The message of a solution states its duality gap. Raises ModelError for a backend
     that is not installed (the message lists those that are) and, in :meth:`solve`, for an unsymmetric matrix, such as
     that of Coulomb friction, which is not the gradient of any function; :class:`lcpflex.solvers.Lemke` solves those.
+
+    A :class:`BoxedLcp` or :class:`MixedLcp` whose M is symmetric and positive semidefinite is posed with its bounds as
+    they are; its ``certificate`` is in the unknowns of its ``exact_system``. Others are taken if what is left of them
+    without their free unknowns is a symmetric LCP.
     """
 
     backend: str = "clarabel"
@@ -74,54 +72,50 @@ class QuadraticProgram:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
-        lcp = problem if isinstance(problem, Lcp) else posed(problem).lcp()
-        if lcp.symmetric:
-            return ""
-        return (
-            "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality "
-            "condition; use Lemke(), which takes any matrix"
-        )
+        if isinstance(problem, Lcp):
+            return "" if problem.symmetric else UNSYMMETRIC
+        box = _box(problem)
+        reason = UNSYMMETRIC if box is None else _no_program(box)
+        return reason if reason and not _symmetric_without_free(problem, box) else ""
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem; a guess only starts those backends that can use one."""
-        if not isinstance(problem, Lcp):
+        box = problem if isinstance(problem, Lcp) else _box(problem)
+        if box is None:
             return posed(problem).solve_by(self, guess)
         check_guess(guess)
         if reason := self.refuses(problem):
             raise ModelError(reason)
-        if not problem.size or (problem.q >= 0.0).all():
-            return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route="q >= 0")
+        if isinstance(box, BoxedLcp) and _no_program(box):
+            return box.solve_by(self, guess)
+        rest = np.zeros(box.size) if isinstance(box, Lcp) else np.clip(np.zeros(box.size), box.lower, box.upper)
+        if (box.q >= 0.0).all() if isinstance(box, Lcp) else box.residual(rest) == 0.0:
+            return accept(box, rest, tolerance=self.tolerance, route="q >= 0" if isinstance(box, Lcp) else "at rest")
         with np.errstate(all="ignore"):  # what overflows is not finite, and is not called solved
-            return guarded(self.backend, problem, self.tolerance, lambda: self._solve(problem, guess))
+            return guarded(self.backend, box, self.tolerance, lambda: self._solve(_Scaled.of(box), guess))
 
-    def _solve(self, problem: Lcp, guess: Solution | None) -> Solution:
+    def _solve(self, form: _Scaled, guess: Solution | None) -> Solution:
         """The backend's point on the scaled problem, polished and judged."""
-        # In units in which each diagonal entry is 1: light and heavy bodies then look alike to the backend.
-        diagonal = np.abs(np.diag(problem.M))
-        scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-        M = (0.5 * problem.M + 0.5 * problem.M.T) * scale[:, None] * scale
-        load = float(np.abs(scale * problem.q).max())
-        q = scale * problem.q / load
-        if reason := _not_convex(M, q):
-            return self._judged(problem, np.zeros(len(q)), self.backend, 0, reason)
-        J = None if problem.factor is None else scale[:, None] * problem.factor
-        start = guess.z / (scale * load) if guess is not None and guess.z.shape == q.shape else None
-        best, residual, route, iterations, near = np.zeros(len(q)), math.inf, self.backend, 0, False
-        for form in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
-            if form is None and J is not None and out_of_time():
+        problem, program, J = form.problem, form.program, form.factor
+        if reason := _not_convex(program.M, program.q):
+            return self._judged(problem, form.outward(program.within(np.zeros(problem.size))), self.backend, 0, reason)
+        start = guess.z / form.unit if guess is not None and guess.z.shape == form.unit.shape else None
+        best, residual, route, iterations, near = np.zeros(problem.size), math.inf, self.backend, 0, False
+        for factor in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
+            if factor is None and J is not None and out_of_time():
                 break
-            answer = self._ask(M, q, form, _usable(start))
+            answer = program.ask(self.backend, factor, start)
             iterations += answer.iterations
-            for z, how in self._points(M, q, answer):
-                trial = scale * load * z
+            for z, how in _points(program, answer):
+                trial = form.outward(z)
                 if problem.residual(trial) < residual:
                     best, residual, route = trial, problem.residual(trial), self.backend + answer.form + how
                 if residual <= self.tolerance and how:
                     return self._judged(problem, best, route, iterations, answer.said)
-            for ray in self._rays(M, q, answer):
-                if nearly_infeasible(*problem.data, scale * ray):
+            for ray in self._rays(program, answer):
+                if form.nearly_proves(ray):
                     near = True
-                    proof = infeasibility(problem, scale * ray)
+                    proof = infeasibility(problem, form.farkas(ray))
                     if proof is not None:
                         return self._judged(problem, best, route, iterations, answer.said, proof)
         said = "; ".join(part for part in (answer.said, NEARLY * near) if part)
@@ -129,7 +123,7 @@ class QuadraticProgram:
 
     def _judged(
         self,
-        problem: Lcp,
+        problem: Lcp | BoxedLcp,
         z: FloatArray,
         route: str,
         iterations: int,
@@ -149,117 +143,148 @@ class QuadraticProgram:
             proof=proof,
         )
 
-    def _points(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[tuple[FloatArray, str]]:
-        """The backend's z, then solutions on the active sets that its z, and its z and w, show."""
-        if not np.isfinite(answer.z).all():
-            return
-        z = np.maximum(answer.z, 0.0)
-        yield z, ""
-        if out_of_time():
-            return
-        yield polish(M, q, z), ", active set"
-        if np.isfinite(answer.w).all():
-            yield polish(M, q, z, answer.w), ", active set"
+    def _rays(self, program: Program, answer: Answer) -> Iterator[FloatArray]:
+        """Directions u that may have M u = 0 and q.u < 0 and meet no bound: they prove that there is no solution.
 
-    def _rays(self, M: FloatArray, q: FloatArray, answer: _Answer) -> Iterator[FloatArray]:
-        """Directions u >= 0 that may have M u = 0 and q.u < 0, which proves that there is no solution.
-
-        The backend's own and the point that ran away, made exact as near-solutions of min 1/2 u.M u + 1/2 (q.u + 1)^2,
-        u >= 0; then what the backend finds for that program, which always has a solution, with the minimum 0 if there
-        is such a direction.
+        The backend's own and the point that ran away, made exact as near-solutions of the program of rays; then what
+        the backend finds for that program.
         """
-        if out_of_time():
+        if out_of_time() or not program.q.any():
             return
-        norm = float(q @ q)
-        extended, pull = M + np.outer(q, q) / norm, q / norm
+        rays = program.of_rays()
         for ray in (answer.ray, answer.z):
-            gain = -float(q @ np.maximum(ray, 0.0))
+            gain = -float(program.q @ rays.within(ray))
             if math.isfinite(gain) and gain > 0.0:
-                yield polish(extended, pull, np.maximum(ray, 0.0) * (norm / gain))
-        for ray, _ in self._points(extended, pull, self._ask(extended, pull, None, None)):
+                near = rays.within(ray) * (float(program.q @ program.q) / gain)
+                yield polish(rays.M, rays.q, near, None, rays.lower, rays.upper)
+        for ray, _ in _points(rays, rays.ask(self.backend, None, None)):
             yield ray
-
-    def _ask(self, M: FloatArray, q: FloatArray, J: FloatArray | None, start: FloatArray | None) -> _Answer:
-        """What the backend answers to the problem in its velocity form if J is known, else in its box form."""
-        import qpsolvers
-        import scipy.sparse
-
-        n = len(q)
-        if J is None and self.backend in DEFINITE_ONLY:
-            values, vectors = np.linalg.eigh(M)
-            J = vectors * np.sqrt(np.maximum(values, 0.0))
-        stored = scipy.sparse.csc_matrix if self.backend in qpsolvers.sparse_solvers else np.asarray
-        if J is None:
-            program = qpsolvers.Problem(stored(M), q, lb=np.zeros(n))
-        else:
-            k = J.shape[1]
-            program = qpsolvers.Problem(stored(np.eye(k)), np.zeros(k), stored(-J), q)
-            start = None if start is None else J.T @ start
-        settings = dict(SETTINGS.get(self.backend, {}))
-        if limited() and self.backend in TIME_LIMITS:
-            settings[TIME_LIMITS[self.backend]] = max(remaining(), 1e-6)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # "solution may be inaccurate": the residual tells how much
-            try:
-                found = qpsolvers.solve_problem(program, solver=self.backend, initvals=start, **settings)
-            except (KeyboardInterrupt, SystemExit):
-                raise
-            except BaseException as error:  # each backend has its own, a panic in Rust is no Exception
-                return _Answer.none(n, f"{self.backend}: {words_of(error)}")
-        extras = found.extras
-        info = extras.get("info", None)
-        said = extras.get("status", getattr(info, "status", "no solution found"))
-        said = "" if found.found else f"{self.backend}: {said}"
-        count = getattr(info, "iter", 0)
-        iterations = int(count) if isinstance(count, int) else 0
-        if J is None:
-            z, w = _vector(found.x, n), -_vector(found.z_box, n)
-            return _Answer(z, w, _vector(extras.get("dual_inf_cert"), n), iterations, said)
-        z, v = _vector(found.z, n), _vector(found.x, J.shape[1])
-        return _Answer(z, J @ v + q, _vector(extras.get("prim_inf_cert"), n), iterations, said, " (velocity form)")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Answer:
-    """What a backend delivers, NaN where it has nothing: z and w (n,), a ray (n,), and why it failed if it did."""
+class _Scaled:
+    """A problem in units in which each diagonal entry is 1: light and heavy bodies then look alike to the backend.
 
-    z: FloatArray
-    w: FloatArray
-    ray: FloatArray
-    iterations: int
-    said: str
-    form: str = ""
+    z = unit z' (n,), unit = scale times the load; factor (n, k): that of the scaled matrix, if it is known.
+    """
+
+    problem: Lcp | BoxedLcp
+    program: Program
+    scale: FloatArray
+    unit: FloatArray
+    factor: FloatArray | None
 
     @classmethod
-    def none(cls, n: int, said: str) -> _Answer:
-        """No point at all."""
-        nothing = np.full(n, math.nan)
-        return cls(nothing, nothing, nothing, 0, said)
+    def of(cls, problem: Lcp | BoxedLcp) -> _Scaled:
+        """The problem with the largest of its loads at 1: q, and the bounds that keep unknowns away from 0."""
+        n = problem.size
+        scale = _scale(problem.M)
+        M = (0.5 * problem.M + 0.5 * problem.M.T) * scale[:, None] * scale
+        load = float(np.abs(scale * problem.q).max())
+        J, lower, upper = None, np.zeros(n), np.full(n, np.inf)
+        if isinstance(problem, BoxedLcp):
+            rest = np.clip(np.zeros(n), problem.lower, problem.upper) / scale
+            load = max(load, float(np.abs(rest).max()))
+            lower, upper = problem.lower / (scale * load), problem.upper / (scale * load)
+        elif problem.factor is not None:
+            J = scale[:, None] * problem.factor
+        return cls(problem, Program(M, scale * problem.q / load, lower, upper), scale, scale * load, J)
+
+    def outward(self, z: FloatArray) -> FloatArray:
+        """The point in the units of the problem; on its bounds exactly where it is on them here."""
+        point = self.unit * z
+        if isinstance(self.problem, Lcp):
+            return point
+        lower, upper = self.problem.lower, self.problem.upper
+        point = np.where(z <= self.program.lower, lower, np.where(z >= self.program.upper, upper, point))
+        return np.clip(point, lower, upper)
+
+    def nearly_proves(self, ray: FloatArray) -> bool:
+        """Whether the direction (n,), scaled, is worth a look in fractions."""
+        u = self.scale * ray
+        if isinstance(self.problem, Lcp):
+            return nearly_infeasible(*self.problem.data, u)
+        length = float(np.abs(ray).max())
+        pushes = float(np.abs(self.program.M @ ray).max())
+        return bool(0.0 < length < np.inf and pushes <= NEAR * length and self.problem.q @ u < 0.0)
+
+    def farkas(self, ray: FloatArray) -> FloatArray:
+        """The direction as Farkas' vector: of an LCP itself, of a box in the unknowns of its exact system."""
+        u = self.scale * ray
+        if isinstance(self.problem, Lcp):
+            return u
+        below, above = np.isfinite(self.problem.lower), np.isfinite(self.problem.upper)
+        mirrored = np.where(above & ~below, -u, u)
+        return np.concatenate([mirrored[below | above], np.zeros((below & above).sum()), u[~(below | above)]])
 
 
-def duality_gap(problem: Lcp, z: npt.ArrayLike) -> float:
+def _points(program: Program, answer: Answer) -> Iterator[tuple[FloatArray, str]]:
+    """The backend's z, then solutions on the active sets that its z, and its z and w, show."""
+    if not np.isfinite(answer.z).all():
+        return
+    M, q, lower, upper = program.M, program.q, program.lower, program.upper
+    free = (lower == -np.inf) & (upper == np.inf)
+    z = program.within(answer.z)
+    yield z, ""
+    if out_of_time():
+        return
+    yield shortest(M, polish(M, q, z, None, lower, upper), free), ", active set"
+    if np.isfinite(answer.w).all():
+        yield shortest(M, polish(M, q, z, answer.w, lower, upper), free), ", active set"
+
+
+def duality_gap(problem: Lcp | BoxedLcp | MixedLcp, z: npt.ArrayLike) -> float:
     """What the optima of the two programs lack of adding up to zero, relative: |z.w| / (|z|.|M z| + |z|.|q|).
 
-    z (n,); dimensionless, 0 for a solution and for z = 0, inf for a z that holds NaN or inf. Raises ModelError if z has
-    another shape.
+    Of boxed problems (z - b).w instead of z.w, where b is the bound that w pushes against, 0 where there is none, and
+    |z| + |b| instead of |z|.
+    z (n,); dimensionless, 0 for a solution and for z = 0 of an LCP, inf for a z that holds NaN or inf. Raises
+    ModelError if z has another shape.
     """
     if not math.isfinite(problem.residual(z)):
         return math.inf
-    point = np.asarray(z, dtype=float)
+    point, box = np.asarray(z, dtype=float), _box(problem)
     with np.errstate(all="ignore"):
         force = problem.M @ point
-        size = float(np.abs(point) @ (np.abs(force) + np.abs(problem.q)))
-        gap = abs(float(point @ (force + problem.q)))
+        total = force + problem.q
+        bound = np.zeros(len(point))
+        if box is not None:
+            pushed = np.where(total > 0.0, box.lower, np.where(total < 0.0, box.upper, 0.0))
+            bound = np.where(np.isfinite(pushed), pushed, 0.0)
+        size = float((np.abs(point) + np.abs(bound)) @ (np.abs(force) + np.abs(problem.q)))
+        gap = abs(float((point - bound) @ total))
     if not (math.isfinite(size) and math.isfinite(gap)):
         return math.inf
     return gap / size if size > 0.0 else 0.0
 
 
-def _vector(value: Any, n: int) -> FloatArray:
-    """A backend's vector (n,) if it is one, else NaN."""
-    if value is None or np.size(value) != n:
-        return np.full(n, math.nan)
-    return np.array(value, dtype=float).reshape(n)
+def _box(problem: object) -> BoxedLcp | None:
+    """The bounds of a problem that has them."""
+    return problem.boxed if isinstance(problem, MixedLcp) else problem if isinstance(problem, BoxedLcp) else None
+
+
+def _symmetric_without_free(problem: PosedProblem, box: BoxedLcp | None) -> bool:
+    """Whether the LCP is a quadratic program though the problem is none: so are some without their free unknowns."""
+    if box is not None:
+        below, above = np.isfinite(box.lower), np.isfinite(box.upper)
+        if (below | above).all() or (below & above).any():
+            return False
+    return posed(problem).lcp().symmetric
+
+
+def _scale(M: FloatArray) -> FloatArray:
+    diagonal = np.abs(np.diag(M))
+    return np.asarray(1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0)))
+
+
+def _no_program(box: BoxedLcp) -> str:
+    """Why a box is no convex quadratic program as it is; empty if it is one."""
+    scale = _scale(box.M)
+    with np.errstate(all="ignore"):
+        M, q = box.M * scale[:, None] * scale, box.q * scale
+    if not is_symmetric(M, box.size):
+        return UNSYMMETRIC
+    return _not_convex(0.5 * M + 0.5 * M.T, q)
 
 
 def _not_convex(M: FloatArray, q: FloatArray) -> str:
@@ -271,68 +296,3 @@ def _not_convex(M: FloatArray, q: FloatArray) -> str:
     except np.linalg.LinAlgError:
         return "M is indefinite: its quadratic program is not convex, and no backend solves those; use Lemke()"
     return ""
-
-
-def _usable(start: FloatArray | None) -> FloatArray | None:
-    """The guess, unless a backend would lose its way from there."""
-    if start is None or not np.isfinite(start).all() or np.abs(start).max(initial=0.0) > FARTHEST:
-        return None
-    return start
-
-
-def polish(M: FloatArray, q: FloatArray, z: FloatArray, w: FloatArray | None = None) -> FloatArray:
-    """Solve on the active set z > w of a near-solution, for a few corrections of that set.
-
-    M (n, n), q (n,): symmetric positive semidefinite, with a diagonal near 1; z (n,) >= 0; w (n,): M z + q if left out.
-    Redundant contacts share their load as z does: the equations are solved with the least change of z.
-    """
-    best, least, solved = z, _violation(M, q, z), None
-    for _ in range(POLISHING):
-        active = np.flatnonzero(z > (M @ z + q if w is None else w))
-        if solved is not None and np.array_equal(active, solved):
-            break
-        z, w, solved = _yielding(M, q, equilibrium(M, q, z, active), active), None, active
-        violation = _violation(M, q, np.maximum(z, 0.0))
-        if violation < least:
-            best, least = np.maximum(z, 0.0), violation
-    return best
-
-
-def equilibrium(M: FloatArray, q: FloatArray, z: FloatArray, active: IntArray) -> FloatArray:
-    """w = 0 on the active set and z = 0 elsewhere, by the least change of z (n,)."""
-    trial = np.zeros_like(z)
-    trial[active] = z[active]
-    block = M[np.ix_(active, active)]
-    if not active.size or not np.isfinite(block).all():
-        return trial
-    values, vectors = np.linalg.eigh(block)
-    kept = values > RANK * values[-1]
-    inverse = vectors[:, kept] / values[kept]
-    for _ in range(2):  # the second pass takes out the rounding of the first
-        trial[active] -= inverse @ (vectors[:, kept].T @ (M @ trial + q)[active])
-    return trial
-
-
-def _yielding(M: FloatArray, q: FloatArray, z: FloatArray, active: IntArray) -> FloatArray:
-    """z, unless w = 0 contradicts itself on the active set: then further, until one unknown of it is zero.
-
-    What is left of w on A after least squares is a direction in which M_AA z stays and the objective falls.
-    """
-    rest = np.zeros_like(z)
-    rest[active] = (M @ z + q)[active]
-    if not np.abs(rest).max(initial=0.0) > EXACT * (1.0 + np.abs(z).sum()):
-        return z
-    falling = np.flatnonzero((rest > 0.0) & (z > 0.0))
-    if not falling.size:
-        return z
-    steps = z[falling] / rest[falling]
-    first = int(np.argmin(steps))
-    z = z - steps[first] * rest
-    z[falling[first]] = 0.0
-    return z
-
-
-def _violation(M: FloatArray, q: FloatArray, z: FloatArray) -> float:
-    """Largest entry of |min(z, w)|, inf if it is not a number."""
-    violation = float(np.abs(np.minimum(z, M @ z + q)).max())
-    return violation if math.isfinite(violation) else math.inf
