@@ -18,7 +18,6 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
-from lcpflex.simulate import _system as compiled_system
 from lcpflex.studies import Output, WorkPrecision
 from lcpflex.studies import work_precision as full_study
 
@@ -44,7 +43,7 @@ class Misses:
     seen: Callable[[], lf.Scene]
 
     def start(self, system: Any, duration: float, interval: float) -> Any:
-        other, _, _ = compiled_system(self.seen(), False, None, False)
+        other = self.seen().compiled().system()
         return lf.EventDriven(rtol=self.rtol, atol=0.1 * self.rtol).start(
             replace(other, functions=system.functions), duration, interval
         )
