@@ -50,6 +50,8 @@ NEARLY = (
     "nearly infeasible: a vector u fulfils M^T u <= 0 and q.u < 0 to rounding, but none is known that does so exactly"
 )
 
+ROUNDED = "numerical failure: {} has no solution, but its rounding may be the reason"
+
 # The same codes as plain integers, for kernels.
 SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3
 
@@ -304,7 +306,11 @@ def accept(
 
 
 def restored(problem: Problem, found: Solution, units: Units, tolerance: float) -> Solution:
-    """A solution of the same problem in other units, brought to those of ``problem`` and judged there."""
+    """A solution of the same problem in other units, brought to those of ``problem`` and judged there.
+
+    Other units round the numbers: that there is no solution must be proved once more, by the numbers of ``problem``.
+    """
+    unproved = ROUNDED.format("the problem in units in which its unknowns are alike")
     told = accept(
         problem,
         units.outward(found.z),
@@ -312,10 +318,11 @@ def restored(problem: Problem, found: Solution, units: Units, tolerance: float) 
         status=found.status,
         iterations=found.iterations,
         route=found.route,
-        message="" if found.settled else found.message,
+        message="" if found.solved else unproved if found.status in PROVED else found.message,
         active=found.active,
         certificate=None if found.certificate is None else found.certificate * units.d,
         solutions=tuple(units.outward(one) for one in found.solutions),
+        proof=exact_solution(problem)[0] if found.status is Status.NO_SOLUTION else None,
     )
     return replace(told, keys=found.keys)
 
@@ -375,7 +382,7 @@ def confirmed(problem: Problem, found: Solution) -> Solution:
         proof = exact_solution(problem)[0]
     if proof is not None and bool(proof.vector) == (found.status is Status.INFEASIBLE):
         return replace(found, proof=proof.vector)
-    message = "numerical failure: the LCP made of the problem has no solution, but its rounding may be the reason"
+    message = ROUNDED.format("the LCP made of the problem")
     return replace(found, status=Status.NUMERICAL_FAILURE, message=message, certificate=None, proof=())
 
 
