@@ -39,6 +39,7 @@ from lcpflex.solvers.proofs import NEAR, Proof, infeasibility, nearly_infeasible
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 
 NEGATIVE = 1e-8  # eigenvalue of the scaled matrix below which it is indefinite, and backends misbehave
+FAR = 1e6  # bound in scaled units that hardly any solution reaches
 UNSYMMETRIC = (
     "M is not symmetric (friction makes it so): no quadratic program has this problem as its optimality condition; "
     "use Lemke(), which takes any matrix"
@@ -96,20 +97,21 @@ class QuadraticProgram:
 
     def _solve(self, form: _Scaled, guess: Solution | None) -> Solution:
         """The backend's point on the scaled problem, polished and judged."""
-        problem, program, J = form.problem, form.program, form.factor
+        problem, program = form.problem, form.program
         if reason := _not_convex(program.M, program.q):
             return self._judged(problem, form.outward(program.within(np.zeros(problem.size))), self.backend, 0, reason)
         start = guess.z / form.unit if guess is not None and guess.z.shape == form.unit.shape else None
         best, residual, route, iterations, near = np.zeros(problem.size), math.inf, self.backend, 0, False
-        for factor in (None,) if J is None else (J, None):  # a factor need not be one of M to the last digit
-            if factor is None and J is not None and out_of_time():
+        for turn, (asked, factor) in enumerate(form.posings()):
+            if turn and out_of_time():
                 break
-            answer = program.ask(self.backend, factor, start)
+            answer = asked.ask(self.backend, factor, start)
             iterations += answer.iterations
             for z, how in _points(program, answer):
                 trial = form.outward(z)
-                if problem.residual(trial) < residual:
-                    best, residual, route = trial, problem.residual(trial), self.backend + answer.form + how
+                off = form.residual(trial)
+                if off < residual:
+                    best, residual, route = trial, off, self.backend + answer.form + how
                 if residual <= self.tolerance and how:
                     return self._judged(problem, best, route, iterations, answer.said)
             for ray in self._rays(program, answer):
@@ -189,6 +191,26 @@ class _Scaled:
         elif problem.factor is not None:
             J = scale[:, None] * problem.factor
         return cls(problem, Program(M, scale * problem.q / load, lower, upper), scale, scale * load, J)
+
+    def posings(self) -> list[tuple[Program, FloatArray | None]]:
+        """What to ask, in this order: by the factor if there is one, without bounds that are far away, as it is.
+
+        A factor need not be one of M to the last digit; far bounds spoil the accuracy of interior points.
+        """
+        full, (lower, upper) = self.program, (self.program.lower, self.program.upper)
+        asked: list[tuple[Program, FloatArray | None]] = [] if self.factor is None else [(full, self.factor)]
+        low, high = np.where(lower < -FAR, -np.inf, lower), np.where(upper > FAR, np.inf, upper)
+        if not (np.array_equal(low, lower) and np.array_equal(high, upper)):
+            asked.append((Program(full.M, full.q, low, high), None))
+        return [*asked, (full, None)]
+
+    def residual(self, z: FloatArray) -> float:
+        """That of the problem, measured by q and by those bounds alone on which z (n,) is, not by far ones."""
+        if isinstance(self.problem, Lcp):
+            return self.problem.residual(z)
+        M, q, lower, upper = self.problem.data
+        near = BoxedLcp(M, q, np.where(z == lower, lower, -np.inf), np.where(z == upper, upper, np.inf))
+        return max(self.problem.residual(z), near.residual(z)) if (q != 0.0).any() else self.problem.residual(z)
 
     def outward(self, z: FloatArray) -> FloatArray:
         """The point in the units of the problem; on its bounds exactly where it is on them here."""

@@ -85,6 +85,21 @@ class TestAnswers:
         assert solution.solved
         assert solution.z == pytest.approx([4 / 3, 7 / 3], rel=1e-13)
 
+    @pytest.mark.parametrize("wide", [1e9, 1e15])
+    def test_far_bounds_are_as_good_as_none(self, backend, wide):
+        for seed in (2, 33, 52, 71):
+            plain = random_box(seed)
+            lower, upper = np.maximum(plain.lower, -wide), np.minimum(plain.upper, wide)
+            found = QuadraticProgram(backend).solve(BoxedLcp(plain.M, plain.q, lower, upper))
+            assert found.solved
+            known = QuadraticProgram(backend).solve(plain)
+            assert found.w == pytest.approx(known.w, abs=1e-9 * np.abs(plain.q).max())
+
+    def test_far_bounds_that_are_reached(self, backend):
+        solution = QuadraticProgram(backend).solve(BoxedLcp([[1.0, 1.0], [1.0, 1.0]], [-1.0, 2.0], -1e9, 1e9))
+        assert solution.solved
+        assert solution.z[0] == 1e9 or solution.z[1] == -1e9
+
     @pytest.mark.parametrize(
         ("lower", "upper", "z"),
         [
