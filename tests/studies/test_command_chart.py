@@ -102,7 +102,7 @@ def test_a_series_of_ones_own_is_called_as_it_is(chart, mine, capsys, name) -> N
 WRONG = [
     (("--quantity", "colour"), "--quantity: 'colour'; expected file.py:name or one of trajectory"),
     (("--quantity", "{mine}:number"), "is 3.0; expected a function of a Result"),
-    (("--quantity", "{mine}:reech"), "has no function 'reech'; expected one of"),
+    (("--quantity", "{mine}:reech"), "has no function 'reech' (did you mean 'reach'?); expected one of"),
     (("--quantity", "absent.py:reach"), "--quantity: no file 'absent.py'"),
     (("--method", "colour"), "--method: 'colour'; expected file.py:name or one of Moreau-Jean"),
     (("--method", "{mine}:nothing"), "--method: "),
