@@ -14,7 +14,7 @@ import numpy as np
 from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.given import flag
 
-__all__ = ["at_least", "is_number", "keep_at_least", "keep_flag", "keep_number"]
+__all__ = ["at_least", "is_number", "keep_at_least", "keep_flag", "keep_number", "keep_number_or_none"]
 
 
 def is_number(value: Any) -> bool:
@@ -48,6 +48,12 @@ def keep_number(
     number = in_range(label or name, getattr(owner, name), low, high, open_ends=open_ends)
     object.__setattr__(owner, name, number)
     return number
+
+
+def keep_number_or_none(owner: Any, name: str, low: float, high: float, *, open_ends: bool = False) -> None:
+    """Keep attribute ``name`` of a frozen dataclass as a float, or as None; see :func:`keep_number`."""
+    if getattr(owner, name) is not None:
+        keep_number(owner, name, low, high, open_ends=open_ends)
 
 
 def keep_at_least(owner: Any, name: str, low: float, expected: str, *, open_end: bool = False) -> None:

@@ -98,6 +98,7 @@ class Compiled:
             functions=self.functions,
             contact_modes=tuple(contacts for _, contacts in self.layout.residual),
             calls=calls if self.callbacks else None,
+            size=self.size,
         )
 
 

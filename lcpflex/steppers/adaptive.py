@@ -25,8 +25,9 @@ from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
-from lcpflex.options import keep_at_least, keep_number
+from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.packed import pack
+from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape
 
@@ -83,14 +84,16 @@ class AdaptiveStep:
     Attributes
     ----------
     rtol, atol
-        Error of a step at most atol + rtol |y| in each coordinate and velocity y.
+        Error of a step at most atol + rtol |y| in each coordinate and velocity y. atol None: a hundredth of rtol times
+        what is usual in the scene, of lengths, angles and velocities each.
     shortest, longest
         Range of the step [s]. Steps at ``shortest`` are not controlled: it bounds the error in the time of an impact.
-        The longest is a hundredth of the duration by default.
+        The longest is a hundredth of the duration by default, the shortest 1e-9 of it or, where that is less, of the
+        time that the speed of the scene takes for its size (:mod:`lcpflex.steppers.scales`).
     velocity_threshold
         Normal velocity [m/s] up to which an approach is stopped instead of reflected (e_N = 0), so that an accumulation
-        of impacts ends. None: atol + rtol times the fastest approach of an impact so far. At least four times
-        what a contact gains in a step of length ``shortest`` in any case. A restitution of 0 is not affected.
+        of impacts ends. None: atol of a speed + rtol times the fastest approach of an impact so far. At least four
+        times what a contact gains in a step of length ``shortest`` in any case. A restitution of 0 is not affected.
 
     Raises
     ------
@@ -99,30 +102,33 @@ class AdaptiveStep:
     """
 
     rtol: float = 1e-6
-    atol: float = 1e-8
-    shortest: float = 1e-9
+    atol: float | None = None
+    shortest: float | None = None
     longest: float | None = None
     velocity_threshold: float | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "rtol", 0.0, 1.0)
-        keep_number(self, "atol", 0.0, math.inf, open_ends=True)
-        keep_number(self, "shortest", 0.0, math.inf, open_ends=True)
-        if self.velocity_threshold is not None:
-            keep_number(self, "velocity_threshold", 0.0, math.inf)
-        if self.longest is not None:
+        keep_number_or_none(self, "atol", 0.0, math.inf, open_ends=True)
+        keep_number_or_none(self, "shortest", 0.0, math.inf, open_ends=True)
+        keep_number_or_none(self, "velocity_threshold", 0.0, math.inf)
+        if self.longest is not None and self.shortest is not None:
             keep_at_least(self, "longest", self.shortest, f"at least shortest = {self.shortest!r} (seconds)")
+        elif self.longest is not None:
+            keep_at_least(self, "longest", 0.0, "a number > 0 (seconds)", open_end=True)
 
-    def limit(self, duration: float) -> float:
-        """The longest step [s] of a run over ``duration`` [s]."""
-        return max(self.shortest, PART * duration) if self.longest is None else self.longest
-
-    def limits(self, duration: float, interval: float) -> Limits:
+    def limits(self, system: System, duration: float, interval: float) -> Limits:
         """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         # never 0: an instant is stored once, however many steps from it are rejected
         apart = max(interval, 4.0 * math.ulp(duration))
         threshold = -1.0 if self.velocity_threshold is None else self.velocity_threshold
-        return Limits(duration, apart, self.rtol, self.atol, self.shortest, self.limit(duration), threshold)
+        scales = scales_of(system, duration)
+        atol = absolute_tolerance(self.atol, self.rtol, system, scales)
+        usual = ABSOLUTE * (self.rtol or USUAL)
+        near, slow = given_or(self.atol, usual * scales.length), given_or(self.atol, usual * scales.speed)
+        shortest = given_or(self.shortest, min(scales.shortest(duration), self.longest or math.inf))
+        longest = given_or(self.longest, max(shortest, PART * duration))
+        return Limits(duration, apart, self.rtol, atol, near, slow, shortest, longest, threshold)
 
 
 class Limits(NamedTuple):
@@ -131,7 +137,9 @@ class Limits(NamedTuple):
     duration: float
     interval: float
     rtol: float
-    atol: float
+    atol: FloatArray  # (2 ndof,)
+    near: float  # the same, of a length [m]
+    slow: float  # and of a speed [m/s]
     shortest: float
     longest: float
     velocity_threshold: float  # negative: from the tolerances
@@ -224,9 +232,10 @@ def put_back(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Ba
 def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -> float:
     """Largest difference of the two results over its tolerance; infinite where one is not finite."""
     worst = 0.0
-    for i in range(len(q)):
-        ratio = abs(q[i] - kept.long_q[i]) / (limits.atol + limits.rtol * max(abs(q[i]), abs(kept.q[i])))
-        rate = abs(u[i] - kept.long_u[i]) / (limits.atol + limits.rtol * max(abs(u[i]), abs(kept.u[i])))
+    n = len(q)
+    for i in range(n):
+        ratio = abs(q[i] - kept.long_q[i]) / (limits.atol[i] + limits.rtol * max(abs(q[i]), abs(kept.q[i])))
+        rate = abs(u[i] - kept.long_u[i]) / (limits.atol[n + i] + limits.rtol * max(abs(u[i]), abs(kept.u[i])))
         if not ratio + rate < math.inf:
             return math.inf
         worst = max(worst, max(ratio, rate))
@@ -247,7 +256,7 @@ def position_tolerance(limits: Limits, q: FloatArray) -> float:
     largest = 0.0
     for i in range(len(q)):
         largest = max(largest, abs(q[i]))
-    return limits.atol + limits.rtol * largest
+    return limits.near + limits.rtol * largest
 
 
 @kernel
@@ -288,7 +297,7 @@ def threshold(limits: Limits, clock: FloatArray) -> float:
     """Normal velocity up to which an approach is stopped [m/s]."""
     least = limits.velocity_threshold
     if least < 0.0:
-        least = limits.atol + limits.rtol * clock[FASTEST]
+        least = limits.slow + limits.rtol * clock[FASTEST]
     return max(least, SETTLE * clock[PULL])
 
 

@@ -18,7 +18,7 @@ from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError
 from lcpflex.linking import link
-from lcpflex.options import keep_at_least, keep_number
+from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.own import as_solver
@@ -73,6 +73,7 @@ from lcpflex.steppers.event_remarks import event_remarks, listed, shared_load
 from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.scales import GAP, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
 __all__ = ["EventDriven", "EventDrivenRun"]
@@ -86,20 +87,22 @@ class EventDrivenRun:
         self.records = Records(system)
         self.duration = duration
         self._events: list[tuple[float, str, int, float]] = []
+        scales = scales_of(system, duration)
+        slow = given_or(stepper.velocity_threshold, 1e-6 * scales.speed)
         settings = EventSettings(
             duration,
             interval,
             stepper.rtol,
-            stepper.atol,
+            absolute_tolerance(stepper.atol, stepper.rtol, system, scales, system.n_laws),
             stepper.max_step,
-            stepper.gap_tolerance,
-            stepper.velocity_threshold,
+            given_or(stepper.gap_tolerance, GAP * scales.length),
+            slow,
             stepper.solver_tolerance,
             stepper.impact.code,
             stepper.impact.sequential,
             WINDOW / stepper.most_events,
             system.margin,
-            SLIP_PART * stepper.velocity_threshold,
+            SLIP_PART * slow,
             math.inf,
         )
         self._thresholds = Thresholds(settings)
@@ -289,16 +292,19 @@ class EventDriven:
     Attributes
     ----------
     rtol, atol
-        Tolerances of a step: root mean square of error / (atol + rtol |y|) over q and u at most 1.
+        Tolerances of a step: root mean square of error / (atol + rtol |y|) over q and u at most 1. atol None: a
+        hundredth of rtol times what is usual in the scene, of lengths, angles and velocities each.
     max_step
         Longest step [s].
     first_step
         First step [s]; chosen if omitted.
     gap_tolerance
         Gaps up to this count as closed at an event, deeper penetration of an open pair as an event [m].
+        None: 1e-9 of the size of the scene (extent of the largest body).
     velocity_threshold
         Slower approach than this [m/s] is stopped instead of reflected (e_N = 0), which ends the infinitely many
-        impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick.
+        impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick. None: 1e-6 of the
+        speed of the scene, the larger of sqrt(gravity size) / pi and the fastest initial speed of a body.
     impact
         :class:`Newton`, :class:`Poisson` or :class:`Energetic`: the meaning of the restitution of the contacts.
     most_events
@@ -318,19 +324,21 @@ class EventDriven:
     """
 
     rtol: float = 1e-8
-    atol: float = 1e-10
+    atol: float | None = None
     max_step: float = math.inf
     first_step: float | None = None
-    gap_tolerance: float = 1e-9
-    velocity_threshold: float = 1e-6
+    gap_tolerance: float | None = None
+    velocity_threshold: float | None = None
     impact: ImpactLaw = field(default_factory=Newton)
     most_events: float = 1e5
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        for name in ("rtol", "atol", "gap_tolerance", "velocity_threshold", "most_events", "solver_tolerance"):
+        for name in ("rtol", "most_events", "solver_tolerance"):
             keep_number(self, name, 0.0, math.inf, open_ends=True)
+        for name in ("atol", "gap_tolerance", "velocity_threshold"):
+            keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
         keep_at_least(self, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)
         if self.first_step is not None:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)

@@ -160,7 +160,7 @@ def first_closing(
             interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high - back, memory.at)
             refresh(model, memory.at[:ndof], memory.seen, i)
             fall = memory.seen.gap[i] - f_high
-            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-15
+            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-6 * settings.gap_tolerance
         if closing:
             first = min(first, locate_gap(model, settings, memory, memory.seen, i, low, high, f_low, f_high))
         elif f_high < -settings.gap_tolerance:

@@ -43,7 +43,7 @@ class EventSettings(NamedTuple):
     duration: float
     interval: float
     rtol: float
-    atol: float
+    atol: FloatArray  # (ny,)
     max_step: float
     gap_tolerance: float
     velocity_threshold: float

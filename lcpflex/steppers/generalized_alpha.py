@@ -32,7 +32,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
-from lcpflex.options import keep_number
+from lcpflex.options import keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
@@ -63,6 +63,7 @@ from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.scales import GAP, Scales, given_or, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import (
@@ -236,8 +237,11 @@ class GeneralizedAlpha:
         such modes out at once. What that takes is part of ``energies.damping``.
     gap_tolerance
         Gaps up to this count as closed [m], > 0: positions are met to rounding.
+        None: 1e-9 of the size of the scene (extent of the largest body).
     velocity_threshold
         A closed contact with a slower normal velocity [m/s] is at rest, one with a slower slip may stick.
+        None: 1e-8 of the speed of the scene, the larger of sqrt(gravity size) / pi and the fastest initial speed of
+        a body.
     adaptive
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
@@ -254,8 +258,8 @@ class GeneralizedAlpha:
 
     step: float
     rho_inf: float = 0.8
-    gap_tolerance: float = 1e-9
-    velocity_threshold: float = 1e-8
+    gap_tolerance: float | None = None
+    velocity_threshold: float | None = None
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
@@ -263,14 +267,15 @@ class GeneralizedAlpha:
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)
         keep_number(self, "rho_inf", 0.0, 1.0)
-        for name in ("gap_tolerance", "velocity_threshold", "solver_tolerance"):
-            keep_number(self, name, 0.0, math.inf, open_ends=True)
+        for name in ("gap_tolerance", "velocity_threshold"):
+            keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
+        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
         as_solver(self.solver)
 
-    def settings(self) -> AlphaSettings:
-        """The numbers that compiled loops need."""
+    def settings(self, scales: Scales) -> AlphaSettings:
+        """The numbers that compiled loops need, in a scene of such scales."""
         alpha_m = (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
         alpha_f = self.rho_inf / (self.rho_inf + 1.0)
         gamma = 0.5 + alpha_f - alpha_m
@@ -281,8 +286,8 @@ class GeneralizedAlpha:
             alpha_f,
             gamma,
             beta,
-            self.gap_tolerance,
-            self.velocity_threshold,
+            given_or(self.gap_tolerance, GAP * scales.length),
+            given_or(self.velocity_threshold, 1e-8 * scales.speed),
             self.solver_tolerance,
             0.0,
             0.0,
@@ -291,7 +296,8 @@ class GeneralizedAlpha:
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         refuse_laws(system, "GeneralizedAlpha", "its implicit steps have no derivatives of such laws")
+        settings = self.settings(scales_of(system, duration))
         if self.adaptive is None:
-            return FixedRun(GeneralizedAlphaScheme(system, self.settings(), self.solver), duration, interval)
-        limits = self.adaptive.limits(duration, interval)
-        return AdaptiveRun(ControlledGeneralizedAlpha(system, self.settings(), limits, self.solver), limits)
+            return FixedRun(GeneralizedAlphaScheme(system, settings, self.solver), duration, interval)
+        limits = self.adaptive.limits(system, duration, interval)
+        return AdaptiveRun(ControlledGeneralizedAlpha(system, settings, limits, self.solver), limits)

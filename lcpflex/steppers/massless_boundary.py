@@ -42,7 +42,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
-from lcpflex.options import keep_flag, keep_number
+from lcpflex.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
@@ -75,6 +75,7 @@ from lcpflex.steppers.massless_step import (
 from lcpflex.steppers.moreau_jean_step import grown
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.scales import GAP, given_or
 from lcpflex.steppers.step_error import Sampling, half_steps
 from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -111,7 +112,8 @@ class MasslessBoundaryScheme:
         self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step
         give = expected_compliance(self._system, self._compliance)
-        self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0)
+        gap = given_or(stepper.gap_tolerance, GAP * system.size)
+        self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0, gap)
         self.work.span[:] = 0.5 * self._settings.step  # loads by their mean about the end of a step
         self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
@@ -256,6 +258,7 @@ class MasslessBoundary:
         that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in it.
     gap_tolerance
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
+        None: 1e-9 of the size of the scene (extent of the largest body).
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
         see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
@@ -277,7 +280,7 @@ class MasslessBoundary:
     dynamic_modes: int | None = None
     substeps: bool = True
     safety: float = 0.3
-    gap_tolerance: float = 1e-9
+    gap_tolerance: float | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
     compliance: Mapping[str, ElasticLaw] = field(default_factory=dict, hash=False)
@@ -290,7 +293,7 @@ class MasslessBoundary:
             object.__setattr__(self, "dynamic_modes", whole_number("dynamic_modes", self.dynamic_modes, 0))
         keep_flag(self, "substeps")
         keep_number(self, "safety", 1e-3, 1.0)
-        keep_number(self, "gap_tolerance", 0.0, math.inf)
+        keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         object.__setattr__(self, "compliance", checked_compliance(self.compliance))
         as_solver(self.solver)
@@ -363,9 +366,9 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
 
 
 def _settings(
-    model: Model, flexibility: FloatArray, give: FloatArray, stepper: MasslessBoundary, longest: float
+    model: Model, flexibility: FloatArray, give: FloatArray, stepper: MasslessBoundary, longest: float, gap: float
 ) -> Settings:
-    """The numbers of the loop; ``longest``: the step where nothing else limits it."""
+    """The numbers of the loop; ``longest``: the step where nothing else limits it; ``gap``: the tolerance of gaps."""
     spring, damper = spring_rates(model, flexibility)
     static = flexibility[np.concatenate([np.arange(a + 3, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
     highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
@@ -382,7 +385,7 @@ def _settings(
         safety=stepper.safety,
         parts=float(min(max(1, math.ceil(parts)), MOST_PARTS)) if stepper.substeps else 1.0,
         most_parts=MOST_PARTS if stepper.substeps else 1.0,
-        gap_tolerance=stepper.gap_tolerance,
+        gap_tolerance=gap,
         tolerance=stepper.solver_tolerance,
         spring=spring,
         damper=damper,

@@ -25,7 +25,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.linking import link
 from lcpflex.model import Model
-from lcpflex.options import keep_flag, keep_number
+from lcpflex.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
@@ -36,6 +36,7 @@ from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.scales import GAP, Scales, given_or, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
@@ -196,7 +197,7 @@ class MoreauJean:
     activation
         A pair enters the problem of a step if its gap at q + activation h u is closed; 0 uses the present gap.
     gap_tolerance
-        Gaps up to this count as closed [m].
+        Gaps up to this count as closed [m]. None: 1e-9 of the size of the scene (extent of the largest body).
     projection
         Take the drift out of contacts that stay closed, after each step. Joints are always projected.
     adaptive
@@ -214,7 +215,7 @@ class MoreauJean:
     step: float
     theta: float = 0.5
     activation: float = 0.5
-    gap_tolerance: float = 1e-9
+    gap_tolerance: float | None = None
     projection: bool = True
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
@@ -224,27 +225,27 @@ class MoreauJean:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)
         keep_number(self, "theta", 0.5, 1.0)
         keep_number(self, "activation", 0.0, 1.0)
-        keep_number(self, "gap_tolerance", 0.0, math.inf)
+        keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
         keep_flag(self, "projection")
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
             raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
         as_solver(self.solver)
 
-    def settings(self) -> Settings:
-        """The numbers that compiled loops need."""
-        return Settings(
-            self.step, self.theta, self.activation, self.gap_tolerance, self.projection, self.solver_tolerance, 0.0
-        )
+    def settings(self, scales: Scales) -> Settings:
+        """The numbers that compiled loops need, in a scene of such scales."""
+        gap = given_or(self.gap_tolerance, GAP * scales.length)
+        return Settings(self.step, self.theta, self.activation, gap, self.projection, self.solver_tolerance, 0.0)
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         refuse_states(system)
         run: FixedRun | AdaptiveRun
+        settings = self.settings(scales_of(system, duration))
         if self.adaptive is None:
-            run = FixedRun(MoreauJeanScheme(system, self.settings(), self.solver), duration, interval)
+            run = FixedRun(MoreauJeanScheme(system, settings, self.solver), duration, interval)
         else:
-            limits = self.adaptive.limits(duration, interval)
-            run = AdaptiveRun(ControlledMoreauJean(system, self.settings(), limits, self.solver), limits)
+            limits = self.adaptive.limits(system, duration, interval)
+            run = AdaptiveRun(ControlledMoreauJean(system, settings, limits, self.solver), limits)
         run = with_laws(run, system)
         return run

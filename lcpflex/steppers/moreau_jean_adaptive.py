@@ -85,6 +85,8 @@ def advance_adaptive(
         for part in range(3):
             if alone and part > 0:
                 break
+            if part < 2:
+                work.stopped[0] = clock[STOPPED]  # what a trial has stopped counts for nothing
             length = h if alone or part == 0 else 0.5 * h
             now = t + length if part == 2 else t
             trial = not alone and part == 0

@@ -59,7 +59,7 @@ class Pace:
 def stopped_note(limits: Limits, clock: FloatArray) -> list[str]:
     """That approaches were stopped instead of reflected, where that was so."""
     given = limits.velocity_threshold
-    threshold = given if given >= 0.0 else limits.atol + limits.rtol * float(clock[FASTEST])
+    threshold = given if given >= 0.0 else limits.slow + limits.rtol * float(clock[FASTEST])
     if not clock[STOPPED] > NOTICED * threshold:
         return []
     how = f"{given:g} m/s" if given >= 0.0 else "that follows from the tolerances"

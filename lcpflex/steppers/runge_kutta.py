@@ -76,14 +76,16 @@ def interpolate(y: FloatArray, slopes: FloatArray, h: float, share: float, out: 
 
 
 @kernel
-def error_norm(y: FloatArray, end: FloatArray, slopes: FloatArray, h: float, n: int, rtol: float, atol: float) -> float:
+def error_norm(
+    y: FloatArray, end: FloatArray, slopes: FloatArray, h: float, n: int, rtol: float, atol: FloatArray
+) -> float:
     """Root mean square of error / (atol + rtol |y|) over the first n components; NaN where not finite."""
     total = 0.0
     for i in range(n):
         error = 0.0
         for j in range(STAGES):
             error += E[j] * slopes[j, i]
-        ratio = h * error / (atol + rtol * max(abs(y[i]), abs(end[i])))
+        ratio = h * error / (atol[i] + rtol * max(abs(y[i]), abs(end[i])))
         total += ratio * ratio
     return math.sqrt(total / max(n, 1))
 

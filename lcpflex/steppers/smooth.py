@@ -14,12 +14,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.errors import ModelError
-from lcpflex.options import keep_at_least, keep_number
+from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.own_laws import with_own_laws
+from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.smooth_explicit import SmoothSettings
 from lcpflex.steppers.smooth_run import FixedRun, SmoothRun
 from lcpflex.steppers.system import System
@@ -34,7 +37,8 @@ class ExplicitRungeKutta:
     Attributes
     ----------
     rtol, atol
-        Tolerances of a step: root mean square of error / (atol + rtol |y|) over q and u at most 1.
+        Tolerances of a step: root mean square of error / (atol + rtol |y|) over q and u at most 1. atol None: a
+        hundredth of rtol times what is usual in the scene, of lengths, angles and velocities each.
     max_step
         Longest step [s].
     first_step
@@ -47,7 +51,7 @@ class ExplicitRungeKutta:
     """
 
     rtol: float = 1e-8
-    atol: float = 1e-10
+    atol: float | None = None
     max_step: float = math.inf
     first_step: float | None = None
 
@@ -66,7 +70,7 @@ class Stiff:
     Attributes
     ----------
     rtol, atol
-        Tolerances on q and u, as the integrator takes them.
+        Tolerances on q and u, as the integrator takes them; atol None: see :class:`ExplicitRungeKutta`.
     max_step
         Longest step [s].
     method
@@ -79,7 +83,7 @@ class Stiff:
     """
 
     rtol: float = 1e-6
-    atol: float = 1e-8
+    atol: float | None = None
     max_step: float = math.inf
     method: type[Any] | None = None
 
@@ -176,10 +180,14 @@ class Smooth:
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))
-            settings = SmoothSettings(duration, interval, 0.0, 0.0, integrator.step, system.margin, stride)
+            none = np.zeros(2 * len(system.q))  # tolerances of a step that nothing controls
+            settings = SmoothSettings(duration, interval, 0.0, none, 0.0, integrator.step, system.margin, stride)
             return FixedRun(system, laws, settings)
+        scales = scales_of(system, duration)
+        atol = absolute_tolerance(integrator.atol, integrator.rtol, system, scales)
+        of_state = given_or(integrator.atol, ABSOLUTE * integrator.rtol * scales.length)
         settings = SmoothSettings(
-            duration, interval, integrator.rtol, integrator.atol, integrator.max_step, system.margin, 1
+            duration, interval, integrator.rtol, atol, of_state, integrator.max_step, system.margin, 1
         )
         if isinstance(integrator, Stiff):
             from scipy.integrate import Radau
@@ -215,5 +223,5 @@ class Smooth:
 def _keep_tolerances(integrator: ExplicitRungeKutta | Stiff) -> None:
     """Keep them as floats; raise ModelError where one is out of its range."""
     keep_number(integrator, "rtol", 0.0, math.inf, open_ends=True)
-    keep_number(integrator, "atol", 0.0, math.inf, open_ends=True)
+    keep_number_or_none(integrator, "atol", 0.0, math.inf, open_ends=True)
     keep_at_least(integrator, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)

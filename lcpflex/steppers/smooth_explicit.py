@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import kernel
+from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_memory import pair_place
@@ -86,7 +86,8 @@ class SmoothSettings(NamedTuple):
     duration: float
     interval: float
     rtol: float
-    atol: float
+    atol: FloatArray  # (2 ndof,)
+    state_atol: float  # of states of friction
     max_step: float
     margin: float  # pairs farther apart are not looked at [m]
     stride: int  # steps of fixed length between stored instants
@@ -130,7 +131,7 @@ def bristle_error(settings: SmoothSettings, h: float, memory: SmoothMemory) -> f
         error = 0.0
         for j in range(STAGES):
             error += E[j] * memory.slopes[j, i]
-        scale = settings.atol + settings.rtol * max(abs(memory.y[i]), abs(memory.end[i]))
+        scale = settings.state_atol + settings.rtol * max(abs(memory.y[i]), abs(memory.end[i]))
         largest = max(largest, abs(h * error) / scale)
     return largest
 

@@ -16,6 +16,7 @@ from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.instants import time_left
 from lcpflex.linking import link
+from lcpflex.steppers.scales import scales_of, usual_state
 from lcpflex.steppers.smooth_explicit import (
     ALL_OF_IT,
     HALVINGS,
@@ -37,7 +38,7 @@ DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobia
 ENTRY = 1e-3  # of a step: the most that a restarted one begins behind the beginning of a contact
 # error of an accepted step over its tolerance: SciPy tells none; of Radau's method it controls a result of order 3
 ACCEPTED = {Radau: 0.01, BDF: 0.3}
-LEAST = 1e-2  # magnitude below which it is no longer relative
+LEAST = 1e-2  # of what is usual: magnitude below which it is no longer relative
 Dense = Callable[[float], npt.NDArray[np.float64]]
 
 
@@ -51,6 +52,9 @@ class StiffRun(SmoothRun):
         self._slope, self._horizon, self._record, self._project, self._begun, self._take_note = (
             link(kernel, system.hooks) for kernel in kernels
         )
+        scales = scales_of(system, self.duration)
+        self._least = np.full(len(self._memory.y), LEAST * scales.length)
+        self._least[: 2 * len(system.q)] = LEAST * usual_state(system, scales)
         self._stop = self.duration
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
@@ -86,7 +90,7 @@ class StiffRun(SmoothRun):
         ny, n = len(self._memory.y), 2 * len(self.system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
-        atol[int(self._memory.states[0]) :] = self._settings.atol
+        atol[int(self._memory.states[0]) :] = self._settings.state_atol
         self._ode = self._method(
             self._rate,
             self.time,
@@ -119,7 +123,7 @@ class StiffRun(SmoothRun):
         out = np.zeros((len(y), len(y)))
         for i in (*range(2 * n), *range(states, len(y))):
             moved = y.copy()
-            moved[i] += math.copysign(DIFFERENCE * max(abs(y[i]), LEAST), base[i])
+            moved[i] += math.copysign(DIFFERENCE * max(abs(y[i]), self._least[i]), base[i])
             out[:, i] = (self._rate(t, moved) - base) / (moved[i] - y[i])
         return out
 
@@ -172,8 +176,8 @@ class StiffRun(SmoothRun):
         """
         memory = self._memory
         n = len(self.system.q)
-        fastest = np.abs(memory.y[n : 2 * n]).max()
-        h = min(longest, self._settings.atol / fastest) if fastest > 0.0 else longest
+        moving = memory.y[n : 2 * n] != 0.0
+        h = min(longest, *(self._settings.atol[:n][moving] / np.abs(memory.y[n : 2 * n][moving])).tolist())
         inside = memory.y + h * self._rate(self.time, memory.y)
         memory.y[:] += h * self._rate(self.time + h, inside)
         memory.clock[TIME] += h
@@ -277,9 +281,8 @@ class StiffRun(SmoothRun):
         )
         worst = self.records.tape.worst
         worst[2] = max(worst[2], drift)
-        off = np.abs(moved[: 2 * n] - memory.y[: 2 * n]).max()
-        tolerance = self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()
-        if off <= tolerance:
+        off = np.abs(moved[: 2 * n] - memory.y[: 2 * n])
+        if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()):
             return False
         memory.y[:] = moved
         return True

@@ -49,6 +49,7 @@ class System:
     probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
     contact_modes: tuple[int, ...] = ()  # of each body: how many of its last modes are residual ones of contacts
     calls: Calls | None = None  # of Python functions of time, where there are any
+    size: float = 0.0  # extent of the largest body [m]; 0 where bodies are unknown
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "model", pack(self.model))

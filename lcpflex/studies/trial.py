@@ -232,7 +232,9 @@ def refined(stepper: Any, factor: float) -> Any:
 
 
 def _divided(owner: Any, names: Sequence[str], factor: float) -> Any:
-    values = {name: getattr(owner, name) / factor for name in names if hasattr(owner, name)}
+    # what follows the scene, or rtol with it, is None
+    given = {name: getattr(owner, name, None) for name in names}
+    values = {name: value / factor for name, value in given.items() if value is not None}
     return replace(owner, **{name: min(value, 1.0) for name, value in values.items() if math.isfinite(value)})
 
 

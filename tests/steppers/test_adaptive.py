@@ -105,10 +105,15 @@ def test_steps_that_are_as_short_as_allowed_are_reported() -> None:
     assert any("as short as allowed" in warning for warning in result.warnings)
 
 
-@pytest.mark.parametrize(("name", "value"), [("rtol", -1.0), ("atol", 0.0), ("shortest", math.nan), ("longest", 1e-12)])
+@pytest.mark.parametrize(("name", "value"), [("rtol", -1.0), ("atol", 0.0), ("shortest", math.nan), ("longest", 0.0)])
 def test_refuses_numbers_out_of_range(name: str, value: float) -> None:
     with pytest.raises(lf.ModelError, match=name):
         AdaptiveStep(**{name: value})
+
+
+def test_refuses_a_longest_step_below_the_shortest() -> None:
+    with pytest.raises(lf.ModelError, match="longest"):
+        AdaptiveStep(shortest=1e-9, longest=1e-12)
 
 
 def test_refuses_another_object() -> None:

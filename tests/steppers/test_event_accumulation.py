@@ -68,7 +68,7 @@ def test_chain_with_clearances(friction: float) -> None:
     (said,) = of_the_run(result)
     assert "does not set the rebound" in said
     assert result.energies.relative_remainder < 1e-6
-    stepped = lf.simulate(scene, 8e-3, lf.MoreauJean(step=2e-7), record=1e-4)
+    stepped = lf.simulate(scene, 8e-3, lf.MoreauJean(step=2e-7, gap_tolerance=1e-9), record=1e-4)
     rigid = [0, 1, 2, 5, 6, 7]
     moved = np.abs(stepped.q[-1, rigid] - stepped.q[0, rigid]).max()
     assert np.abs(result.q[-1, rigid] - stepped.q[-1, rigid]).max() < 5e-4 * moved
@@ -91,14 +91,14 @@ def test_ten_links_go_on_with_a_word_where_they_rattle_too_fast(modes: int, told
     assert "events accumulated faster than 100000 a second (most_events)" in said
     assert "'joint1'" in said
     stopped = float(said.split("approach slower than ")[1].split(" m/s")[0])
-    assert 1e-5 <= stopped <= 1e-2 * fastest
+    assert 0.99e-5 * math.sqrt(9.81 * 0.1) / math.pi <= stopped <= 1e-2 * fastest  # ten thresholds
 
 
 def test_thresholds_return_and_say_what_they_were() -> None:
     """A ball of e = 0.99 on a run that may see 500 events a second: it comes to rest a little earlier, and says so."""
     scene = gallery.bouncing_ball(height=2e-4, restitution=0.99)
-    exact = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.01)
-    sooner = lf.simulate(scene, 2.0, lf.EventDriven(most_events=500.0), record=0.01)
+    exact = lf.simulate(scene, 2.0, lf.EventDriven(velocity_threshold=1e-6), record=0.01)
+    sooner = lf.simulate(scene, 2.0, lf.EventDriven(velocity_threshold=1e-6, most_events=500.0), record=0.01)
     assert not of_the_run(exact)
     (said,) = of_the_run(sooner)
     assert "approach slower than 1e-05 m/s was stopped" in said

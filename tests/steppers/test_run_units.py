@@ -1,62 +1,155 @@
-"""The same scene in other units of mass and length gives the same run, under every stepper."""
+"""The same scene in other units, or a similar one of another size, gives the same run under every stepper.
+
+Nothing is set but steps: tolerances follow the scene.
+"""
+
+import math
 
 import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.steppers.scales import scales_of
 
-UNITS = {"tonnes, mm": (1e-3, 1e3), "grams, cm": (1e3, 1e2), "dust": (1e-15, 1.0), "planets": (1e15, 1.0)}
-STEPPERS = {  # tolerances of lengths follow the unit of length
-    "Moreau-Jean": lambda m: lf.MoreauJean(1e-3, gap_tolerance=1e-9 * m),
-    "generalised-alpha": lambda m: lf.GeneralizedAlpha(1e-3, gap_tolerance=1e-9 * m, velocity_threshold=1e-8 * m),
-    "event-driven": lambda m: lf.EventDriven(
-        rtol=1e-10, atol=1e-12 * min(m, 1.0), gap_tolerance=1e-9 * m, velocity_threshold=1e-6 * m
-    ),
+UNITS = {  # values of a kilogram, a metre and a second
+    "tonnes, mm": (1e-3, 1e3, 1.0),
+    "grams, cm": (1e3, 1e2, 1.0),
+    "dust": (1e-15, 1.0, 1.0),
+    "planets": (1e15, 1.0, 1.0),
+    "milliseconds": (1.0, 1.0, 1e3),
+    "small, quick": (1e-9, 1e-3, math.sqrt(1e-3)),  # under the same gravity
+    "large, slow": (1e9, 1e3, math.sqrt(1e3)),
+    "small": (1e-9, 1e-3, 1.0),
+    "large": (1e9, 1e3, 1.0),
+}
+FEW = ("tonnes, mm", "milliseconds", "small, quick", "large, slow")
+STEPPERS = {
+    "Moreau-Jean": lambda s: lf.MoreauJean(1e-3 * s),
+    "generalised-alpha": lambda s: lf.GeneralizedAlpha(1e-3 * s),
+    "event-driven": lambda s: lf.EventDriven(),
 }
 
 
-def block(kg, m):
+def block(kg, m, s=1.0):
     """A box falls a little, slides and comes to rest."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * m))
-    box = scene.add(lf.Box(0.4 * m, 0.2 * m, mass=2.0 * kg), position=(0.0, 0.1 * m), velocity=(1.3 * m, 0.0))
+    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
+    box = scene.add(lf.Box(0.4 * m, 0.2 * m, mass=2.0 * kg), position=(0.0, 0.1 * m), velocity=(1.3 * m / s, 0.0))
     scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.3, restitution=0.1)
     return scene
 
 
-def pendulum(kg, m):
+def pendulum(kg, m, s=1.0):
     """A rod swings against a stop."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * m))
+    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
     rod = scene.add(lf.Box(0.5 * m, 0.05 * m, mass=kg), position=(0.25 * m, 0.0))
     scene.join(lf.Revolute(rod.at(-0.25 * m, 0.0), scene.ground.at(0.0, 0.0)))
     scene.contact(rod.surface(), scene.ground.circle((0.02 * m, -0.3 * m), 0.03 * m), friction=0.2, restitution=0.4)
     return scene
 
 
-def motion(scene, m, stepper):
-    result = lf.simulate(scene, 0.6, stepper, progress=False)
+def ball(kg, m, s=1.0):
+    """A ball with spin bounces, ever lower, until it rolls."""
+    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
+    body = scene.add(
+        lf.Disc(0.05 * m, mass=0.3 * kg),
+        position=(0.0, 0.1 * m),
+        velocity=(0.4 * m / s, 0.0),
+        angular_velocity=-3.0 / s,
+    )
+    scene.contact(body.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.3, restitution=0.5)
+    return scene
+
+
+def motion(scene, m, stepper, s=1.0):
+    result = lf.simulate(scene, 0.6 * s, stepper, progress=False)
     assert result.complete
     assert result.strict.max() <= 1e-6
     return result, result.q[-1] / np.array([m, m, 1.0])
 
 
-@pytest.mark.parametrize("scene", [block, pendulum])
+def compare(scene, stepper, units):
+    known, reference = motion(scene(1.0, 1.0), 1.0, stepper(1.0))
+    for name in units:
+        kg, m, s = UNITS[name]
+        result, place = motion(scene(kg, m, s), m, stepper(s), s)
+        assert np.abs(place - reference).max() <= 1e-8, name
+        force = np.abs(result.impulse[-1] / (kg * m / s) - known.impulse[-1]).max()
+        assert force <= 1e-8 * np.abs(known.impulse[-1]).max(), name
+        assert (result.warnings == ()) == (known.warnings == ()), name
+
+
+@pytest.mark.parametrize("scene", [block, pendulum, ball])
 @pytest.mark.parametrize("stepper", STEPPERS)
 def test_same_motion_in_other_units(stepper, scene):
-    known, reference = motion(scene(1.0, 1.0), 1.0, STEPPERS[stepper](1.0))
-    for name, (kg, m) in UNITS.items():
-        result, place = motion(scene(kg, m), m, STEPPERS[stepper](m))
+    compare(scene, STEPPERS[stepper], FEW)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", [block, pendulum, ball])
+@pytest.mark.parametrize("stepper", STEPPERS)
+def test_same_motion_in_more_units(stepper, scene):
+    compare(scene, STEPPERS[stepper], [name for name in UNITS if name not in FEW])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", [block, pendulum, ball])
+@pytest.mark.parametrize("scheme", [lf.MoreauJean, lf.GeneralizedAlpha])
+def test_same_motion_with_step_control(scheme, scene):
+    compare(scene, lambda s: scheme(1e-3 * s, adaptive=lf.AdaptiveStep(rtol=1e-5)), UNITS)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", [block, pendulum, ball])
+@pytest.mark.parametrize("integrator", [lf.ExplicitRungeKutta(), lf.Stiff(rtol=1e-8)])  # Newton's method ends early
+@pytest.mark.filterwarnings("ignore")
+def test_same_motion_under_a_penalty(integrator, scene):
+    reference = None
+    for name, (kg, m, s) in {"SI": (1.0, 1.0, 1.0), **UNITS}.items():
+        law = lf.Penalty(stiffness=1e4 * kg / s**2, slip_speed=1e-2 * m / s)
+        result = lf.simulate(scene(kg, m, s), 0.2 * s, lf.Smooth(law, integrator=integrator), progress=False)
+        place = result.q[-1] / np.array([m, m, 1.0])
+        reference = place if reference is None else reference
         assert np.abs(place - reference).max() <= 1e-8, name
-        force = np.abs(result.impulse[-1] / (kg * m) - known.impulse[-1]).max()
-        assert force <= 1e-8 * np.abs(known.impulse[-1]).max(), name
 
 
-def strip(kg, m):
+def test_scales_of_a_metre_and_a_second():
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    scene.add(lf.Box(1.0, 1.0, mass=1.0))
+    scales = scales_of(scene.compile().system(), 1.0)
+    assert scales == pytest.approx((1.0, 1.0, 1.0), rel=4e-3)
+    assert scales.shortest(10.0) == pytest.approx(1e-9, rel=4e-3)
+
+
+def test_scales_without_gravity():
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    body = lf.Box(0.1, 0.1, mass=2.0)
+    scene.add(body)
+    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 1e-3 * 0.1 / 4.0, 2.0))
+    scene.add(body, position=(1.0, 0.0), velocity=(3.0, 4.0), angular_velocity=-20.0)
+    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 7.0, 4.0))
+
+
+def test_what_is_set_is_taken_as_it_is():
+    system = block(1.0, 1e3).compile().system()
+    control = lf.AdaptiveStep(atol=3e-7, shortest=2e-8)
+    limits = control.limits(system, 1.0, 0.1)
+    assert set(limits.atol) == {3e-7}
+    assert (limits.near, limits.slow, limits.shortest) == (3e-7, 3e-7, 2e-8)
+    scales = scales_of(system, 1.0)
+    assert lf.MoreauJean(1e-3, gap_tolerance=0.0).settings(scales).gap_tolerance == 0.0
+    assert lf.MoreauJean(1e-3).settings(scales).gap_tolerance == pytest.approx(1e-9 * 400.0)
+    settings = lf.GeneralizedAlpha(1e-3, gap_tolerance=1e-7, velocity_threshold=1e-5).settings(scales)
+    assert (settings.gap_tolerance, settings.velocity_threshold) == (1e-7, 1e-5)
+
+
+def strip(kg, m, s=1.0):
     """An elastic strip lies on two supports and is struck: contacts that give way, at position level."""
+    stiffness = 2e9 * kg / (m * s**2)
     body = lf.Beam(
-        0.5 * m, width=0.02 * m, thickness=0.01 * m, density=7800 * kg / m**3, youngs_modulus=2e9 * kg / m, elements=10
+        0.5 * m, width=0.02 * m, thickness=0.01 * m, density=7800 * kg / m**3, youngs_modulus=stiffness, elements=10
     ).reduce(modes=6)
-    scene = lf.Scene(gravity=(0.0, -9.81 * m))
-    beam = scene.add(body, position=(0.0, 0.001 * m), velocity=(0.1 * m, -0.2 * m))
+    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
+    beam = scene.add(body, position=(0.0, 0.001 * m), velocity=(0.1 * m / s, -0.2 * m / s))
     floor = scene.ground.half_plane((0, 0), (0, 1))
     for x in (0.0, 0.5):
         scene.contact(beam.node(x * m, 0.0), floor)
@@ -67,11 +160,11 @@ def strip(kg, m):
 @pytest.mark.filterwarnings("ignore:youngs_modulus, density")  # it knows tonnes and millimetres when it sees them
 def test_same_motion_at_position_level():
     reference = None
-    for kg, m in ((1.0, 1.0), *UNITS.values()):
-        result = lf.simulate(strip(kg, m), 0.02, lf.MasslessBoundary(1e-5, gap_tolerance=1e-9 * m), progress=False)
+    for name, (kg, m, s) in {"SI": (1.0, 1.0, 1.0), **UNITS}.items():
+        result = lf.simulate(strip(kg, m, s), 0.02 * s, lf.MasslessBoundary(1e-5 * s), progress=False)
         place = result.q[-1, :3] / np.array([m, m, 1.0])
         reference = place if reference is None else reference
-        assert np.abs(place - reference).max() <= 1e-8
+        assert np.abs(place - reference).max() <= 1e-8, name
 
 
 def test_a_large_strict_residual_is_told():

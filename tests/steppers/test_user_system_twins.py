@@ -116,13 +116,15 @@ SYSTEMS: dict[str, Callable[[float, float], Pair]] = {
     "discs of a hundred": lambda mu, e: two_discs(mu, e, scale=100.0),
     "pendulum": pendulum_on_a_stop,
 }
-CONTROL = lf.AdaptiveStep(rtol=1e-4, atol=1e-6)
+# of equations alone no size is known that tolerances could follow: both twins have the same ones
+GAPS = {"gap_tolerance": 1e-9}
+CONTROL = lf.AdaptiveStep(rtol=1e-4, atol=1e-6, shortest=1e-9)
 STEPPERS: dict[str, Any] = {
-    "Moreau-Jean": lf.MoreauJean(1e-3),
-    "adaptive Moreau-Jean": lf.MoreauJean(1e-3, adaptive=CONTROL),
-    "generalised-alpha": lf.GeneralizedAlpha(1e-3),
-    "adaptive generalised-alpha": lf.GeneralizedAlpha(1e-3, adaptive=CONTROL),
-    "event-driven": lf.EventDriven(),
+    "Moreau-Jean": lf.MoreauJean(1e-3, **GAPS),
+    "adaptive Moreau-Jean": lf.MoreauJean(1e-3, adaptive=CONTROL, **GAPS),
+    "generalised-alpha": lf.GeneralizedAlpha(1e-3, velocity_threshold=1e-8, **GAPS),
+    "adaptive generalised-alpha": lf.GeneralizedAlpha(1e-3, adaptive=CONTROL, velocity_threshold=1e-8, **GAPS),
+    "event-driven": lf.EventDriven(atol=1e-10, velocity_threshold=1e-6, **GAPS),
 }
 
 

@@ -1,0 +1,87 @@
+"""What is large and small in a scene: tolerances that nobody has set follow it.
+
+    length L    extent of the largest body [m]
+    speed  V    the larger of sqrt(g L) / pi and the fastest initial speed of a body [m/s]; with neither gravity nor
+                initial motion a thousandth of L in the duration of the run
+    mass   M    of all bodies [kg]
+
+A pendulum of 1 m swings once in a second, there and back in two: sqrt(g L) / pi is .997 m/s for L = 1 m, so that
+numbers in metres and seconds keep their meaning in scenes of that size. In other units, and in a scene of another size
+whose motion is similar, L, V and M change as lengths, speeds and masses do, and every tolerance with them.
+Of a user's own system, of which only numbers are known, all three are 1: tolerances are in its own units.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.steppers.system import System
+
+__all__ = ["GAP", "Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
+
+GAP = 1e-9  # of the length: gaps up to that are closed
+SLIGHT = 1e-3  # of the length, in the duration of a run, is a speed where nothing else tells of one
+INSTANT = 1e-9  # of the time in which the length is passed, at most of the duration: the shortest step
+RESOLVED = 1e-13  # of the duration: no step is shorter, times would not tell it from none
+ABSOLUTE = 1e-2  # of the relative tolerance, times what is usual: the absolute one
+USUAL = 1e-6  # relative tolerance that counts for it where it is 0
+
+
+class Scales(NamedTuple):
+    """Length [m], speed [m/s] and mass [kg] that are usual in a scene."""
+
+    length: float
+    speed: float
+    mass: float
+
+    def shortest(self, duration: float) -> float:
+        """The shortest step [s] of a run over ``duration`` [s]: at this speed a body moves by a closed gap."""
+        return max(INSTANT * min(self.length / self.speed, duration), RESOLVED * duration)
+
+
+def scales_of(system: System, duration: float) -> Scales:
+    """The scales of a scene that is simulated over ``duration`` [s]."""
+    if not system.size > 0.0:
+        return Scales(1.0, 1.0, 1.0)
+    bodies, u = system.model.bodies, system.u
+    length = system.size
+    speed = math.sqrt(float(np.hypot(*system.model.loads.gravity)) * length) / math.pi
+    for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
+        modal = float(np.linalg.norm(u[first + 3 : last])) / math.sqrt(mass)
+        speed = max(speed, float(np.hypot(u[first], u[first + 1])) + length * abs(float(u[first + 2])) + modal)
+    return Scales(length, speed or SLIGHT * length / duration, float(bodies.mass.sum()))
+
+
+def usual_state(system: System, scales: Scales) -> FloatArray:
+    """What is usual of each coordinate and each velocity.
+
+    L and V of places, 1 and V / L of angles, L sqrt(m) and V sqrt(m) of modal coordinates of a body of mass m.
+    """
+    usual = np.ones(len(system.q))
+    if system.size > 0.0:
+        bodies = system.model.bodies
+        for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
+            usual[first : first + 2] = scales.length
+            usual[first + 3 : last] = scales.length * math.sqrt(mass)
+    return np.concatenate((usual, usual * (scales.speed / scales.length)))
+
+
+def absolute_tolerance(given: float | None, rtol: float, system: System, scales: Scales, laws: int = -1) -> FloatArray:
+    """Absolute tolerance of the state and, with ``laws`` >= 0, of three works and of two impulses of each law.
+
+    Given, it is the same for all. Else ``ABSOLUTE rtol`` times what is usual: see ``usual_state``, M V^2 and M V.
+    """
+    _, speed, mass = scales
+    usual = usual_state(system, scales)
+    if laws >= 0:
+        usual = np.concatenate((usual, np.full(3, mass * speed**2), np.full(2 * laws, mass * speed)))
+    return np.full(len(usual), given) if given is not None else ABSOLUTE * (rtol or USUAL) * usual
+
+
+def given_or(given: float | None, usual: float) -> float:
+    """What the user has set, or ``usual``."""
+    return usual if given is None else given
