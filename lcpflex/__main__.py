@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex import __version__
-from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, writable_path
+from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, shown, writable_path
 from lcpflex.studies.command_line import called, check_picture, in_file, load_named
 from lcpflex.studies.command_parser import Parser
 from lcpflex.studies.commands_chart import add_chart
@@ -126,14 +126,16 @@ def _run(request: argparse.Namespace) -> int:
     for option, unit in (("step", "seconds"), ("duration", "seconds"), ("stiffness", "N/m")):
         value = getattr(request, option)
         if value is not None and not 0.0 < value < float("inf"):
-            raise ModelError(f"--{option}: {value!r}; expected a number of {unit} > 0")
+            raise ModelError(f"--{option}: {shown(value)}; expected a number of {unit} > 0")
     check_picture("--plot", request.plot)
     if request.save is not None:
         writable_path("--save", request.save)
     scene, duration, stepper = _scene(request.scene)
     duration = request.duration or duration
     if duration is None:
-        raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
+        raise ModelError(
+            f"--duration: not given, and {shown(request.scene)} does not say; expected a number of seconds > 0"
+        )
     stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
     result = simulate(scene, duration, stepper)
     print(result.summary())

@@ -170,7 +170,7 @@ def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
     if isinstance(scene, UserSystem):
         return scene.system(), tuple(scene.names)
     if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
     compiled = scene.compiled()
     return compiled.system(), compiled.layout.contacts
 

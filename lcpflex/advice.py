@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from lcpflex.bodies.body import Body
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.bodies.finite_elements import FiniteElements
@@ -90,7 +90,7 @@ def effective(first: float, second: float) -> float:
     """1 / (1/x + 1/y): effective mass or radius of two bodies, > 0; infinite for a wall or a plane."""
     for name, value in (("first", first), ("second", second)):
         if not (isinstance(value, int | float | np.number) and value > 0.0):
-            raise ModelError(f"{name}: {value!r} was given, expected a number > 0, infinite for a wall or a plane")
+            raise ModelError(f"{name}: {shown(value)} was given, expected a number > 0, infinite for a wall or a plane")
     inverse = 1.0 / float(first) + 1.0 / float(second)
     return 1.0 / inverse if inverse > 0.0 else math.inf
 
@@ -101,7 +101,7 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float] | 
     for name, solid in (("first", first), ("second", second)):
         if solid is not None:
             if not isinstance(solid, tuple | list) or len(solid) != 2:
-                raise ModelError(f"{name}: {solid!r} was given, expected (Young's modulus [Pa], Poisson's ratio)")
+                raise ModelError(f"{name}: {shown(solid)} was given, expected (Young's modulus [Pa], Poisson's ratio)")
             nu = in_range(f"{name}: Poisson's ratio", solid[1], -1.0, 0.5)
             total += (1.0 - nu * nu) / _positive(f"{name}: Young's modulus", solid[0])
     return float(1.0 / total)
@@ -183,7 +183,7 @@ def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
     if mesh_of is None:
         reduce = getattr(body, "reduce", None)
         if reduce is None:
-            raise ModelError(f"body: {body!r} was given, expected a Body, or what can be reduced to one")
+            raise ModelError(f"body: {shown(body)} was given, expected a Body, or what can be reduced to one")
         return modes_needed(reduce(modes=None), frequency)
     mesh: FiniteElements = mesh_of()
     return max(_negative_pivots(mesh.stiffness - omega**2 * mesh.mass) - int(mesh.rigid.shape[1]), 0)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, path_of
+from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.written import whole_file
 
 __all__ = ["read", "write"]
@@ -57,7 +57,7 @@ def read(path: str | os.PathLike[str]) -> Any:
         with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             if "format" not in file or str(file["format"]) != FORMAT:
                 found = str(file["format"]) if "format" in file else "no such entry"
-                raise ModelError(f"path: {str(target)!r} has the format {found!r}; expected {FORMAT!r}")
+                raise ModelError(f"path: {str(target)!r} has the format {shown(found)}; expected {FORMAT!r}")
             return _decode(json.loads(str(file["structure"])), file)
     except ModelError:
         raise

@@ -116,7 +116,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
                 raise ValueError("an array alone")
             found = str(file["format"])[:60] if "format" in file else "no such entry"
             if found != FORMAT:
-                raise ModelError(f"path: {target!r} has the format {found!r}, expected {FORMAT!r}")
+                raise ModelError(f"path: {shown(target)} has the format {shown(found)}, expected {FORMAT!r}")
             entries = [] if file.zip is None else file.zip.infolist()
             if any(entry.compress_type != zipfile.ZIP_STORED for entry in entries):
                 raise ValueError("it is compressed, and may be larger than it looks")

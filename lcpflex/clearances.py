@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.bodies.placed_point import check_pair
 from lcpflex.contact.shapes import Kind
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.placed import Placed, PlacedSurface
 from lcpflex.slots import Slot, SlotParts
 
@@ -54,11 +54,13 @@ class Clearances:
         """
         scene = cast("Scene", self)
         if not isinstance(slot, Slot):
-            raise ModelError(f"slot: {slot!r} was given, expected one made by body.curved_slot or body.straight_slot")
+            raise ModelError(
+                f"slot: {shown(slot)} was given, expected one made by body.curved_slot or body.straight_slot"
+            )
         if not isinstance(pin, PlacedSurface) or pin.shape.kind is not Kind.CIRCLE:
-            raise ModelError(f"pin: {pin!r} was given, expected a disc such as body.circle((0, 0), 0.01)")
+            raise ModelError(f"pin: {shown(pin)} was given, expected a disc such as body.circle((0, 0), 0.01)")
         if pin.scene is not scene or slot.inner.scene is not scene:
-            raise ModelError(f"pin: {pin!r} and a slot were given, expected both to be parts of this scene")
+            raise ModelError(f"pin: {shown(pin)} and a slot were given, expected both to be parts of this scene")
         _check_fit("pin", pin.shape.radius, 0.5 * slot.width, "half the width of the slot")
         stem = _stem("slot", name, scene)
         outside = slot.outside(_seen(scene, pin.body, pin.shape.points[0], slot.inner.body))
@@ -137,7 +139,7 @@ def _stem(kind: str, name: str | None, scene: Scene) -> str:
     """``name``, or the first free of kind1, kind2, ..."""
     if name is not None:
         if not isinstance(name, str) or not name:
-            raise ModelError(f"name: {name!r} was given, expected a text")
+            raise ModelError(f"name: {shown(name)} was given, expected a text")
         return name
     taken = {contact.rsplit(".", 1)[0] for contact in scene.parts().contacts}
     number = 1

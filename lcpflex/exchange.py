@@ -18,7 +18,7 @@ import numpy as np
 from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.placed import Placed, PlacedSurface, listed
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def exchanged(scene: Scene, bodies: Mapping[str, Body]) -> Scene:
         if name not in known:
             raise ModelError(f"bodies: no body {name!r}, expected one of {listed(known)}")
         if not isinstance(body, Body):
-            raise ModelError(f"bodies[{name!r}]: {body!r} was given, expected a Body")
+            raise ModelError(f"bodies[{name!r}]: {shown(body)} was given, expected a Body")
     made: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
     for placed in parts.placed:
         if placed.name not in bodies and placed.order is not None:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.loads import Motion, checked_motion
 from lcpflex.options import is_number, keep_number
 
@@ -56,7 +56,7 @@ def _check(joint: Any) -> None:
             f"{owner}: {joint.P.label} and {joint.Q.label} are points of the same body, expected points of two bodies"
         )
     if not isinstance(joint.name, str):
-        raise ModelError(f"{owner}: name: {joint.name!r} was given, expected a text")
+        raise ModelError(f"{owner}: name: {shown(joint.name)} was given, expected a text")
 
 
 def _keep_angle(joint: Any) -> None:
@@ -69,7 +69,7 @@ def _unit(owner: str, axis: npt.ArrayLike) -> tuple[float, float]:
     """``axis`` as a unit vector."""
     vector = array_of(f"{owner}: axis", axis, (2,))
     if not vector.any():
-        raise ModelError(f"{owner}: axis: {axis!r} was given, expected a direction (x, y), not both 0")
+        raise ModelError(f"{owner}: axis: {shown(axis)} was given, expected a direction (x, y), not both 0")
     x, y = vector / np.abs(vector).max()
     length = math.hypot(x, y)
     return float(x / length), float(y / length)

@@ -35,7 +35,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.options import is_number, keep_flag, keep_number
 
 __all__ = [
@@ -93,7 +93,7 @@ class Table:
         if times.shape != values.shape:
             raise ModelError(f"Table: values: {values.size} were given for {times.size} times, expected as many")
         if times.size < 2 or not (np.diff(times) > 0.0).all():
-            raise ModelError(f"Table: times: {times!r} was given, expected at least two increasing instants [s]")
+            raise ModelError(f"Table: times: {shown(times)} was given, expected at least two increasing instants [s]")
 
     def pieces(self, smooth: bool, rate: float | None = None) -> tuple[FloatArray, FloatArray]:
         """Breaks (m,) and coefficients (m, 4) for the powers 3 to 0 of (t - break); the last row is the last value.
@@ -147,7 +147,7 @@ class Function:
 
     def __post_init__(self) -> None:
         if not callable(self.function):
-            raise ModelError(f"Function: function: {self.function!r} was given, expected a function of the time")
+            raise ModelError(f"Function: function: {shown(self.function)} was given, expected a function of the time")
         breaks = np.sort(array_of("Function: breaks", self.breaks, (-1,)))
         breaks.setflags(write=False)
         object.__setattr__(self, "breaks", breaks)
@@ -169,7 +169,7 @@ def checked_motion(name: str, value: Any) -> Any:
         return in_range(name, value, -math.inf, math.inf)
     if not (isinstance(value, (Harmonic, Table)) or callable(value)):
         raise ModelError(
-            f"{name}: {value!r} was given, expected a number, Harmonic, Table or a Python function of the time"
+            f"{name}: {shown(value)} was given, expected a number, Harmonic, Table or a Python function of the time"
         )
     return value
 
@@ -255,7 +255,8 @@ class Force:
             x, y = self.value
         except (TypeError, ValueError):
             raise ModelError(
-                f"Force: value: {self.value!r} was given, expected a pair (fx, fy) or a Python function of the time"
+                f"Force: value: {shown(self.value)} was given, "
+                f"expected a pair (fx, fy) or a Python function of the time"
             ) from None
         pair = (checked_motion("Force: value[0]", x), checked_motion("Force: value[1]", y))
         object.__setattr__(self, "value", pair)

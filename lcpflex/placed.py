@@ -154,7 +154,7 @@ class Placed:
         """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
         direction = array_of("normal", normal, (2,))
         if not direction.any():
-            raise ModelError(f"normal: {normal!r} was given, expected a direction (x, y), not both 0")
+            raise ModelError(f"normal: {shown(normal)} was given, expected a direction (x, y), not both 0")
         again = partial(_again, "half_plane", point, (direction,))
         return self._made("half_plane", shapes.half_plane(self._located(point, "point"), direction), again)
 

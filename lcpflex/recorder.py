@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError, shown, writable_path
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
@@ -60,11 +60,11 @@ class RecordProblems:
             value = getattr(self, name)
             whole = isinstance(value, int) and not isinstance(value, bool) and value > 0
             if not whole and not (value is None and name != "limit"):
-                raise ModelError(f"{name}: {value!r} was given, expected an integer > 0")
+                raise ModelError(f"{name}: {shown(value)} was given, expected an integer > 0")
         if self.every is not None and self.hardest is not None:
             raise ModelError(f"every, hardest: {self.every} and {self.hardest} were given, expected one of the two")
         if self.by not in MEASURES:
-            raise ModelError(f"by: {self.by!r} was given, expected one of {', '.join(MEASURES)}")
+            raise ModelError(f"by: {shown(self.by)} was given, expected one of {', '.join(MEASURES)}")
         writable_path("path", self.path)
 
 

@@ -19,7 +19,7 @@ from lcpflex.bodies.interface import Interface
 from lcpflex.bodies.reduction import Damping, check_damping
 from lcpflex.bodies.reductions import undeformed
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.missing_compliance import deficits
 from lcpflex.surface_interfaces import Acting, acting_on
 
@@ -182,7 +182,7 @@ def order_of(
     given = {"damping": damping, "stiffening": stiffening, "residual_damping": residual_damping}
     zeros = np.zeros(n)
     if stiffening is not None and "stiffening" not in signature(model.reduce).parameters:
-        raise ModelError(f"stiffening: {stiffening!r} was given for {type(model).__name__}, which takes none")
+        raise ModelError(f"stiffening: {shown(stiffening)} was given for {type(model).__name__}, which takes none")
     options = {option: value for option, value in given.items() if value is not None}
     alike = (one.made for one in others if one.model is model and one.modes == n and _equal(one.options, options))
     order = ReductionOrder(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 from lcpflex.energy import EnergyGrowth
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.recorder import Recorder, RecordProblems
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> 
     if isinstance(scene, UserSystem):
         return scene
     if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {scene!r} was given, expected a Scene or a UserSystem")
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
     return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False))
 
 
@@ -134,11 +134,12 @@ def _check_solver(stepper: Stepper, system: System) -> None:
     solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
     if other := getattr(solver, "model", ""):
         raise ModelError(
-            f"solver: {solver!r} was given, expected one of Coulomb's law such as Auto(): "
+            f"solver: {shown(solver)} was given, expected one of Coulomb's law such as Auto(): "
             f"it solves another model ({other})"
         )
     if isinstance(solver, QuadraticProgram) and friction.size and friction.max() > 0.0:
         raise ModelError(
-            f"solver: {solver!r} was given for contacts with friction (up to {friction.max():g}), expected Lemke(): "
+            f"solver: {shown(solver)} was given for contacts with friction (up to "
+            f"{friction.max():g}), expected Lemke(): "
             "a quadratic program solves frictionless contact only"
         )

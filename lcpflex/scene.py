@@ -244,7 +244,7 @@ class Scene(Clearances):
             order, body = order_of(called, body, modes, *asked, others)
             modal = modal_velocity = None
         elif not isinstance(body, Body):
-            raise ModelError(f"body: {body!r} was given, expected a Body, or a flexible body and modes=8")
+            raise ModelError(f"body: {shown(body)} was given, expected a Body, or a flexible body and modes=8")
         elif any(option is not None for option in options):
             names = ("modes", "damping", "stiffening", "residual_damping", "contact_nodes")
             given = next(name for name, option in zip(names, options, strict=True) if option is not None)
@@ -283,7 +283,7 @@ class Scene(Clearances):
     def join(self, joint: Joint) -> str:
         """Add a joint or a drive of :mod:`lcpflex.joints`; returns its name (joint1, joint2, ... if it has none)."""
         if not isinstance(joint, Joint):
-            raise ModelError(f"joint: {joint!r} was given, expected a joint such as Revolute(P, Q)")
+            raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         self._own("joint", joint.P)
         name = _name("joint", joint.name or None, list(self._joints))
         self._joints[name] = joint
@@ -292,7 +292,7 @@ class Scene(Clearances):
     def load(self, load: Load) -> None:
         """Add a spring, force or torque of :mod:`lcpflex.loads`."""
         if not isinstance(load, Spring | TorsionSpring | Force | Torque):
-            raise ModelError(f"load: {load!r} was given, expected a Spring, TorsionSpring, Force or Torque")
+            raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
         self._own("load", load.P)
         self._loads.append(load)
 
@@ -333,7 +333,7 @@ class Scene(Clearances):
         for argument, surface in (("a", a), ("b", b)):
             if not isinstance(surface, PlacedSurface):
                 raise ModelError(
-                    f"{argument}: {surface!r} was given, expected a surface such as body.surface() or "
+                    f"{argument}: {shown(surface)} was given, expected a surface such as body.surface() or "
                     "scene.ground.half_plane((0, 0), (0, 1))"
                 )
             self._own(argument, surface)
@@ -349,7 +349,9 @@ class Scene(Clearances):
             )
         for other, declared in self._contacts.items():
             if {a.label, b.label} == {surface.label for surface in declared.pair}:
-                raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {other!r} is between them")
+                raise ModelError(
+                    f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them"
+                )
         numbers = _numbers(friction, restitution, tangential_restitution, law)
         _check_slave(slave, a, b)
         name = _name("contact", name, list(self._contacts))
@@ -374,11 +376,11 @@ class Scene(Clearances):
         chains are slaves of each other: where a choice of slave is wanted, declare the pair with :meth:`contact`.
         """
         if not isinstance(exclude, list | tuple):
-            raise ModelError(f"exclude: {exclude!r} was given, expected a list of pairs of bodies or surfaces")
+            raise ModelError(f"exclude: {shown(exclude)} was given, expected a list of pairs of bodies or surfaces")
         for pair in exclude:
             sides = pair if isinstance(pair, tuple | list) else ()
             if len(sides) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in sides):
-                raise ModelError(f"exclude: {pair!r} was given, expected pairs of bodies or surfaces")
+                raise ModelError(f"exclude: {shown(pair)} was given, expected pairs of bodies or surfaces")
             for side in pair:
                 self._own("exclude", side)
         numbers = _numbers(friction, restitution, tangential_restitution, law)
@@ -458,7 +460,7 @@ class Scene(Clearances):
 
     def _own(self, argument: str, part: Any) -> None:
         if part.scene is not self:
-            raise ModelError(f"{argument}: {part!r} was given, expected a part of this scene, not of another one")
+            raise ModelError(f"{argument}: {shown(part)} was given, expected a part of this scene, not of another one")
 
 
 def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface) -> None:
@@ -482,10 +484,10 @@ def _numbers(
 ) -> tuple[float, float, float]:
     """Friction and restitution, checked, with ``law``."""
     if not isinstance(law, Law | None):
-        raise ModelError(f"law: {law!r} was given, expected a force law such as Penalty(stiffness=1e6), or None")
+        raise ModelError(f"law: {shown(law)} was given, expected a force law such as Penalty(stiffness=1e6), or None")
     for name, value in (("restitution", restitution), ("tangential_restitution", tangential_restitution)):
         if law is not None and value != 0.0:
-            raise ModelError(f"{name}: {value!r} was given with a law, expected 0: its damping makes the rebound")
+            raise ModelError(f"{name}: {shown(value)} was given with a law, expected 0: its damping makes the rebound")
     return (
         in_range("friction", friction, 0.0, math.inf),
         in_range("restitution", restitution, 0.0, 1.0),
@@ -501,7 +503,7 @@ def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:
             number += 1
         return f"{kind}{number}"
     if not isinstance(name, str) or not name:
-        raise ModelError(f"name: {name!r} was given, expected a text")
+        raise ModelError(f"name: {shown(name)} was given, expected a text")
     if name in taken:
-        raise ModelError(f"name: {name!r} was given twice, expected a name other than {listed(taken)}")
+        raise ModelError(f"name: {shown(name)} was given twice, expected a name other than {listed(taken)}")
     return name

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from lcpflex.contact import shapes
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
@@ -94,7 +94,7 @@ def curved_slot(body: Placed, center: Place, radius: float, width: float, start:
     half, end = 0.5 * wide, begin + turn
     between = 2.0 * middle * math.sin(0.5 * turn) - wide if turn > math.pi else math.inf  # the ends, back to back
     if between <= 0.0:
-        raise ModelError(f"extent: {extent!r} was given, expected less: the ends of the slot run into each other")
+        raise ModelError(f"extent: {shown(extent)} was given, expected less: the ends of the slot run into each other")
 
     inner = partial(shapes.arc, radius=middle - half, start=begin, extent=turn)
     outer = partial(shapes.arc, radius=middle + half, start=begin, extent=turn, hole=True)

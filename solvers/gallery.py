@@ -11,7 +11,7 @@ from zlib import crc32
 
 import numpy as np
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.solvers import gallery_contact as contact
 from lcpflex.solvers import gallery_matrices as matrices
 from lcpflex.solvers.example import Example
@@ -38,7 +38,7 @@ def family(name: str, seed: int = 0, sizes: tuple[int, ...] = SIZES) -> Iterator
     size below one.
     """
     if name not in FAMILIES:
-        raise ModelError(f"family is {name!r}: expected one of {', '.join(FAMILIES)}")
+        raise ModelError(f"family is {shown(name)}: expected one of {', '.join(FAMILIES)}")
     for n in sizes:
         if n < 1:
             raise ModelError(f"sizes holds {n}: expected numbers of unknowns >= 1")

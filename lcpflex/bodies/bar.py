@@ -33,7 +33,7 @@ from lcpflex.bodies.reduction import (
     with_residual,
 )
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Bar"]
 
@@ -85,7 +85,7 @@ class Bar:
         check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BAR_ELEMENTS))
         if not isinstance(self.lumped, (bool, np.bool_)):
-            raise ModelError(f"lumped: {self.lumped!r} was given, expected True or False")
+            raise ModelError(f"lumped: {shown(self.lumped)} was given, expected True or False")
         if self.height is not None:
             check_positive(self, ("height",))
 

@@ -37,7 +37,7 @@ from lcpflex.bodies.reduction import (
 )
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Beam"]
 
@@ -90,7 +90,7 @@ class Beam:
         check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BEAM_ELEMENTS))
         if not isinstance(self.axial, (bool, np.bool_)):
-            raise ModelError(f"axial: {self.axial!r} was given, expected True or False")
+            raise ModelError(f"axial: {shown(self.axial)} was given, expected True or False")
 
     def reduce(
         self,

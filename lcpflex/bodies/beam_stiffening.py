@@ -20,7 +20,7 @@ from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.reduction import signed
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.model import Axis
 
 __all__ = ["Line", "axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
@@ -101,7 +101,8 @@ def bent_under_tension(
         lower = np.linalg.cholesky(0.5 * (relative + relative.T))
     except np.linalg.LinAlgError:
         raise ModelError(
-            f"axial_force: {stiffening.axial_force!r} was given, expected less compression: the beam buckles under it"
+            f"axial_force: {shown(stiffening.axial_force)} was given, "
+            f"expected less compression: the beam buckles under it"
         ) from None
     flexible = np.linalg.solve(lower, np.diag(1.0 / np.sqrt(omega2)))
     _, periods, turn = np.linalg.svd(flexible)

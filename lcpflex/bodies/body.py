@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import array_of, whole_number
 from lcpflex.given import mapping_of as named
 from lcpflex.model import Axis
@@ -278,7 +278,9 @@ class Body:
         object.__setattr__(self, "contact_modes", whole_number("contact_modes", self.contact_modes, 0, most))
         least = float(self.moment @ self.moment) / self.mass
         if not self.inertia > least:
-            raise ModelError(f"inertia: {self.inertia!r} was given, expected more than |moment|^2 / mass = {least!r}")
+            raise ModelError(
+                f"inertia: {shown(self.inertia)} was given, expected more than |moment|^2 / mass = {shown(least)}"
+            )
 
     def __setstate__(self, state: list[Any]) -> None:
         """Of a copy or what is unpickled, whose arrays are read-only again."""

@@ -20,7 +20,7 @@ from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.bodies.stiffness_error import stiffness_error
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["Continuum"]
 
@@ -77,7 +77,7 @@ class Continuum:
         check_material(self)
         object.__setattr__(self, "thickness", in_range("thickness", self.thickness, 0.0, math.inf, open_ends=True))
         if not isinstance(self.plane_strain, (bool, np.bool_)):
-            raise ModelError(f"plane_strain: {self.plane_strain!r} was given, expected True or False")
+            raise ModelError(f"plane_strain: {shown(self.plane_strain)} was given, expected True or False")
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=not self.plane_strain)
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:

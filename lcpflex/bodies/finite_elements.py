@@ -24,7 +24,7 @@ from lcpflex.bodies.mesh_material import material_at_nodes, material_weights
 from lcpflex.bodies.reduction import Damping, sampled, signed, skew, vanish, with_residual
 from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -198,12 +198,12 @@ def _damping(
     """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
     if damping is not None or mesh.damping is None:
         if mesh.damping is not None:
-            raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
+            raise ModelError(f"damping: {shown(damping)} was given besides a damping matrix, expected one of the two")
         given = 0.0 if damping is None else damping
         return with_residual(given, residual.damping, np.sqrt(omega2), len(omega2) - residual.modes), None
     if residual.damping is not None:
         raise ModelError(
-            f"residual_damping: {residual.damping!r} was given besides a damping matrix, expected one of the two"
+            f"residual_damping: {shown(residual.damping)} was given besides a damping matrix, expected one of the two"
         )
     modal = shapes.T @ (mesh.damping @ shapes)
     modal = 0.5 * (modal + modal.T)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import sequence_of
 
 __all__ = ["Interface", "Interfaces", "interfaces_of"]
@@ -55,7 +55,7 @@ class Interface:
             x, y = array_of("along", self.along, (2,))
             size = float(np.hypot(x, y))
             if not size > 0.0:
-                raise ModelError(f"along: {self.along!r} was given, expected a direction (x, y), not both 0")
+                raise ModelError(f"along: {shown(self.along)} was given, expected a direction (x, y), not both 0")
             object.__setattr__(self, "along", (float(x) / size, float(y) / size))
         for name in ("moment", "contact", "forces"):
             if not isinstance(getattr(self, name), (bool, np.bool_)):

@@ -16,7 +16,7 @@ from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, shown
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -206,7 +206,7 @@ def _check_units(mass: csc_matrix[Any], stiffness: csc_matrix[Any], places: Floa
 def _nodes(name: str, nodes: int | Sequence[int], count: int) -> IntArray:
     given = np.atleast_1d(np.asarray(nodes))
     if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(f"node_sets[{name!r}]: {nodes!r} was given, expected a node number or a sequence of them")
+        raise ModelError(f"node_sets[{name!r}]: {shown(nodes)} was given, expected a node number or a sequence of them")
     if given.min() < 0 or given.max() >= count:
         bad = int(given.min() if given.min() < 0 else given.max())
         raise ModelError(f"node_sets[{name!r}]: node {bad} was given, expected nodes from 0 to {count - 1}")

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, path_of
+from lcpflex.errors import ModelError, path_of, shown
 
 __all__ = ["matrices_from_files"]
 
@@ -111,7 +111,7 @@ def _renumbered(name: str, nodes: Any, numbers: IntArray | None) -> Any:
         return nodes
     given = np.atleast_1d(np.asarray(nodes))
     if given.ndim != 1 or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(f"node_sets[{name!r}]: {nodes!r} was given, expected a node number or a sequence of them")
+        raise ModelError(f"node_sets[{name!r}]: {shown(nodes)} was given, expected a node number or a sequence of them")
     row = {int(number): k for k, number in enumerate(numbers)}
     unknown = [int(node) for node in given if int(node) not in row]
     if unknown:

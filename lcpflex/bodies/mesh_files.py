@@ -18,7 +18,7 @@ import numpy as np
 
 from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, path_of
+from lcpflex.errors import ModelError, path_of, shown
 
 __all__ = ["read_mesh"]
 
@@ -38,7 +38,7 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
     name = str(path_of("mesh", path))
     source = f"mesh {name!r}"
     if not Path(name).is_file():
-        raise ModelError(f"mesh: {name!r} was given, expected the name of a file that is there")
+        raise ModelError(f"mesh: {shown(name)} was given, expected the name of a file that is there")
     found = _read(name, source)
     kind = _only_kind(found, source)
     found.points = places = _planar(np.asarray(found.points, dtype=np.float64), source)

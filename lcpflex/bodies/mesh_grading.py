@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Zone", "named_again", "refined_to"]
 
@@ -68,7 +68,7 @@ def refined_to(mesh: Any, zone: Zone, shaped: Callable[[Any], Any] | None) -> An
         mesh = mesh.refined(marked)
         if shaped is not None:
             mesh = shaped(mesh)
-    raise ModelError(f"finest: {zone.finest!r} m was given, expected a mesh of less than {ELEMENTS} elements")
+    raise ModelError(f"finest: {shown(zone.finest)} m was given, expected a mesh of less than {ELEMENTS} elements")
 
 
 def named_again(fine: Any, coarse: Any) -> Any:

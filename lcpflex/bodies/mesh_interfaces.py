@@ -18,7 +18,7 @@ from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.mesh_material import Nodes, displacement_rows, material_weights, neighbours
 from lcpflex.bodies.node_choice import chosen_nodes
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["MeshStatics", "interface_loads", "of_mesh"]
 
@@ -57,7 +57,7 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
         except ModelError as error:
             raise ModelError(f"{name}: {error}") from None
     if isinstance(place, float):
-        raise ModelError(f"{name}: {place!r} was given, expected a name, a place (x, y) or the number of a node")
+        raise ModelError(f"{name}: {shown(place)} was given, expected a name, a place (x, y) or the number of a node")
     return [(np.array([node]), np.ones(1)) for node in chosen_nodes(mesh, name, place)]
 
 

@@ -20,7 +20,7 @@ from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
 from lcpflex.bodies.stiffening import Stiffening, prestressed
 from lcpflex.bodies.stiffness_error import warn_if_too_stiff
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Held", "reduced"]
 
@@ -50,7 +50,7 @@ def reduced(
     residual_from : where the residual modes begin, of a basis that has some without it
     """
     if damping is not None and mesh.damping is not None:
-        raise ModelError(f"damping: {damping!r} was given besides a damping matrix, expected one of the two")
+        raise ModelError(f"damping: {shown(damping)} was given besides a damping matrix, expected one of the two")
     if damping is not None and columns is not None:
         check_damping(damping, columns)
     stiffened = prestressed(mesh, stiffening)

@@ -16,7 +16,7 @@ import numpy as np
 from lcpflex.bodies.body import named
 from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, shown
 
 __all__ = ["Boundary", "Names", "boundary_of", "names_of"]
 
@@ -225,7 +225,7 @@ def _nodes(name: str, value: Any, mesh: PlanarMesh) -> IntArray:
     if isinstance(value, str):
         if value not in mesh.groups:
             known = ", ".join(map(repr, mesh.groups)) or "none"
-            raise ModelError(f"{label}: {value!r} was given, expected a group of the mesh ({known})")
+            raise ModelError(f"{label}: {shown(value)} was given, expected a group of the mesh ({known})")
         return mesh.groups[value]
     if callable(value):
         chosen = np.flatnonzero(_asked(label, value, mesh))
@@ -241,7 +241,9 @@ def _nodes(name: str, value: Any, mesh: PlanarMesh) -> IntArray:
     except ValueError:
         given = np.zeros(0)
     if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(f"{label}: {value!r} was given, expected a predicate f(x, y), node numbers or a group's name")
+        raise ModelError(
+            f"{label}: {shown(value)} was given, expected a predicate f(x, y), node numbers or a group's name"
+        )
     count = len(mesh.places)
     if given.min() < 0 or given.max() >= count:
         bad = int(given.min() if given.min() < 0 else given.max())
@@ -265,8 +267,10 @@ def _asked(label: str, predicate: Any, mesh: PlanarMesh) -> np.ndarray[Any, np.d
         try:
             one = predicate(*place)
         except Exception as error:
-            raise ModelError(f"{label}: the predicate raised {error!r} at ({place[0]:g}, {place[1]:g})") from error
+            raise ModelError(f"{label}: the predicate raised {shown(error)} at ({place[0]:g}, {place[1]:g})") from error
         if not isinstance(one, (bool, np.bool_)):
-            raise ModelError(f"{label}: the predicate gave {one!r} at ({place[0]:g}, {place[1]:g}), expected a bool")
+            raise ModelError(
+                f"{label}: the predicate gave {shown(one)} at ({place[0]:g}, {place[1]:g}), expected a bool"
+            )
         answers[k] = one
     return answers

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.mesh_grading import Zone, named_again, refined_to
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import positive
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
@@ -76,7 +76,7 @@ def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False, order: 
     lines = [array_of(name, value, (-1,)) for name, value in (("x", x), ("y", y))]
     for name, line in zip(("x", "y"), lines, strict=True):
         if len(line) < 2 or not np.diff(line).min() > 0.0:
-            raise ModelError(f"{name}: {line!r} was given, expected two ascending coordinates or more")
+            raise ModelError(f"{name}: {shown(line)} was given, expected two ascending coordinates or more")
     mesh = (skfem.MeshTri1 if triangles else skfem.MeshQuad1).init_tensor(*lines)
     (x0, x1), (y0, y1) = (line[[0, -1]] for line in lines)
     mesh = mesh.with_boundaries(
@@ -212,7 +212,7 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
     ends = np.asarray(towards, dtype=np.float64) if np.ndim(towards) == 1 else array_of("towards", towards, (2, 2))
     line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
     if len(line) not in (1, 2):
-        raise ModelError(f"towards: {towards!r} was given, expected a place or the two ends of a line")
+        raise ModelError(f"towards: {shown(towards)} was given, expected a place or the two ends of a line")
     slope = in_range("growth", growth, 1e-3, 1.0)
     zone = Zone(line, _positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
     fine = named_again(refined_to(coarse, zone, None), coarse)

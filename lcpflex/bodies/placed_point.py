@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
@@ -32,7 +32,7 @@ def check_point(owner: str, argument: str, value: object) -> None:
     """Raise ModelError unless ``value`` is a point of a scene."""
     if not isinstance(value, PlacedPoint):
         raise ModelError(
-            f"{owner}: {argument}: {value!r} was given, expected a point such as body.point('left'), "
+            f"{owner}: {argument}: {shown(value)} was given, expected a point such as body.point('left'), "
             "body.at(x, y) or scene.ground.at(x, y)"
         )
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Displacement, array_of, whole_number
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import numbers
 
 __all__ = [
@@ -120,7 +120,7 @@ def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) ->
         try:
             value = displacement(float(x), float(y))
         except Exception as error:
-            raise ModelError(f"displacement: the function raised {error!r} at ({x:g}, {y:g})") from error
+            raise ModelError(f"displacement: the function raised {shown(error)} at ({x:g}, {y:g})") from error
         values[k] = array_of(f"displacement at ({x:g}, {y:g})", value, (2,))
     return values
 

@@ -42,7 +42,7 @@ from lcpflex.bodies.mesh_ladder import Held, reduced
 from lcpflex.bodies.node_choice import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.reduction import Damping, count_of_modes
 from lcpflex.bodies.stiffening import Stiffening
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = [
     "Mesh",
@@ -178,7 +178,7 @@ def sub_regional(
         See the module; and for a region that is the whole mesh or, without interface modes, nothing but interface.
     """
     if not isinstance(interface_modes, bool):
-        raise ModelError(f"interface_modes: {interface_modes!r} was given, expected True or False")
+        raise ModelError(f"interface_modes: {shown(interface_modes)} was given, expected True or False")
     mesh = _mesh_of(model)
     nodes = chosen_nodes(mesh, "region", region)
     return reduced(mesh, lambda mesh: regional_basis(mesh, nodes, modes, interface_modes), damping, stiffening, nodes)

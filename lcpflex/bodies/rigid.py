@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.given import positive
 
 __all__ = ["Box", "Disc", "Polygon", "RigidBody"]
@@ -158,7 +158,7 @@ def _green(vertices: FloatArray) -> tuple[float, FloatArray, float]:
     area = 0.5 * float(cross.sum())
     size = float(np.ptp(vertices, axis=0).max())
     if not abs(area) > 1e-12 * size * size:
-        raise ModelError(f"vertices: they enclose the area {area!r}, expected a polygon with an area")
+        raise ModelError(f"vertices: they enclose the area {shown(area)}, expected a polygon with an area")
     center = ((p + q) * cross[:, None]).sum(axis=0) / (6.0 * area)
     squares = (p * p + p * q + q * q).sum(axis=1)
     second = float((squares * cross).sum()) / (12.0 * area) - float(center @ center)
@@ -191,7 +191,9 @@ def _positive(name: str, value: Any) -> float:
 def _mass(area: float, density: float | None, mass: float | None, thickness: float) -> float:
     depth = _positive("thickness", thickness)
     if (density is None) == (mass is None):
-        raise ModelError(f"density, mass: {density!r} and {mass!r} were given, expected exactly one of the two")
+        raise ModelError(
+            f"density, mass: {shown(density)} and {shown(mass)} were given, expected exactly one of the two"
+        )
     if density is None:
         return _positive("mass", mass)
     return _positive("density", density) * area * depth

@@ -40,7 +40,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -84,12 +84,12 @@ class Stiffening:
             object.__setattr__(self, "held", (float(place[0]), float(place[1])))
         if isinstance(self.axial_force, str):
             if self.axial_force != "actual":
-                raise ModelError(f"axial_force: {self.axial_force!r} was given, expected a force [N] or 'actual'")
+                raise ModelError(f"axial_force: {shown(self.axial_force)} was given, expected a force [N] or 'actual'")
         else:
             object.__setattr__(self, "axial_force", in_range("axial_force", self.axial_force, -math.inf, math.inf))
         ends = self.between if isinstance(self.between, (tuple, list)) else ()
         if len(ends) != 2 or not all(isinstance(end, str) for end in ends) or ends[0] == ends[1]:
-            raise ModelError(f"between: {self.between!r} was given, expected the names of two places")
+            raise ModelError(f"between: {shown(self.between)} was given, expected the names of two places")
         object.__setattr__(self, "between", tuple(ends))
 
     @property
@@ -106,7 +106,7 @@ class Stiffening:
 def check_stiffening(value: object) -> None:
     """Raise ModelError unless ``value`` is a Stiffening or None."""
     if not (value is None or isinstance(value, Stiffening)):
-        raise ModelError(f"stiffening: {value!r} was given, expected a Stiffening or None")
+        raise ModelError(f"stiffening: {shown(value)} was given, expected a Stiffening or None")
 
 
 def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteElements:
@@ -132,11 +132,11 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     force = stiffening.constant
     a, b = (_place(mesh, "between", end) for end in stiffening.between)
     if np.intersect1d(a[0], b[0]).size:
-        raise ModelError(f"between: {stiffening.between!r} share nodes, expected places apart from each other")
+        raise ModelError(f"between: {shown(stiffening.between)} share nodes, expected places apart from each other")
     line = _middle(mesh, b) - _middle(mesh, a)
     length = float(np.hypot(*line))
     if not length > 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
-        raise ModelError(f"between: {stiffening.between!r} have one middle, expected places apart from each other")
+        raise ModelError(f"between: {shown(stiffening.between)} have one middle, expected places apart from each other")
     along = line / length
     pair = _at(mesh, b, along) - _at(mesh, a, along)
     across = np.array([-along[1], along[0]])
@@ -148,7 +148,7 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         held_up(stiffness, mesh.rigid, mesh_rank(mesh))
     except NotPositive:
         raise ModelError(
-            f"axial_force: {force!r} was given, expected less compression: the body buckles under it"
+            f"axial_force: {shown(force)} was given, expected less compression: the body buckles under it"
         ) from None
     return replace(mesh, stiffness=stiffness)
 
@@ -186,7 +186,7 @@ def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float
         return float(x), float(y)
     if held not in places:
         known = ", ".join(map(repr, sorted(places)))
-        raise ModelError(f"{name}: {held!r} was given, expected the name of a point of the body ({known})")
+        raise ModelError(f"{name}: {shown(held)} was given, expected the name of a point of the body ({known})")
     return places[held]
 
 
@@ -214,7 +214,7 @@ def _place(mesh: FiniteElements, name: str, held: Any) -> Nodes:
         nodes = np.array([mesh.points[held]], dtype=np.int64)
     else:
         known = ", ".join(map(repr, sorted({*mesh.sets, *mesh.points}))) or "none"
-        raise ModelError(f"{name}: {held!r} was given, expected the name of a point or set of the mesh ({known})")
+        raise ModelError(f"{name}: {shown(held)} was given, expected the name of a point or set of the mesh ({known})")
     return nodes, np.full(len(nodes), 1.0 / len(nodes))
 
 

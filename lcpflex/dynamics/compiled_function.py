@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.contact.laws.own_function import is_compiled
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.loads import Function, takes_state
 
 __all__ = ["DIFFERENCE_STEP", "CompiledFunction", "compiled_source"]
@@ -93,7 +93,7 @@ class CompiledFunction:
         sizes = (1, 3) if form == MOTION else (SIZES[form],)
         if values.ndim != 1 or values.size not in sizes or not np.isfinite(values).all():
             raise ModelError(
-                f"{self.name}: the function returned {returned!r} at t = {t:.9g} s, expected {EXPECTED[form]}"
+                f"{self.name}: the function returned {shown(returned)} at t = {t:.9g} s, expected {EXPECTED[form]}"
             )
         return values
 
@@ -122,7 +122,7 @@ def _compiled(source: Any, form: int) -> Any:
     try:
         return numba.cfunc(double(double, double, double, numba.types.CPointer(double)))(call)
     except Exception as error:
-        raise ModelError(f"function: {source!r} was given, which does not compile: {error}") from error
+        raise ModelError(f"function: {shown(source)} was given, which does not compile: {error}") from error
 
 
 def _value(function: Any) -> Callable[..., Any]:

@@ -21,7 +21,7 @@ from lcpflex.dynamics.compiled_function import (
     CompiledFunction,
     compiled_source,
 )
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
 from lcpflex.model import Model, Signals, frozen
 
@@ -153,10 +153,10 @@ def _called(
         values = np.asarray(returned, dtype=float)
     except (TypeError, ValueError):
         raise ModelError(
-            f"{name}: the function returned {returned!r} at t = {a[0]:.9g} s, expected {expected}"
+            f"{name}: the function returned {shown(returned)} at t = {a[0]:.9g} s, expected {expected}"
         ) from None
     if values.shape not in shapes or not np.isfinite(values).all():
-        raise ModelError(f"{name}: the function returned {returned!r} at t = {a[0]:.9g} s, expected {expected}")
+        raise ModelError(f"{name}: the function returned {shown(returned)} at t = {a[0]:.9g} s, expected {expected}")
     return values
 
 

@@ -16,7 +16,7 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.linking import link
 from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
@@ -343,7 +343,7 @@ class EventDriven:
         if self.first_step is not None:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
-            raise ModelError(f"impact: {self.impact!r} was given, expected Newton(), Poisson() or Energetic()")
+            raise ModelError(f"impact: {shown(self.impact)} was given, expected Newton(), Poisson() or Energetic()")
         as_solver(self.solver)
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:

@@ -29,7 +29,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.options import keep_number, keep_number_or_none
@@ -271,7 +271,7 @@ class GeneralizedAlpha:
             keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
-            raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
+            raise ModelError(f"adaptive: {shown(self.adaptive)} was given, expected an AdaptiveStep or None")
         as_solver(self.solver)
 
     def settings(self, scales: Scales) -> AlphaSettings:

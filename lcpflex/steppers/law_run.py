@@ -13,7 +13,7 @@ from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.contact.laws.memory import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.system import System
 
@@ -55,7 +55,8 @@ def refuse_states(system: System) -> None:
         else:
             continue
         raise ModelError(
-            f"law: {law!r} of contact {name!r} has {what}, expected a law without beside contacts by complementarity: "
+            f"law: {shown(law)} of contact {name!r} has {what}, expected a law without beside "
+            f"contacts by complementarity: "
             "Smooth takes it, with a law for every contact"
         )
 

@@ -14,7 +14,7 @@ from lcpflex.contact.laws.friction import SmoothedCoulomb
 from lcpflex.contact.laws.layout import LIMIT, OWN, ElasticLaw, LawRow
 from lcpflex.dynamics.contact_compliance import ContactCompliance
 from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.steppers.system import System
 
 __all__ = ["beyond_range", "checked_compliance", "compliance_rows", "expected_compliance", "out_of_range"]
@@ -27,12 +27,15 @@ NEGLIGIBLE = 1e-6  # part of the force of such an indentation
 def checked_compliance(compliance: Mapping[str, ElasticLaw]) -> dict[str, ElasticLaw]:
     """The laws as a dict; ModelError for what is no elastic law."""
     if not isinstance(compliance, Mapping):
-        raise ModelError(f"compliance: {compliance!r} was given, expected a dict of elastic laws by names of contacts")
+        raise ModelError(
+            f"compliance: {shown(compliance)} was given, expected a dict of elastic laws by names of contacts"
+        )
     for name, law in compliance.items():
         needed = ("kind", "parameters", "limit", "end", "lenient")
         if isinstance(law, type) or not all(hasattr(law, attribute) for attribute in needed) or law.kind == OWN:
             raise ModelError(
-                f"compliance[{name!r}]: {law!r} was given, expected an elastic law such as PowerLaw(1e6): at position "
+                f"compliance[{name!r}]: {shown(law)} was given, "
+                f"expected an elastic law such as PowerLaw(1e6): at position "
                 "level a contact has the force of its indentation and nothing else; damping, and functions of one's "
                 "own, take Smooth(law)"
             )
@@ -44,7 +47,7 @@ def compliance_rows(compliance: Mapping[str, ElasticLaw], names: tuple[str, ...]
     for name in compliance:
         if name not in names:
             known = ", ".join(names) or "none"
-            raise ModelError(f"compliance: {name!r} was given, expected names of declared contacts: {known}")
+            raise ModelError(f"compliance: {shown(name)} was given, expected names of declared contacts: {known}")
     laws = [compliance.get(name) for name in names] or [None] * n_laws
     return [None if law is None else law_row(law, None, SmoothedCoulomb()) for law in laws]
 

@@ -22,7 +22,7 @@ from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.linking import link
 from lcpflex.model import Model
 from lcpflex.options import keep_flag, keep_number, keep_number_or_none
@@ -229,7 +229,7 @@ class MoreauJean:
         keep_flag(self, "projection")
         keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         if not isinstance(self.adaptive, AdaptiveStep | None):
-            raise ModelError(f"adaptive: {self.adaptive!r} was given, expected an AdaptiveStep or None")
+            raise ModelError(f"adaptive: {shown(self.adaptive)} was given, expected an AdaptiveStep or None")
         as_solver(self.solver)
 
     def settings(self, scales: Scales) -> Settings:

@@ -19,7 +19,7 @@ import numpy as np
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.layout import LawRow
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
@@ -92,7 +92,7 @@ class Stiff:
 
         _keep_tolerances(self)
         if self.method not in (None, Radau, BDF):
-            raise ModelError(f"method: {self.method!r} was given, expected scipy.integrate.Radau or BDF")
+            raise ModelError(f"method: {shown(self.method)} was given, expected scipy.integrate.Radau or BDF")
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,15 +153,17 @@ class Smooth:
 
     def __post_init__(self) -> None:
         if not isinstance(self.laws, Mapping):
-            raise ModelError(f"laws: {self.laws!r} was given, expected a dict of laws by names of contacts")
+            raise ModelError(f"laws: {shown(self.laws)} was given, expected a dict of laws by names of contacts")
         for name, law in (("law", self.law), *((f"laws[{key!r}]", value) for key, value in self.laws.items())):
             if not isinstance(law, Law) and (law is not None or name != "law"):
                 raise ModelError(
-                    f"{name}: {law!r} was given, expected a force law such as Penalty(stiffness=1e6) or ContactLaw(...)"
+                    f"{name}: {shown(law)} was given, "
+                    f"expected a force law such as Penalty(stiffness=1e6) or ContactLaw(...)"
                 )
         if not isinstance(self.integrator, Integrator):
             raise ModelError(
-                f"integrator: {self.integrator!r} was given, expected ExplicitRungeKutta(), Stiff() or Verlet(step)"
+                f"integrator: {shown(self.integrator)} was given, "
+                f"expected ExplicitRungeKutta(), Stiff() or Verlet(step)"
             )
         object.__setattr__(self, "laws", dict(self.laws))
 
@@ -202,7 +204,7 @@ class Smooth:
         for name in self.laws:
             if name not in system.names:
                 known = ", ".join(system.names) or "none"
-                raise ModelError(f"laws: {name!r} was given, expected names of declared contacts: {known}")
+                raise ModelError(f"laws: {shown(name)} was given, expected names of declared contacts: {known}")
         own = system.laws or (None,) * len(system.names)
         mus = system.model.contacts.friction.tolist()
         chosen = []

@@ -92,7 +92,9 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     quantities = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
     scene = find(request.scene)
     if not (callable(scene) or hasattr(scene, "build")):
-        raise ModelError(f"SCENE: {request.scene!r} is {scene!r}; expected a Case or a function that builds a scene")
+        raise ModelError(
+            f"SCENE: {shown(request.scene)} is {shown(scene)}; expected a Case or a function that builds a scene"
+        )
     known = _methods(getattr(getattr(scene, "stepper", None), "step", STEP))
     methods = {_label(text): _method("--method", text, known) for text in request.method or [STEPPED]}
     truth = True if request.truth == OWN else None
@@ -106,7 +108,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
             owners = [one for one in (getattr(scene, "build", scene), *methods.values()) if callable(one)]
             name, values = _axis(option, text, owners)
             if name in axes:
-                raise ModelError(f"{option}: {name!r} was given twice; expected two parameters")
+                raise ModelError(f"{option}: {shown(name)} was given twice; expected two parameters")
             axes[name] = values
     if request.x is None and "step" not in axes:
         axes = {"step": _default_steps(scene, request.duration), **axes}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.bodies.body import Body, Rung
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.exchange import settled
 from lcpflex.scene import Scene
 from lcpflex.studies.outputs import Output, Part, chosen_outputs, motion_of, standard_outputs, trajectory, two_places
@@ -131,7 +131,7 @@ def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
         unknown = [one for one in outputs if isinstance(one, str) and one not in known_outputs()]
         if unknown:
             raise ModelError(
-                f"outputs: no output {unknown[0]!r}; expected one of {', '.join(known_outputs())}, or a function"
+                f"outputs: no output {shown(unknown[0])}; expected one of {', '.join(known_outputs())}, or a function"
             )
     return tuple(
         Output(one.name, _at(places), one.scale) if one.function is trajectory else one

@@ -86,7 +86,8 @@ class Output:
     def __post_init__(self) -> None:
         if not callable(self.function):
             raise ModelError(
-                f"outputs[{self.name!r}]: {self.function!r} was given, expected a function of a Result, or an Output"
+                f"outputs[{self.name!r}]: {shown(self.function)} was given, "
+                f"expected a function of a Result, or an Output"
             )
         if self.scale is not None:
             in_range(f"outputs[{self.name!r}].scale", self.scale, 0.0, float("inf"), open_ends=True)
@@ -144,7 +145,7 @@ def error_between(
     if measured.undefined or reference.undefined:
         raise ModelError(measured.undefined or reference.undefined)
     if (measured.number is None) != (reference.number is None):
-        raise ModelError(f"reference: {output.name!r} is a number here and a curve there; expected twice the same")
+        raise ModelError(f"reference: {shown(output.name)} is a number here and a curve there; expected twice the same")
     if measured.number is not None and reference.number is not None:
         by = reference if scale_of is None or scale_of.number is None else scale_of
         scale = _scale_of_number(output, by.number or 0.0)
@@ -157,7 +158,7 @@ def error_between(
     for part, other, scaling in zip(measured.parts, reference.parts, scales, strict=True):
         if part.curves.shape[1:] != other.curves.shape[1:]:
             raise ModelError(
-                f"outputs: {output.name!r} has curves of shape {part.curves.shape[1:]}, its reference "
+                f"outputs: {shown(output.name)} has curves of shape {part.curves.shape[1:]}, its reference "
                 f"{other.curves.shape[1:]}; expected the same: choose outputs that all these scenes have"
             )
         if not np.isfinite(part.curves).all():
@@ -280,10 +281,10 @@ def chosen_outputs(outputs: Any) -> tuple[Output, ...]:
     elif isinstance(outputs, Sequence):
         chosen = tuple(_output(value) for value in outputs)
     else:
-        raise ModelError(f"outputs: {outputs!r} was given, expected functions of a Result by name")
+        raise ModelError(f"outputs: {shown(outputs)} was given, expected functions of a Result by name")
     names = [output.name for output in chosen]
     if not names or len(set(names)) < len(names):
-        raise ModelError(f"outputs: {names!r} were given, expected at least one, with names that differ")
+        raise ModelError(f"outputs: {shown(names)} were given, expected at least one, with names that differ")
     return chosen
 
 
@@ -293,7 +294,7 @@ def _output(value: Any) -> Output:
     standard = known_outputs()
     if isinstance(value, str):
         if value not in standard:
-            raise ModelError(f"outputs: no output {value!r}; expected one of {', '.join(standard)}, or a function")
+            raise ModelError(f"outputs: no output {shown(value)}; expected one of {', '.join(standard)}, or a function")
         return standard[value]
     return Output(getattr(value, "__name__", "output"), value)
 

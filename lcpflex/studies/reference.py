@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.studies.confirmation import Confirmation, confirmed, settled_apart
 from lcpflex.studies.equal_times import UNKNOWN, EqualTimes, apart_at_equal_times, blur_at_equal_times
 from lcpflex.studies.looks import family_of
@@ -90,7 +90,7 @@ def analytic_reference(values: Mapping[str, Any], outputs: Sequence[Output], dur
     measured, errors, timing, recorded = {}, {}, {}, {}
     for name, value in values.items():
         if name not in known:
-            raise ModelError(f"reference: nothing measures {name!r}; expected one of {', '.join(known)}")
+            raise ModelError(f"reference: nothing measures {shown(name)}; expected one of {', '.join(known)}")
         if callable(value):
             curve = np.asarray(value(times), dtype=float)
             if curve.ndim not in (1, 2, 3) or len(curve) != len(times):
@@ -99,7 +99,7 @@ def analytic_reference(values: Mapping[str, Any], outputs: Sequence[Output], dur
         elif isinstance(value, (int, float)):
             measured[name] = Measured(times, (), float(value))
         else:
-            raise ModelError(f"reference[{name!r}]: {value!r} was given, expected a number or a function of times")
+            raise ModelError(f"reference[{name!r}]: {shown(value)} was given, expected a number or a function of times")
         if not measured[name].finite:
             raise ModelError(f"reference[{name!r}]: values that are not finite; expected finite numbers")
         recorded[name] = (

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
@@ -181,12 +181,16 @@ def _stepper(given: Any) -> Callable[[Any], Any]:
     if hasattr(given, "start") and not isinstance(given, type):
         return lambda scene: given
     if not callable(given) or isinstance(given, type):
-        raise ModelError(f"stepper: {given!r} was given, expected a stepper, or a function that makes one for a scene")
+        raise ModelError(
+            f"stepper: {shown(given)} was given, expected a stepper, or a function that makes one for a scene"
+        )
 
     def made(scene: Any) -> Any:
         one = given(scene)
         if isinstance(one, type) or not hasattr(one, "start"):
-            raise ModelError(f"stepper: the function made {one!r}, expected a stepper such as MoreauJean(step=1e-4)")
+            raise ModelError(
+                f"stepper: the function made {shown(one)}, expected a stepper such as MoreauJean(step=1e-4)"
+            )
         return one
 
     return made

@@ -168,7 +168,7 @@ class _Maker:
             return cls(label, None, thing, (), (), False)
         if not callable(thing):
             expected = "a Case or a function that builds a scene" if label == "scene" else "a stepper or a function"
-            raise ModelError(f"{label}: {thing!r} was given, expected {expected}")
+            raise ModelError(f"{label}: {shown(thing)} was given, expected {expected}")
         parameters = inspect.signature(thing).parameters.values()
         named = {p.name: p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
         anything = any(p.kind is p.VAR_KEYWORD for p in parameters)
@@ -179,7 +179,9 @@ class _Maker:
             if p.default is p.empty and name not in axes and not (wants_scene and name == BUILT)
         ]
         if missing:
-            raise ModelError(f"axes: {label} needs {missing[0]!r}, which no axis gives; expected it there or a default")
+            raise ModelError(
+                f"axes: {label} needs {shown(missing[0])}, which no axis gives; expected it there or a default"
+            )
         takes = tuple(name for name in axes if name in named or anything)
         return cls(label, thing, None, takes, tuple(name for name in named if name != BUILT), wants_scene)
 
@@ -354,4 +356,6 @@ def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, 
                 f"{maker.label}: {', '.join(maker.known) or 'none'}" for maker in (builder, *makers.values())
             )
             near = nearest(name, {known for maker in (builder, *makers.values()) for known in maker.known})
-            raise ModelError(f"axes: nothing takes {name!r}{near}; expected a parameter of one of these ({owners})")
+            raise ModelError(
+                f"axes: nothing takes {shown(name)}{near}; expected a parameter of one of these ({owners})"
+            )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.solvers.comparison import as_markdown
 from lcpflex.studies.outcome import Outcome
 from lcpflex.written import whole_file
@@ -87,7 +87,7 @@ class StabilityMap:
     def _largest(self, method: str, kinds: tuple[Outcome, ...]) -> FloatArray:
         name, values = next(iter(self.axes.items()))
         if not all(_is_number(value) for value in values):
-            raise ModelError(f"axes: the values of {name!r} are no numbers and have no order; expected numbers")
+            raise ModelError(f"axes: the values of {shown(name)} are no numbers and have no order; expected numbers")
         order = np.argsort(values)
         cells = _is_one_of(self.of(method).reshape(len(values), -1)[order], kinds)
         whole = np.logical_and.accumulate(cells, axis=0).sum(axis=0)

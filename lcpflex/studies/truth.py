@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.energy import EnergyGrowth
-from lcpflex.errors import LcpflexError, ModelError
+from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.result import Result
 from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
@@ -206,7 +206,7 @@ class _Search:
         for one in self.outputs:
             number = measured[one.name].number is not None
             if number and one.scale is None and is_nothing(measured[one.name]):
-                raise ModelError(f"{one.name!r} is zero, and no error can be relative to that; expected a scale")
+                raise ModelError(f"{shown(one.name)} is zero, and no error can be relative to that; expected a scale")
 
     def _differ(self, one: Trial, other: Trial) -> float:
         assert one.measured is not None

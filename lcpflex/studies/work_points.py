@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.errors import ModelError, in_range, writable_path
+from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.studies.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.trial import brief
@@ -108,7 +108,7 @@ class SceneStudy:
         """The name of an output, the first by default. Raises ModelError for an unknown one."""
         names = [output.name for output in self.outputs]
         if name is not None and name not in names:
-            raise ModelError(f"output: no output {name!r}; expected one of {', '.join(names)}")
+            raise ModelError(f"output: no output {shown(name)}; expected one of {', '.join(names)}")
         return names[0] if name is None else name
 
     def limited(self, point: WorkPoint, output: str) -> bool:
@@ -192,7 +192,7 @@ class WorkPrecision:
         """The study of one scene, the first by default. Raises ModelError for an unknown one."""
         names = [study.scene for study in self.studies]
         if scene is not None and scene not in names:
-            raise ModelError(f"scene: no scene {scene!r}; expected one of {', '.join(names)}")
+            raise ModelError(f"scene: no scene {shown(scene)}; expected one of {', '.join(names)}")
         return self.studies[0 if scene is None else names.index(scene)]
 
     def cheapest(

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.bodies.body import whole_number
 from lcpflex.energy import EnergyGrowth
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.studies.equal_times import apart_at_equal_times, blur_at_equal_times
 from lcpflex.studies.outputs import (
     Output,
@@ -124,7 +124,7 @@ def work_precision(
     named = _named_scenes(scenes)
     growth = energy_growth if isinstance(energy_growth, EnergyGrowth) else None
     if growth is None:
-        raise ModelError(f"energy_growth: {energy_growth!r} was given, expected one of EnergyGrowth")
+        raise ModelError(f"energy_growth: {shown(energy_growth)} was given, expected one of EnergyGrowth")
     request = _Request(
         None if methods is None else _checked_methods(methods),
         reference,
@@ -188,12 +188,12 @@ def _label(scene: Any) -> str:
 
 def _checked_methods(methods: Any) -> dict[str, tuple[Any, ...]]:
     if not isinstance(methods, Mapping) or not methods:
-        raise ModelError(f"methods: {methods!r} was given, expected series of steppers by label")
+        raise ModelError(f"methods: {shown(methods)} was given, expected series of steppers by label")
     checked = {}
     for label, series in methods.items():
         steppers = tuple(series) if isinstance(series, Sequence) else (series,)
         if not steppers or any(isinstance(one, type) or not hasattr(one, "start") for one in steppers):
-            raise ModelError(f"methods[{label!r}]: {series!r} was given, expected a sequence of steppers")
+            raise ModelError(f"methods[{label!r}]: {shown(series)} was given, expected a sequence of steppers")
         checked[str(label)] = steppers
     return checked
 
@@ -202,7 +202,7 @@ def _variants(varied: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
     for name, values in varied.items():
         if isinstance(values, str) or not isinstance(values, Sequence) or not values:
             raise ModelError(
-                f"{name}: {values!r} was given, expected a sequence of values for the builder of the scene"
+                f"{name}: {shown(values)} was given, expected a sequence of values for the builder of the scene"
             )
     return [dict(zip(varied, values, strict=True)) for values in itertools.product(*varied.values())]
 
@@ -211,7 +211,7 @@ def _study(request: _Request, label: str, scene: Any, variants: Sequence[Mapping
     """All methods on all variants of one scene, and their errors; up to an interruption by Ctrl-C."""
     duration = request.duration or getattr(scene, "duration", None)
     if duration is None:
-        raise ModelError(f"duration: not given, and {label!r} does not say; expected a number of seconds > 0")
+        raise ModelError(f"duration: not given, and {shown(label)} does not say; expected a number of seconds > 0")
     series: dict[str, list[Trial]] = {}
     notes: list[str] = []
     conditions = [_conditions(request, _builder(label, scene, variant), duration) for variant in variants]
@@ -264,7 +264,7 @@ def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[],
     build = getattr(scene, "build", scene)
     if not callable(build):
         if variant:
-            raise ModelError(f"{next(iter(variant))}: {label!r} is no function whose parameters could be varied")
+            raise ModelError(f"{next(iter(variant))}: {shown(label)} is no function whose parameters could be varied")
         return lambda: scene
     try:
         inspect.signature(build).bind(**variant)
@@ -326,7 +326,7 @@ def _given_reference(request: _Request, label: str, conditions: Conditions) -> R
     if isinstance(given, Mapping):
         return analytic_reference(given, conditions.outputs, conditions.duration)
     if isinstance(given, type) or not hasattr(given, "start"):
-        raise ModelError(f"reference: {given!r} was given, expected exact values by output, a stepper or None")
+        raise ModelError(f"reference: {shown(given)} was given, expected exact values by output, a stepper or None")
     return converged_reference(conditions, given)
 
 

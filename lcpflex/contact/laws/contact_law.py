@@ -22,7 +22,7 @@ from lcpflex.contact.laws.layout import (
     FrictionLaw,
     LawRow,
 )
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["ContactLaw", "law_row"]
 
@@ -90,4 +90,4 @@ def law_row(elastic: ElasticLaw, damping: Damping | None, friction: FrictionLaw)
 def _check_part(name: str, part: Any, needed: tuple[str, ...], example: str) -> None:
     if isinstance(part, type) or not all(hasattr(part, attribute) for attribute in needed):
         kind = {"elastic": "an elastic law", "damping": "a damping", "friction": "a friction law"}[name]
-        raise ModelError(f"{name}: {part!r} was given, expected {kind} such as {example}")
+        raise ModelError(f"{name}: {shown(part)} was given, expected {kind} such as {example}")

@@ -16,7 +16,7 @@ from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import LIU, PERSSON, POWER
 from lcpflex.contact.laws.line_contact import check_pair
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.options import keep_number
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
@@ -236,7 +236,7 @@ class Persson(ElasticFace):
         last = LAST_ANGLE if self.lenient else CHECKED_ANGLE
         wrong = ~((values >= 0.0) & (values <= last))
         if wrong.any():
-            raise ModelError(f"eps: {values[wrong].flat[0]!r} rad was given, expected 0 to {last:.6g} rad")
+            raise ModelError(f"eps: {shown(values[wrong].flat[0])} rad was given, expected 0 to {last:.6g} rad")
         if (values > CHECKED_ANGLE).any():
             text = f"eps: {values.max():.6g} rad was given, Persson is checked up to {CHECKED_ANGLE:.6g} rad"
             warnings.warn(text, ModelWarning, stacklevel=2)

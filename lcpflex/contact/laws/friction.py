@@ -36,7 +36,7 @@ from lcpflex.contact.laws.static_friction import (
     slip_of,
     static_coefficient,
 )
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.options import keep_number
 
 __all__ = [
@@ -209,7 +209,7 @@ class Ambrosio(MemorylessFriction):
         keep_number(self, "rest_speed", 0.0, math.inf)
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         if not self.slip_speed > self.rest_speed:
-            raise ModelError(f"slip_speed: {self.slip_speed!r} was given, expected more than rest_speed")
+            raise ModelError(f"slip_speed: {shown(self.slip_speed)} was given, expected more than rest_speed")
 
     @property
     def kind(self) -> int:

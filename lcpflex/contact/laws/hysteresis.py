@@ -15,7 +15,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.options import keep_number
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
@@ -144,7 +144,7 @@ def check_linear(name: str, elastic: ElasticLaw) -> None:
     """Raise ModelError unless ``elastic`` is a linear spring."""
     if elastic.kind != POWER or elastic.parameters[1] != 1.0:
         raise ModelError(
-            f"damping: {name} was given with {elastic!r}, expected a linear spring, PowerLaw(K, exponent=1)"
+            f"damping: {name} was given with {shown(elastic)}, expected a linear spring, PowerLaw(K, exponent=1)"
         )
 
 
@@ -180,7 +180,7 @@ class HysteresisDamping:
 
     def __post_init__(self) -> None:
         if not isinstance(self.factor, HysteresisFactor):
-            raise ModelError(f"factor: {self.factor!r} was given, expected a HysteresisFactor such as EXACT")
+            raise ModelError(f"factor: {shown(self.factor)} was given, expected a HysteresisFactor such as EXACT")
         keep_number(self, "restitution", 0.0, 1.0)
         keep_number(self, "guard_speed", 0.0, math.inf, open_ends=True)
         self.factor.eta(self.restitution)

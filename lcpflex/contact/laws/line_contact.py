@@ -22,7 +22,7 @@ from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import LOGARITHMIC
-from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.options import keep_flag, keep_number
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
@@ -33,7 +33,7 @@ def check_pair(law: Any) -> None:
     keep_flag(law, "lenient")
     if not isinstance(law.pair, CylinderPair):
         expected = "expected a CylinderPair, such as CylinderPair.internal(...)"
-        raise ModelError(f"pair: {law.pair!r} was given, {expected}")
+        raise ModelError(f"pair: {shown(law.pair)} was given, {expected}")
     law.pair.check(law.lenient)
 
 
@@ -256,7 +256,7 @@ class Esdu78035(Logarithmic):
     def __post_init__(self) -> None:
         check_pair(self)
         if self.reading not in ("pi", "review"):
-            raise ModelError(f'reading: {self.reading!r} was given, expected "pi" or "review"')
+            raise ModelError(f'reading: {shown(self.reading)} was given, expected "pi" or "review"')
         if not self.pair.is_internal:
             text = "pair: cylinders side by side were given, expected a pin in a hole, CylinderPair.internal(...)"
             if not self.lenient:

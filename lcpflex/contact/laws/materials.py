@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from lcpflex.errors import ModelError, ModelWarning, as_number, in_range
+from lcpflex.errors import ModelError, ModelWarning, as_number, in_range, shown
 
 __all__ = ["Material", "check_materials", "check_units", "contact_modulus"]
 
@@ -54,7 +54,7 @@ def check_materials(material: Any, other: Any) -> None:
     """Two materials, the second None where it is the same, not both of them rigid."""
     for name, value in (("material", material), ("other", other)):
         if not isinstance(value, Material) and not (name == "other" and value is None):
-            raise ModelError(f"{name}: {value!r} was given, expected a Material(youngs_modulus, poissons_ratio)")
+            raise ModelError(f"{name}: {shown(value)} was given, expected a Material(youngs_modulus, poissons_ratio)")
     if material.compliance + (other or material).compliance == 0.0:
         raise ModelError("material, other: two rigid ones were given, expected one at least to be elastic")
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["OwnFunction", "is_compiled"]
 
@@ -136,5 +136,5 @@ def _compiled(function: Function, n: int) -> Any:
         return numba.cfunc(signature)(call)
     except Exception as error:  # not those of numba alone: some Python it does not know fails deep in it
         if is_compiled(function):
-            raise ModelError(f"function: {function!r} was given, which does not compile: {error}") from error
+            raise ModelError(f"function: {shown(function)} was given, which does not compile: {error}") from error
         return None

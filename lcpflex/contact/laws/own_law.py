@@ -17,7 +17,7 @@ from lcpflex.contact.laws.given import finite_numbers, numbers_of
 from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
 from lcpflex.contact.laws.own_function import OwnFunction
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import flag
 
 __all__ = ["OwnLaw"]
@@ -81,7 +81,7 @@ class OwnLaw(ElasticFace):
         compiled: bool = True,
     ) -> None:
         if isinstance(parameters, str) or not isinstance(parameters, (Sequence, np.ndarray)):
-            raise ModelError(f"parameters: {parameters!r} was given, expected a sequence of numbers")
+            raise ModelError(f"parameters: {shown(parameters)} was given, expected a sequence of numbers")
         values = tuple(in_range(f"parameters[{i}]", x, -math.inf, math.inf) for i, x in enumerate(parameters))
         _try(function, values)
         object.__setattr__(self, "function", function)
@@ -157,7 +157,7 @@ class OwnLaw(ElasticFace):
         """Raise what the function raised, and ModelError where it returned no finite number."""
         words = self.own.complaint()
         if words:
-            raise ModelError(f"function: {self.function!r} was given, {words}")
+            raise ModelError(f"function: {shown(self.function)} was given, {words}")
 
 
 def _again(function: Callable[..., float], values: tuple[float, ...], guard_speed: float, compiled: bool) -> OwnLaw:
@@ -168,11 +168,13 @@ def _try(function: Any, parameters: tuple[float, ...]) -> None:
     """Raise ModelError where ``function`` cannot be called as a law, or returns no finite number."""
     expected = "expected a function (indentation, rate, impact_speed, parameters) -> float"
     if not callable(function):
-        raise ModelError(f"function: {function!r} was given, {expected}")
+        raise ModelError(f"function: {shown(function)} was given, {expected}")
     try:
         force = function(*TRIAL, np.array(parameters))
     except Exception as error:
         called = f"called with indentation 1e-6 m, rate 0, impact speed 1 m/s it raised {type(error).__name__}: {error}"
-        raise ModelError(f"function: {function!r} was given, {expected}; {called}") from error
+        raise ModelError(f"function: {shown(function)} was given, {expected}; {called}") from error
     if isinstance(force, bool) or not isinstance(force, numbers.Real) or not math.isfinite(force):
-        raise ModelError(f"function: {function!r} was given, which returned {force!r}, {expected} that is finite")
+        raise ModelError(
+            f"function: {shown(function)} was given, which returned {shown(force)}, {expected} that is finite"
+        )

@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.power_law import PowerLaw
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["PowerFit", "fit_power_law"]
 
@@ -68,21 +68,21 @@ def fit_power_law(
         For a range that is none, loads beyond the range of validity of the law, and less than the first indentation.
     """
     if not isinstance(law, ElasticFace):
-        raise ModelError(f"law: {law!r} was given, expected an elastic law, such as Johnson(pair)")
+        raise ModelError(f"law: {shown(law)} was given, expected an elastic law, such as Johnson(pair)")
     try:
         low, high = load_range
     except (TypeError, ValueError):
-        raise ModelError(f"load_range: {load_range!r} was given, expected two loads (low, high) in N") from None
+        raise ModelError(f"load_range: {shown(load_range)} was given, expected two loads (low, high) in N") from None
     low = in_range("load_range[0]", low, 0.0, math.inf)
     high = in_range("load_range[1]", high, low, math.inf, open_ends=True)
     if not isinstance(points, int | np.integer) or not 10 <= points <= 1e8:
-        raise ModelError(f"points: {points!r} was given, expected a whole number from 10 to 1e8")
+        raise ModelError(f"points: {shown(points)} was given, expected a whole number from 10 to 1e8")
     in_range("error_from", error_from, 0.0, math.inf)
     force = low + (high - low) * np.arange(1, points + 1) / points
     delta = law.indentation(force)
     if not error_from < delta[-1]:
         raise ModelError(
-            f"error_from: {error_from!r} m was given, expected less than {delta[-1]:g} m, at the last load"
+            f"error_from: {shown(error_from)} m was given, expected less than {delta[-1]:g} m, at the last load"
         )
     factor, exponent = _least_squares(delta / delta[-1], force / force[-1])
     stiffness = factor * force[-1] / delta[-1] ** exponent

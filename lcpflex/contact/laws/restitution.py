@@ -17,7 +17,7 @@ from lcpflex.contact.laws.damping import (
 )
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.hysteresis import HysteresisFactor
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["DissipativeLaw", "prescribed_restitution", "restitution_of"]
 
@@ -57,7 +57,7 @@ def restitution_of(law: DissipativeLaw, e: ArrayLike) -> Any:
     """
     if not (isinstance(law, HysteresisFactor) or law in CLASSES):
         names = ", ".join(known.__name__ for known in CLASSES)
-        raise ModelError(f"law: {law!r} was given, expected a HysteresisFactor or one of the classes {names}")
+        raise ModelError(f"law: {shown(law)} was given, expected a HysteresisFactor or one of the classes {names}")
     return law.rebound(e)
 
 

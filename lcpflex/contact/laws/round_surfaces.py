@@ -6,7 +6,7 @@ import math
 from typing import Protocol
 
 from lcpflex.contact.shapes import Kind, Surface
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Shaped", "radii_between"]
 
@@ -40,7 +40,9 @@ def radii_between(a: Shaped, b: Shaped) -> tuple[float, float]:
 def _radius(argument: str, surface: Shaped) -> float:
     shape = getattr(surface, "shape", None)
     if not isinstance(shape, Surface):
-        raise ModelError(f"{argument}: {surface!r} was given, expected a surface such as body.circle((0, 0), 0.01)")
+        raise ModelError(
+            f"{argument}: {shown(surface)} was given, expected a surface such as body.circle((0, 0), 0.01)"
+        )
     if shape.kind is Kind.HALF_PLANE:
         return math.inf
     if shape.kind is Kind.HOLE:

@@ -10,7 +10,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import finite_numbers
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.options import keep_number
 
 LARGEST = 10**8  # forces at a time
@@ -42,7 +42,8 @@ def check_static_friction(static: float | None, mu: float, contact: str) -> None
         return
     if static < mu:
         raise ModelError(
-            f"static_friction: {static!r} was given, expected at least the friction {mu!r} of contact {contact!r}"
+            f"static_friction: {shown(static)} was given, "
+            f"expected at least the friction {shown(mu)} of contact {contact!r}"
         )
 
 
