@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ __all__ = [
     "positive",
     "sequence_of",
     "text",
+    "told_by",
     "unknown",
     "whole_number",
 ]
@@ -125,6 +126,20 @@ def sequence_of(name: str, value: Any, expected: str, most: int = 1_000_000) -> 
     except Exception:  # what has no length, and objects of a user
         pass
     raise ModelError(f"{name}: {shown(value)} was given, expected {expected}")
+
+
+def told_by(name: str, function: Callable[[str], Any]) -> Callable[[str], bool]:
+    """A function of the user's that tells whether, for a name; what it raises is said with its own name."""
+
+    def told(given: str) -> bool:
+        try:
+            answer = function(given)
+        except Exception as error:
+            words = f"the function raised {type(error).__name__}: {shown(str(error))}, expected True or False"
+            raise ModelError(f"{name}: {words} for {shown(given)}") from error
+        return flag(f"{name}({shown(given)})", answer)
+
+    return told
 
 
 def text(name: str, value: Any, expected: str = "a text") -> str:

@@ -20,8 +20,8 @@ __all__ = ["at_least", "is_number", "keep_at_least", "keep_flag", "keep_number",
 def is_number(value: Any) -> bool:
     """Whether ``value`` is a real number, a truth value, or an array without dimensions of one."""
     if isinstance(value, np.ndarray):
-        return value.ndim == 0 and value.dtype.kind in "biuf"
-    return isinstance(value, Real | np.bool_)
+        return value.ndim == 0 and value.dtype.kind in "biuf" and not isinstance(value, np.ma.MaskedArray)
+    return isinstance(value, Real | np.bool_) and not isinstance(value, np.timedelta64)
 
 
 def at_least(name: str, value: Any, low: float, expected: str, *, open_end: bool = False) -> float:

@@ -63,7 +63,7 @@ class RecordProblems:
                 raise ModelError(f"{name}: {shown(value)} was given, expected an integer > 0")
         if self.every is not None and self.hardest is not None:
             raise ModelError(f"every, hardest: {self.every} and {self.hardest} were given, expected one of the two")
-        if self.by not in MEASURES:
+        if not isinstance(self.by, str) or self.by not in MEASURES:
             raise ModelError(f"by: {shown(self.by)} was given, expected one of {', '.join(MEASURES)}")
         writable_path("path", self.path)
 

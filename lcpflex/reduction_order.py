@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ReductionOrder", "order_of"]
 
+MOST_MODES = 1_000_000  # far more than any body has that can be reduced
 CONTACT_NODES = 3  # of a surface that get residual modes: its ends and its middle
 MORE_NODES = (3, 5, 9)  # that are tried, the fewest first, where free modes do not do
 
@@ -173,7 +174,7 @@ def order_of(
     """
     if modes is None:
         raise ModelError(f"modes: none were given for {type(model).__name__}, expected a number of free modes, modes=8")
-    n = whole_number("modes", modes, 0)
+    n = whole_number("modes", modes, 0, MOST_MODES)
     check_stiffening(stiffening)
     if damping is not None:
         check_damping(damping, n)

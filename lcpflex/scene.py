@@ -17,7 +17,7 @@ from lcpflex.clearances import Clearances
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
-from lcpflex.given import absent, flag
+from lcpflex.given import absent, flag, told_by
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Axis, Model, refrozen
@@ -417,7 +417,7 @@ class Scene(Clearances):
         """
         if indents is not None and (isinstance(indents, type) or not callable(indents)):
             raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
-        compiled = self.compiled(flag("project", project), indents)
+        compiled = self.compiled(flag("project", project), None if indents is None else told_by("indents", indents))
         for text in compiled.warnings:
             warnings.warn(text, ModelWarning, stacklevel=2)
         return compiled

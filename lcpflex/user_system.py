@@ -201,7 +201,8 @@ def _call(name: str, function: Callable[..., Any], shape: tuple[int | None, ...]
     try:
         value = function(*arguments)
     except Exception as error:
-        raise ModelError(f"{name}: the function raised {type(error).__name__}: {error}") from error
+        words = f"the function raised {type(error).__name__}: {shown(str(error))}, expected an array of shape {shape}"
+        raise ModelError(f"{name}: {words}") from error
     return _array(f"{name} (returned)", value, shape)
 
 

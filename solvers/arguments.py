@@ -5,16 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.solvers.problem import PosedProblem, Solution
+from lcpflex.given import whole_number
+from lcpflex.solvers.problem import PosedProblem, Solution, check_tolerance
 
-__all__ = ["check_guess", "check_solver", "posed"]
+__all__ = ["check_guess", "check_options", "check_problem", "check_repeats", "check_solver", "posed"]
 
 
 _WAYS = ("lcp", "solve_by", "residual", "slack")
 _POSED: set[type] = set()  # types that are known to have them
 
 
-def posed(problem: Any) -> PosedProblem:
+def posed(problem: Any, name: str = "problem") -> PosedProblem:
     """A problem that an LCP solver takes by way of its :meth:`lcp`. Raises ModelError for anything else."""
     if type(problem) in _POSED:
         return problem  # type: ignore[no-any-return]
@@ -24,7 +25,7 @@ def posed(problem: Any) -> PosedProblem:
             _POSED.add(type(problem))
         sound: PosedProblem = problem
         return sound
-    raise ModelError(f"problem is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")
+    raise ModelError(f"{name} is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")
 
 
 def check_guess(guess: Any) -> None:
@@ -37,3 +38,21 @@ def check_solver(solver: Any) -> None:
     """Raise ModelError for what cannot solve an LCP."""
     if isinstance(solver, type) or not callable(getattr(solver, "solve", None)):
         raise ModelError(f"solver is {shown(solver)}: expected a solver such as Auto()")
+
+
+def check_repeats(repeats: int) -> None:
+    """Raise ModelError for what is no integer from 1 to a million."""
+    whole_number("repeats", repeats, 1, 1_000_000)
+
+
+def check_options(repeats: int, tolerance: float | None) -> None:
+    """Raise ModelError for repeats < 1, and for a tolerance that is none."""
+    check_repeats(repeats)
+    if tolerance is not None:
+        check_tolerance(tolerance)
+
+
+def check_problem(name: str, problem: Any) -> None:
+    """Raise ModelError for problems that no solver takes."""
+    if isinstance(problem, type) or not all(hasattr(problem, part) for part in ("size", "slack", "residual")):
+        raise ModelError(f"{name} is {shown(problem)}: expected Lcp, ContactProblem, or a posed problem")

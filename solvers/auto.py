@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import ModelError, SolverError
-from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.errors import SolverError
+from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.contact_forms import from_copositive
@@ -245,13 +245,14 @@ def solve_lcp(
         If the problem was not solved; its ``solution`` holds the best point, the reason, and the proof if none exists.
     """
     if q is None:
-        if not (hasattr(M, "residual") and hasattr(M, "lcp")) and not isinstance(M, Lcp):
-            raise ModelError(
-                f"q is None: expected a vector, or a problem instead of M (a {type(M).__name__} was given)"
-            )
+        if not isinstance(M, Lcp):
+            posed(M, "M, without q,")
         problem = M
     else:
         problem = Lcp(M, q)  # type: ignore[arg-type]
+    if solver is not None:
+        check_solver(solver)
+    check_guess(guess)
     solution = (Auto() if solver is None else solver).solve(problem, guess)  # type: ignore[arg-type]
     if not solution.solved:
         status = _words(solution.status)

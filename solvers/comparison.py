@@ -18,11 +18,13 @@ import numpy as np
 import lcpflex.solvers
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.given import text
+from lcpflex.solvers.arguments import check_options, check_problem, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import TimeLimit, check_time_limit
 from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
 from lcpflex.solvers.own import TARGET, named_solvers, own_part, own_tolerance
-from lcpflex.solvers.problem import Solution, Status, check_limit, check_tolerance
+from lcpflex.solvers.problem import Lcp, Solution, Status, check_tolerance
 from lcpflex.solvers.records import version_of
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
@@ -40,6 +42,8 @@ def all_solvers(problem: Any = None) -> dict[str, Any]:
 
     problem: leave out those that refuse it.
     """
+    if problem is not None and not isinstance(problem, Lcp):
+        posed(problem)
     found: dict[str, Any] = {}
     for name in lcpflex.solvers.__all__:
         kind: Any = getattr(lcpflex.solvers, name)
@@ -178,14 +182,20 @@ def cross_check(
     ModelError
         For repeats < 1, problems no solver takes, and what is no solver. What a solver raises is shown in its row.
     """
-    check_request(problem, repeats)
+    check_options(repeats, tolerance)
+    check_problem("problem", problem)
+    if name != "":
+        text("name", name)
     ready = ready_solvers(solvers, time_limit)
     return solve_all(problem, ready, repeats, {}, tolerance, name)[0]
 
 
 def ready_solvers(solvers: Any, time_limit: float | None) -> dict[str, Any]:
     """The solvers by name, each with its limit of time."""
-    named = all_solvers() if solvers is None else named_solvers(solvers)
+    try:
+        named = all_solvers() if solvers is None else named_solvers(solvers)
+    except ModelError as error:
+        raise ModelError(f"solvers: {error}") from None
     if check_time_limit("time_limit", time_limit) is None:
         return named
     return {name: TimeLimit(solver, time_limit) for name, solver in named.items()}  # type: ignore[arg-type]
@@ -210,21 +220,6 @@ def solve_all(
     verdict = _verdict(problem, rows, reference)
     check = CrossCheck(rows, reference, verdict, name, type(problem).__name__, int(problem.size))
     return check, {n: s for n, (_, s) in tried.items()}
-
-
-def check_repeats(repeats: int) -> None:
-    """Raise ModelError for what is no positive integer."""
-    if repeats is None:
-        raise ModelError("repeats is None: expected a positive integer")
-    check_limit("repeats", repeats)
-
-
-def check_request(problem: Any, repeats: int) -> None:
-    """Raise ModelError for repeats < 1 and problems that no solver takes."""
-    check_repeats(repeats)
-    if not all(hasattr(problem, name) for name in ("size", "slack", "residual")):
-        kind = type(problem).__name__
-        raise ModelError(f"problem is a {kind}, which no solver takes: expected Lcp, ContactProblem, or a posed one")
 
 
 def _attempt(

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
 from lcpflex.solvers.condensation import condensed, contact_problem, planar_rows
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.spatial import SpatialContactProblem
@@ -36,6 +36,7 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     Raises ModelError without it, for a damaged file, for bodies whose equations are singular, for rolling friction, and
     for matrices of more than 8000 rows.
     """
+    path = path_of("path", path)
     h5py, name = _h5py(), str(path)[-SHOWN:]
     expected = LOCAL
     try:
@@ -69,7 +70,7 @@ def save_fclib(path: str | os.PathLike[str], problem: ContactProblem | SpatialCo
     else:
         kind = type(problem).__name__
         raise ModelError(f"problem is a {kind}: expected a ContactProblem or a SpatialContactProblem")
-    h5py, target = _h5py(), Path(path)
+    h5py, target = _h5py(), path_of("path", path)
     part = target.with_name(f"{target.name}.{os.getpid()}.part")
     try:
         with h5py.File(part, "w") as file:

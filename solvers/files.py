@@ -18,7 +18,8 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
+from lcpflex.given import sequence_of, text
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.written import whole_file
@@ -45,17 +46,19 @@ def save_problems(
     The file appears whole or not at all. Raises ModelError for a folder that cannot be written to, a problem of
     another kind, or another number of names than problems.
     """
-    target = Path(path)
+    target = path_of("path", path)
     if target.suffix != ".npz":
-        target = target.with_name(target.name + ".npz")
+        target = path_of("path", target.with_name(target.name + ".npz"))
+    problems = sequence_of("problems", problems, "a sequence of problems")
     if names is None:
         names = [f"problem {i}" for i in range(len(problems))]
+    names = [text(f"names[{i}]", name) for i, name in enumerate(sequence_of("names", names, "a sequence of texts"))]
     if len(names) != len(problems):
         raise ModelError(f"names has {len(names)} entries: expected {len(problems)}, one for each problem")
     arrays: dict[str, Any] = {}
     for i, (problem, name) in enumerate(zip(problems, names, strict=True)):
         arrays |= {f"{key}_{i}": value for key, value in arrays_of(problem).items()}
-        arrays[f"name_{i}"] = np.array(str(name))
+        arrays[f"name_{i}"] = np.array(name)
     with whole_file("path", target) as part, part.open("wb") as stream:
         np.savez_compressed(stream, **arrays)
     return target
@@ -67,9 +70,10 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
     Raises ModelError, naming the file, the key and what was expected, for a file that is missing, damaged or does not
     hold a problem.
     """
-    name = str(path)
+    file = path_of("path", path)
+    name = str(file)
     try:
-        with Path(path).open("rb") as stream:  # which numpy leaves open where the file is damaged
+        with file.open("rb") as stream:  # which numpy leaves open where the file is damaged
             stored = np.load(stream, allow_pickle=False)
             if not hasattr(stored, "files"):
                 raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
@@ -101,9 +105,10 @@ def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
     test data have, n, 0 (dense storage), n, n, n, n, then M *column by column*, then q, then any remarks. Raises
     ModelError for anything else.
     """
+    file = path_of("path", path)
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError) as error:
+        lines = file.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError, MemoryError) as error:
         raise ModelError(f"{path}: cannot be read ({error}); expected a text file") from error
     words = [line.partition("#")[0].split() for line in lines]
     if (found := _siconos(path, words)) is not None:

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import numbers, point_of
+from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.boxes import CANCELLED, DOUBLE, FREE, box_parts, recover_box, reduce_box, sound_box
@@ -117,7 +117,7 @@ class BoxedLcp:
         the bounds are 0 and inf. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
         worst, size, load = box_parts(*self.data, point_of("z", z, self.size), np.empty(self.size))
-        return float(guarded_residual(worst, size, load)) if scaled else float(worst)
+        return float(guarded_residual(worst, size, load)) if flag("scaled", scaled) else float(worst)
 
     def judged(self, point: FloatArray) -> tuple[FloatArray, float, float]:
         """w of a point (n,), and its residual in the two sizes of a :class:`Solution`."""

@@ -25,6 +25,7 @@ from lcpflex.solvers.certificate import (
     residual_parts,
     weigh,
 )
+from lcpflex.solvers.claims import check_claim, check_vectors
 from lcpflex.solvers.exact_systems import ExactSystem, exact_rows
 from lcpflex.solvers.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
 from lcpflex.solvers.status import Status
@@ -285,9 +286,13 @@ def accept(
     z (n,): the point; status: what the algorithm believes; its word counts only for *why* it failed. SOLVED is granted
     if and only if the residual is within the tolerance; NOT_UNIQUE only if that holds for at least two ``solutions``
     that differ; INFEASIBLE and NO_SOLUTION only with a ``proof`` about this problem, the former also where the
-    ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic.
+    ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic. Raises ModelError for
+    arguments of other kinds.
     """
+    check_claim(problem, tolerance, iterations, status, route, message, proof)
     point = as_array("z", z, 1)
+    if solutions != () or active is not None or certificate is not None:
+        check_vectors(len(point), solutions, active=active, certificate=certificate)
     w, residual, strict = _judged(problem, point)
     if residual <= tolerance:
         judged, proof = Status.SOLVED, None

@@ -25,7 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time
@@ -67,9 +67,9 @@ class QuadraticProgram:
         keep_tolerance(self)
         import qpsolvers
 
-        if self.backend not in qpsolvers.available_solvers:
+        if not isinstance(self.backend, str) or self.backend not in qpsolvers.available_solvers:
             installed = ", ".join(sorted(qpsolvers.available_solvers))
-            raise ModelError(f"backend is {self.backend!r}: expected one of the installed {installed}")
+            raise ModelError(f"backend is {shown(self.backend)}: expected one of the installed {installed}")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

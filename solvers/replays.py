@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import flag
 from lcpflex.solvers import comparison as one
+from lcpflex.solvers.arguments import check_options, check_problem
 from lcpflex.solvers.comparison import CrossCheck, Row
 from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.records import as_csv, csv_of
@@ -139,13 +141,21 @@ def replay(
     progress: called with the numbers of problems done and in all. Raises ModelError if there is no problem or no
     solver, and as :func:`cross_check` does.
     """
-    named = [(str(getattr(p, "name", f"problem {i}")), getattr(p, "problem", p)) for i, p in enumerate(problems)]
+    if isinstance(problems, str | bytes | Mapping | np.ma.MaskedArray) or not isinstance(problems, Iterable):
+        raise ModelError(f"problems is {shown(problems)}: expected a sequence of problems")
+    named = []
+    for i, given in enumerate(problems):
+        problem = getattr(given, "problem", given)
+        check_problem(f"problems[{i}]", problem)
+        named.append((str(getattr(given, "name", f"problem {i}")), problem))
     solvers = one.ready_solvers(solvers, time_limit)
     for what, given in (("problems", named), ("solvers", solvers)):
         if not given:
             raise ModelError(f"{what} is empty: expected at least one")
-    for _, problem in named:
-        one.check_request(problem, repeats)
+    check_options(repeats, tolerance)
+    if progress is not None and (isinstance(progress, type) or not callable(progress)):
+        raise ModelError(f"progress is {shown(progress)}: expected a function of two numbers, or None")
+    warm = flag("warm", warm)
     guesses: dict[str, Solution | None] = {}
     checks: list[CrossCheck] = []
     for done, (name, problem) in enumerate(named, 1):

@@ -18,12 +18,11 @@ from __future__ import annotations
 
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, path_of
 from lcpflex.solvers.condensation import condensed, contact_problem
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.mixed import MixedLcp
@@ -42,7 +41,7 @@ class _Reader:
     """The words of a file one after the other, with the line each is from."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = path_of("path", path)
         try:
             self._lines = self.path.read_text(encoding="utf-8").splitlines()
         except (OSError, ValueError) as error:

@@ -27,6 +27,7 @@ from lcpflex.bodies.material import check_material
 from lcpflex.bodies.reduction import (
     Damping,
     check_damping,
+    check_residual,
     count_of_modes,
     sampled,
     vanish,
@@ -114,6 +115,7 @@ class Bar:
         """
         n = count_of_modes(modes, self.elements)
         check_damping(damping, n)
+        check_residual(residual_damping)
         mass = self.density * self.area * self.length
         height = math.sqrt(self.area) if self.height is None else self.height
         places = interfaces_of(interfaces)

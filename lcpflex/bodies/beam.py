@@ -29,6 +29,7 @@ from lcpflex.bodies.material import check_material
 from lcpflex.bodies.reduction import (
     Damping,
     check_damping,
+    check_residual,
     count_of_modes,
     sampled,
     skew,
@@ -131,6 +132,7 @@ class Beam:
         available = (3 if self.axial else 2) * self.elements
         n = count_of_modes(modes, available)
         check_damping(damping, n)
+        check_residual(residual_damping)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
         places = interfaces_of(interfaces)

@@ -20,7 +20,8 @@ from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.bodies.stiffness_error import stiffness_error
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import positive
 
 __all__ = ["Continuum"]
 
@@ -75,7 +76,7 @@ class Continuum:
 
     def __post_init__(self) -> None:
         check_material(self)
-        object.__setattr__(self, "thickness", in_range("thickness", self.thickness, 0.0, math.inf, open_ends=True))
+        object.__setattr__(self, "thickness", positive("thickness", self.thickness))
         if not isinstance(self.plane_strain, (bool, np.bool_)):
             raise ModelError(f"plane_strain: {shown(self.plane_strain)} was given, expected True or False")
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=not self.plane_strain)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -71,15 +71,15 @@ Interfaces: TypeAlias = (
 )
 
 
-def interfaces_of(given: Any) -> tuple[Interface, ...]:
-    """The interfaces that were given, places made interfaces. Raises ModelError for anything else."""
+def interfaces_of(given: Any, make: Callable[[Any], Interface] = Interface) -> tuple[Interface, ...]:
+    """The interfaces that were given, places made interfaces by ``make``. Raises ModelError for anything else."""
     if isinstance(given, (str, Interface)):
         given = [given]
     given = sequence_of("interfaces", given, "a list of places, such as ['left', (0.5, 0.0)], or Interfaces", MOST)
     found = []
     for k, one in enumerate(given):
         try:
-            found.append(one if isinstance(one, Interface) else Interface(one))
+            found.append(one if isinstance(one, Interface) else make(one))
         except ModelError as error:
             raise ModelError(f"interfaces[{k}]: {error}") from None
     return tuple(found)

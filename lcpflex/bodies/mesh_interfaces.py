@@ -63,13 +63,7 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
 
 def of_mesh(given: Interfaces) -> tuple[Interface, ...]:
     """The interfaces that were given. Nodes by their numbers are contact nodes, on which forces act and no moments."""
-    if isinstance(given, (str, Interface)) or not isinstance(given, (Sequence, np.ndarray)):
-        return interfaces_of(given)
-    bare = [
-        Interface(int(one), moment=False) if isinstance(one, (int, np.integer)) and not isinstance(one, bool) else one
-        for one in given
-    ]
-    return interfaces_of(bare)
+    return interfaces_of(given, lambda one: Interface(one, moment=not isinstance(one, int | np.integer)))
 
 
 class MeshStatics:

@@ -44,6 +44,6 @@ def check_pair(owner: str, P: object, Q: object) -> None:
     assert isinstance(P, PlacedPoint)
     assert isinstance(Q, PlacedPoint)
     if P.scene is not Q.scene:
-        raise ModelError(f"{owner}: {P.label} and {Q.label} were given, expected two points of the same scene")
+        raise ModelError(f"{owner}: P, Q: {P.label} and {Q.label} were given, expected two points of the same scene")
     if P.body < 0 and Q.body < 0:
         raise ModelError(f"{owner}: {P.label} and {Q.label} are both on the ground, expected at least one on a body")

@@ -83,6 +83,12 @@ def check_damping(damping: Damping, modes: int) -> None:
     modal_damping(damping, np.ones(modes))
 
 
+def check_residual(ratio: float | None) -> None:
+    """Raise ModelError for a damping of residual modes that is none, also where there are no such modes."""
+    if ratio is not None:
+        in_range("residual_damping", ratio, 0.0, math.inf)
+
+
 def with_residual(damping: Damping, residual_damping: float | None, omega: FloatArray, free: int) -> FloatArray:
     """(n,) 2 zeta_k omega_k [1/s] of ``free`` free modes and the residual ones behind them, omega (n,) [rad/s].
 

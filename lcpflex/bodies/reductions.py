@@ -40,7 +40,7 @@ from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.mesh_interfaces import interface_loads, of_mesh
 from lcpflex.bodies.mesh_ladder import Held, reduced
 from lcpflex.bodies.node_choice import Nodes, chosen_nodes, rows_of
-from lcpflex.bodies.reduction import Damping, count_of_modes
+from lcpflex.bodies.reduction import Damping, check_residual, count_of_modes
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
 
@@ -97,6 +97,7 @@ def free_interface(
     """
     mesh = _mesh_of(model)
     n = count_of_modes(modes, elastic_count(mesh))
+    check_residual(residual_damping)
     places = of_mesh(interfaces)
     if not places or n == elastic_count(mesh):
         return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)

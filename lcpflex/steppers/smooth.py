@@ -91,7 +91,7 @@ class Stiff:
         from scipy.integrate import BDF, Radau
 
         _keep_tolerances(self)
-        if self.method not in (None, Radau, BDF):
+        if not any(self.method is known for known in (None, Radau, BDF)):
             raise ModelError(f"method: {shown(self.method)} was given, expected scipy.integrate.Radau or BDF")
 
 

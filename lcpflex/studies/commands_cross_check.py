@@ -37,8 +37,8 @@ def _cross_check(request: argparse.Namespace) -> int:
     """One problem: who solves it, and how well. Many: the sums of each solver. 1 if a claim was wrong."""
     from tqdm import tqdm
 
+    from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.clock import check_time_limit
-    from lcpflex.solvers.comparison import check_repeats
     from lcpflex.solvers.problem import check_tolerance
     from lcpflex.solvers.replays import replay
 

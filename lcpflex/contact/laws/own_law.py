@@ -18,7 +18,7 @@ from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
 from lcpflex.contact.laws.own_function import OwnFunction
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import flag
+from lcpflex.given import flag, sequence_of
 
 __all__ = ["OwnLaw"]
 
@@ -80,9 +80,8 @@ class OwnLaw(ElasticFace):
         guard_speed: float = 1e-4,
         compiled: bool = True,
     ) -> None:
-        if isinstance(parameters, str) or not isinstance(parameters, (Sequence, np.ndarray)):
-            raise ModelError(f"parameters: {shown(parameters)} was given, expected a sequence of numbers")
-        values = tuple(in_range(f"parameters[{i}]", x, -math.inf, math.inf) for i, x in enumerate(parameters))
+        given = sequence_of("parameters", parameters, "a sequence of numbers")
+        values = tuple(in_range(f"parameters[{i}]", x, -math.inf, math.inf) for i, x in enumerate(given))
         _try(function, values)
         object.__setattr__(self, "function", function)
         object.__setattr__(self, "values", values)
