@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from lcpflex.bodies.body import Body
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, as_number, in_range, shown
+from lcpflex.given import flag
 
 if TYPE_CHECKING:
     from lcpflex.bodies.finite_elements import FiniteElements
@@ -49,6 +50,7 @@ def __dir__() -> list[str]:
 
 
 PAIRS = 9  # in the contact patch
+MOST_PAIRS = 1e12  # nobody has more
 PER_WAVELENGTH = 20  # elements
 FRACTION = 0.1  # of the static share of a pulse, below which a frequency counts as not excited
 
@@ -89,9 +91,9 @@ def element_size(frequency: float, wave_speed: float, per_wavelength: float = PE
 def effective(first: float, second: float) -> float:
     """1 / (1/x + 1/y): effective mass or radius of two bodies, > 0; infinite for a wall or a plane."""
     for name, value in (("first", first), ("second", second)):
-        if not (isinstance(value, int | float | np.number) and value > 0.0):
+        if not as_number(value) > 0.0:
             raise ModelError(f"{name}: {shown(value)} was given, expected a number > 0, infinite for a wall or a plane")
-    inverse = 1.0 / float(first) + 1.0 / float(second)
+    inverse = 1.0 / as_number(first) + 1.0 / as_number(second)
     return 1.0 / inverse if inverse > 0.0 else math.inf
 
 
@@ -99,7 +101,7 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float] | 
     """E* [Pa] of two solids (Young's modulus [Pa], Poisson's ratio); None: the second is rigid."""
     total = 0.0
     for name, solid in (("first", first), ("second", second)):
-        if solid is not None:
+        if solid is not None or name == "first":
             if not isinstance(solid, tuple | list) or len(solid) != 2:
                 raise ModelError(f"{name}: {shown(solid)} was given, expected (Young's modulus [Pa], Poisson's ratio)")
             nu = in_range(f"{name}: Poisson's ratio", solid[1], -1.0, 0.5)
@@ -154,8 +156,10 @@ def contact_pairs(contact_radius: float, element_size: float, half_section: bool
     In the half section of a solid of revolution, which ends in the middle, they are [a/h] + 1.
     """
     a, h = _positive("contact_radius", contact_radius), _positive("element_size", element_size)
+    if not a / h <= MOST_PAIRS:
+        raise ModelError(f"element_size: {h!r} m was given, expected at least {1.0 / MOST_PAIRS:g} of contact_radius")
     beside = math.floor(a / h * (1.0 + 1e-12))
-    return beside + 1 if half_section else 2 * beside + 1
+    return beside + 1 if flag("half_section", half_section) else 2 * beside + 1
 
 
 def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
@@ -258,7 +262,7 @@ def contact_advice(
         peak_force=force,
         radius=patch,
         frequency=frequency,
-        size_at_contact=patch / (PAIRS - 1 if half_section else (PAIRS - 1) // 2),
+        size_at_contact=patch / (PAIRS - 1 if flag("half_section", half_section) else (PAIRS - 1) // 2),
         size_elsewhere=tuple(element_size(frequency, c) for c in wave_speeds),
         step=1.0 / (PER_WAVELENGTH * frequency),
     )

@@ -19,10 +19,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of, whole_number
-from lcpflex.bodies.mesh_grading import Zone, named_again, refined_to
+from lcpflex.bodies.mesh_grading import ELEMENTS, Zone, named_again, refined_to
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import positive
+from lcpflex.given import flag, numbers, positive
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]
 
@@ -52,7 +52,7 @@ def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool
         For sizes that are not positive, numbers below 1, or another order.
     """
     across, up = _positive("length", length), _positive("height", height)
-    n = whole_number("nx", nx, 1), whole_number("ny", ny, 1)
+    n = _counts(1, nx=nx, ny=ny)
     return grid(np.linspace(0.0, across, n[0] + 1), np.linspace(0.0, up, n[1] + 1), triangles=triangles, order=order)
 
 
@@ -77,7 +77,7 @@ def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False, order: 
     for name, line in zip(("x", "y"), lines, strict=True):
         if len(line) < 2 or not np.diff(line).min() > 0.0:
             raise ModelError(f"{name}: {shown(line)} was given, expected two ascending coordinates or more")
-    mesh = (skfem.MeshTri1 if triangles else skfem.MeshQuad1).init_tensor(*lines)
+    mesh = (skfem.MeshTri1 if flag("triangles", triangles) else skfem.MeshQuad1).init_tensor(*lines)
     (x0, x1), (y0, y1) = (line[[0, -1]] for line in lines)
     mesh = mesh.with_boundaries(
         {
@@ -97,6 +97,7 @@ def bar(
 
     Boundaries "left", "right", "bottom", "top". The other parameters and errors are those of :func:`rectangle`.
     """
+    _counts(1, elements=elements, across=across)
     mesh = rectangle(length, height, elements, across, triangles=triangles, order=order)
     return mesh.translated((0.0, -0.5 * height))
 
@@ -120,7 +121,8 @@ def ring(inner: float, outer: float, around: int, through: int, *, order: int = 
     raised = _is_quadratic(order)
     inside = _positive("inner", inner)
     outside = in_range("outer", outer, inside, math.inf, open_ends=True)
-    n, layers = whole_number("around", around, 3), whole_number("through", through, 1)
+    whole_number("around", around, 3)
+    n, layers = _counts(1, around=around, through=through)
     angle = 2.0 * math.pi * np.arange(n) / n
     radius = np.linspace(inside, outside, layers + 1)
     places = np.stack([np.outer(radius, np.cos(angle)), np.outer(radius, np.sin(angle))]).reshape(2, -1)
@@ -183,6 +185,9 @@ def half_section_of_rod(
     errors are those of :func:`half_disc`.
     """
     whole, up, largest = _positive("length", length), _positive("radius", radius), _positive("size", size)
+    if not whole / largest * (up / largest) <= ELEMENTS:
+        words = f"{whole:g} and {up:g} m were given with a size of {largest:g} m"
+        raise ModelError(f"length, radius: {words}, expected a mesh of less than {ELEMENTS} elements")
     leg = largest / math.sqrt(2.0)
     counts = math.ceil(whole / leg * (1.0 - 1e-12)), math.ceil(up / leg * (1.0 - 1e-12))
     mesh = rectangle(whole, up, *counts, triangles=True, order=order)
@@ -209,10 +214,10 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
     if name not in ("MeshTri1", "MeshTri2"):
         raise ModelError(f"mesh: {name} was given, expected a MeshTri1 or MeshTri2 of scikit-fem")
     coarse = mesh if name == "MeshTri1" else _lowered(mesh)
-    ends = np.asarray(towards, dtype=np.float64) if np.ndim(towards) == 1 else array_of("towards", towards, (2, 2))
-    line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
-    if len(line) not in (1, 2):
+    ends = numbers(towards)
+    if ends is None or ends.shape not in ((2,), (1, 2), (2, 2)):
         raise ModelError(f"towards: {shown(towards)} was given, expected a place or the two ends of a line")
+    line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
     slope = in_range("growth", growth, 1e-3, 1.0)
     zone = Zone(line, _positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
     fine = named_again(refined_to(coarse, zone, None), coarse)
@@ -232,6 +237,22 @@ def _positive(name: str, value: Any) -> float:
     return positive(name, value)
 
 
+def _counts(least: int, **given: Any) -> list[int]:
+    """Two numbers of elements that a mesh can have."""
+    counts = [whole_number(name, value, least) for name, value in given.items()]
+    if math.prod(counts) > ELEMENTS:
+        told = " and ".join(str(count)[:30] for count in counts)
+        raise ModelError(f"{', '.join(given)}: {told} were given, expected a mesh of less than {ELEMENTS} elements")
+    return counts
+
+
+def _few(name: str, length: float, size: float) -> None:
+    """Refuse a length that no mesh of that size can cover, before elements are made."""
+    if not length / size <= ELEMENTS**0.5:
+        words = f"{length:g} m was given with a size of {size:g} m"
+        raise ModelError(f"{name}: {words}, expected a mesh of less than {ELEMENTS} elements")
+
+
 def _is_quadratic(order: Any) -> bool:
     return whole_number("order", order, 1, 2, " (linear or quadratic elements)") == 2
 
@@ -241,6 +262,7 @@ def _half_round(R: float, size: float, finest: float | None, within: float, pole
     import skfem
 
     largest = _positive("size", size)
+    _few("radius", R, largest)
     least = largest if finest is None else in_range("finest", finest, 0.0, largest * (1.0 + 1e-12))
     zone = Zone(pole[None], _positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
     high = up * math.sqrt(0.75)

@@ -29,6 +29,8 @@ from lcpflex.options import keep_number
 
 __all__ = ["Bristle", "LuGre"]
 
+FAST = 1e3  # Stribeck speeds, beyond which exp(-x^2) is zero
+
 
 @dataclass(frozen=True, slots=True)
 class LuGre:
@@ -113,7 +115,7 @@ class LuGre:
         if mu.size > 0:
             self.check(float(mu.max()), "mu")
         static = np.maximum(static_coefficient(self.static_friction), mu)
-        sliding = mu + (static - mu) * np.exp(-((slip / self.stribeck_speed) ** 2))
+        sliding = mu + (static - mu) * np.exp(-(np.minimum(np.abs(slip) / self.stribeck_speed, FAST) ** 2))
         return -normal * (mu > 0.0) * (np.sign(slip) * sliding + self.viscous * slip)
 
 

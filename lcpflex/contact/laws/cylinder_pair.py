@@ -86,6 +86,7 @@ class CylinderPair:
             For surfaces without a radius, a disc that does not fit its hole, and half-planes: no law of two cylinders
             has a limit for DeltaR -> infinity.
         """
+        check_materials(material, other)
         first, second = radii_between(a, b)
         if math.inf in (first, second):
             argument, plane = ("a", a) if first == math.inf else ("b", b)

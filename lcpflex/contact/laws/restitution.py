@@ -55,10 +55,15 @@ def restitution_of(law: DissipativeLaw, e: ArrayLike) -> Any:
     ModelError
         For a law that is none of these and for numbers out of range.
     """
-    if not (isinstance(law, HysteresisFactor) or law in CLASSES):
+    check_law(law)
+    return law.rebound(e)
+
+
+def check_law(law: Any) -> None:
+    """Raise ModelError for what is no law with a restitution."""
+    if not (isinstance(law, HysteresisFactor) or any(law is known for known in CLASSES)):
         names = ", ".join(known.__name__ for known in CLASSES)
         raise ModelError(f"law: {shown(law)} was given, expected a HysteresisFactor or one of the classes {names}")
-    return law.rebound(e)
 
 
 def prescribed_restitution(law: DissipativeLaw, e_out: ArrayLike) -> Any:
@@ -84,6 +89,7 @@ def prescribed_restitution(law: DissipativeLaw, e_out: ArrayLike) -> Any:
 
 def _reach(law: DissipativeLaw) -> tuple[float, float, float, float]:
     """Least and largest e_out, and what has to be prescribed for them."""
+    check_law(law)
     if law in WITH_PARAMETER:
         first, last = LARGEST, 0.0
     else:
