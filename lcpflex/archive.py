@@ -62,7 +62,8 @@ def read(path: str | os.PathLike[str]) -> Any:
     except ModelError:
         raise
     except OSError as error:
-        raise ModelError(f"path: cannot read {str(target)!r}: {error.strerror or error}") from error
+        words = f"cannot read {str(target)!r}: {error.strerror or error}"
+        raise ModelError(f"path: {words}; expected a result saved by Result.save") from error
     except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error})") from error
 

@@ -282,6 +282,8 @@ def _check_loaded(load: Any) -> None:
     """A point on a body."""
     owner = type(load).__name__
     check_point(owner, "P", load.P)
+    if not isinstance(load.name, str):
+        raise ModelError(f"{owner}: name: {shown(load.name)} was given, expected a text")
     if load.P.body < 0:
         raise ModelError(f"{owner}: P: {load.P.label} was given, expected a point of a body: the ground does not move")
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from lcpflex.errors import ModelError, shown
-from lcpflex.given import whole_number
-from lcpflex.solvers.problem import PosedProblem, Solution, check_tolerance
+from lcpflex.errors import ModelError, as_number, shown
+from lcpflex.solvers.problem import PosedProblem, Solution, check_limit, check_tolerance
 
 __all__ = ["check_guess", "check_options", "check_problem", "check_repeats", "check_solver", "posed"]
 
 
+MOST_REPEATS = 1_000_000
 _WAYS = ("lcp", "solve_by", "residual", "slack")
 _POSED: set[type] = set()  # types that are known to have them
 
 
-def posed(problem: Any, name: str = "problem") -> PosedProblem:
+def posed(problem: Any) -> PosedProblem:
     """A problem that an LCP solver takes by way of its :meth:`lcp`. Raises ModelError for anything else."""
     if type(problem) in _POSED:
         return problem  # type: ignore[no-any-return]
@@ -25,7 +25,7 @@ def posed(problem: Any, name: str = "problem") -> PosedProblem:
             _POSED.add(type(problem))
         sound: PosedProblem = problem
         return sound
-    raise ModelError(f"{name} is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")
+    raise ModelError(f"problem is {shown(problem)}: expected an Lcp, a ContactProblem, or another posed problem")
 
 
 def check_guess(guess: Any) -> None:
@@ -42,7 +42,9 @@ def check_solver(solver: Any) -> None:
 
 def check_repeats(repeats: int) -> None:
     """Raise ModelError for what is no integer from 1 to a million."""
-    whole_number("repeats", repeats, 1, 1_000_000)
+    if repeats is None or not as_number(repeats) <= MOST_REPEATS:
+        raise ModelError(f"repeats is {shown(repeats)}: expected a positive integer up to {MOST_REPEATS}")
+    check_limit("repeats", repeats)
 
 
 def check_options(repeats: int, tolerance: float | None) -> None:
@@ -55,4 +57,5 @@ def check_options(repeats: int, tolerance: float | None) -> None:
 def check_problem(name: str, problem: Any) -> None:
     """Raise ModelError for problems that no solver takes."""
     if isinstance(problem, type) or not all(hasattr(problem, part) for part in ("size", "slack", "residual")):
-        raise ModelError(f"{name} is {shown(problem)}: expected Lcp, ContactProblem, or a posed problem")
+        kind = type(problem).__name__
+        raise ModelError(f"{name} is a {kind}, which no solver takes: expected Lcp, ContactProblem, or a posed one")

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import SolverError
+from lcpflex.errors import ModelError, SolverError, shown
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.clock import expired, out_of_time
@@ -219,6 +220,15 @@ def _words(status: Status) -> str:
     return status.name.lower().replace("_", " ")
 
 
+def _check_alone(problem: Any) -> None:
+    """Raise ModelError for what was given without q and is no problem."""
+    try:
+        posed(problem)
+    except ModelError:
+        words = f"expected a vector, or a problem instead of M ({shown(problem)} was given)"
+        raise ModelError(f"q is None: {words}") from None
+
+
 def solve_lcp(
     M: npt.ArrayLike | Lcp | PosedProblem,
     q: npt.ArrayLike | None = None,
@@ -246,7 +256,7 @@ def solve_lcp(
     """
     if q is None:
         if not isinstance(M, Lcp):
-            posed(M, "M, without q,")
+            _check_alone(M)
         problem = M
     else:
         problem = Lcp(M, q)  # type: ignore[arg-type]

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers, sequence_of, whole_number
+from lcpflex.given import numbers, whole_number
 from lcpflex.solvers.proofs import Proof
 from lcpflex.solvers.status import Status
 
@@ -44,10 +46,11 @@ def check_claim(
 
 def check_vectors(size: int, solutions: Any, **vectors: Any) -> None:
     """Raise ModelError for solutions that are not (size,), and vectors, where they are given, that are not (m,)."""
-    points = sequence_of("solutions", solutions, "a tuple of arrays")
-    for i, z in enumerate(points):
-        if (array := numbers(z)) is None or array.shape != (size,):
+    if not isinstance(solutions, tuple):
+        raise ModelError(f"solutions is {shown(solutions)}: expected a tuple of arrays")
+    for i, z in enumerate(solutions):
+        if not (isinstance(z, np.ndarray) and numbers(z) is not None and z.shape == (size,)):
             raise ModelError(f"solutions[{i}] is {shown(z)}: expected an array of {size} numbers")
     for name, value in vectors.items():
-        if value is not None and ((array := numbers(value)) is None or array.ndim != 1):
+        if value is not None and not (isinstance(value, np.ndarray) and numbers(value) is not None and value.ndim == 1):
             raise ModelError(f"{name} is {shown(value)}: expected a vector of numbers")

@@ -291,7 +291,7 @@ def accept(
     """
     check_claim(problem, tolerance, iterations, status, route, message, proof)
     point = as_array("z", z, 1)
-    if solutions != () or active is not None or certificate is not None:
+    if type(solutions) is not tuple or solutions or active is not None or certificate is not None:
         check_vectors(len(point), solutions, active=active, certificate=certificate)
     w, residual, strict = _judged(problem, point)
     if residual <= tolerance:

@@ -190,6 +190,7 @@ def half_section_of_rod(
         raise ModelError(f"length, radius: {words}, expected a mesh of less than {ELEMENTS} elements")
     leg = largest / math.sqrt(2.0)
     counts = math.ceil(whole / leg * (1.0 - 1e-12)), math.ceil(up / leg * (1.0 - 1e-12))
+    in_range("within", within, 0.0, math.inf)
     mesh = rectangle(whole, up, *counts, triangles=True, order=order)
     return mesh if finest is None else graded(mesh, (0.0, 0.0), finest, within=within)
 

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.bar import Bar
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import DrivenDisplacement, PointOnLine, Weld
 from lcpflex.loads import Force, Table
@@ -32,6 +33,7 @@ def courant_step(element: float, wave_speed: float) -> float:
     return element / wave_speed / math.sqrt(2.0)
 
 
+@checked
 def elastic_bar(
     elements: int = 400, modes: int | None = None, speed: float = 10.0, gap: float = 5.0, restitution: float = 0.0
 ) -> Scene:
@@ -47,6 +49,7 @@ def elastic_bar(
     return scene
 
 
+@checked
 def two_bars(elements: int = 200, speed: float = 10.0, gap: float = 1.0) -> Scene:
     """A bar strikes an equal one at rest."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -57,6 +60,7 @@ def two_bars(elements: int = 200, speed: float = 10.0, gap: float = 1.0) -> Scen
     return scene
 
 
+@checked
 def prestressed_bar(elements: int = 100) -> Scene:
     """A bar of unit properties, clamped at x = 1, is let go stretched by (1 - x)/2 above a stop at its end x = 0."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -69,6 +73,7 @@ def prestressed_bar(elements: int = 100) -> Scene:
     return scene
 
 
+@checked
 def bar_with_foot(elements: int = 400, speed: float = 1.0, ratio: float = 1.5, duration: float = 10.0) -> Scene:
     """A bar with a Coulomb foot at x = 0 is pulled at x = L; friction limit of the foot = ``ratio`` Z ``speed``."""
     impedance = float(np.sqrt(MODULUS))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.rigid import Box
+from lcpflex.gallery.arguments import checked
 from lcpflex.joints import Prismatic, Revolute
 from lcpflex.loads import Spring, Torque
 from lcpflex.scene import Scene
@@ -17,6 +18,7 @@ THICKNESS, HEIGHT, ANCHOR = 0.1, 0.5, 1.0  # of the wall, and how far its spring
 OPEN = (30.0, 60.0)  # angles at which the fingers are let go [degrees]: chosen
 
 
+@checked
 def claw(stiffness: float = 50.0, restitution: float = 0.0, fingers: int = 1) -> Scene:
     """Fingers, each turned by 1.6 N m, close on a wall of 1 kg on a spring [N/m] and a damper of 5 N s/m.
 

@@ -8,6 +8,7 @@ from lcpflex.bodies import meshes
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.reductions import residual_compliance
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import Prismatic
 from lcpflex.scene import Scene
@@ -20,6 +21,7 @@ REACH = 7.5e-4  # distance from the axis up to which nodes may touch: the contac
 ORDER = 1  # linear elements: forces of contact are smooth from node to node, and nothing bends or is incompressible
 
 
+@checked
 def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Body:
     """An aluminium rod of 1 m, 20 mm thick, along x; "tip": nodes around the middle of its left end, (0, 0)."""
     mesh = meshes.half_section_of_rod(LENGTH, 0.01, size, finest=finest, within=REACH, order=ORDER)
@@ -33,6 +35,7 @@ def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Bod
     return residual_compliance(solid, "tip", modes)
 
 
+@checked
 def meshed_ball(finest: float = 5e-5, size: float = 2e-3, modes: int = 20) -> Body:
     """A steel ball of radius 15 mm about the origin; "tip": nodes around its pole (0.015, 0)."""
     mesh = meshes.half_section_of_sphere(RADIUS, size, finest=finest, within=REACH, order=ORDER)
@@ -49,6 +52,7 @@ def meshed_ball(finest: float = 5e-5, size: float = 2e-3, modes: int = 20) -> Bo
     return residual_compliance(solid, "tip", modes)
 
 
+@checked
 def meshed_sphere_on_rod(finest: float = 5e-5, speed: float = 0.3, modes: int = 20) -> Scene:
     """The impact of :func:`sphere_on_rod` with two elastic meshes, ``finest`` [m] where they touch.
 

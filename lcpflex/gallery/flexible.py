@@ -6,6 +6,7 @@ import math
 from functools import partial
 
 from lcpflex.bodies.beam import Beam
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import Revolute
 from lcpflex.scene import Scene
@@ -20,6 +21,7 @@ def aluminium_strip(length: float, width: float, thickness: float, elements: int
     return Beam(length, width, thickness, density=2700.0, youngs_modulus=6.9e10, elements=elements)
 
 
+@checked
 def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40, restitution: float = 0.0) -> Scene:
     """An aluminium strip, hinged and let go horizontally, swings down against a round stop beside its tip.
 
@@ -35,6 +37,7 @@ def pendulum(modes: int = 8, friction: float = 0.3, elements: int = 40, restitut
     return scene
 
 
+@checked
 def hemisphere_pendulum(
     modes: int = 15, friction: float = 0.3, reach: float = 0.65, speed: float = 0.4, radius: float = 0.01
 ) -> Scene:
@@ -56,6 +59,7 @@ def hemisphere_pendulum(
     return scene
 
 
+@checked
 def sliding_beam(modes: int = 8, friction: float = 0.3, roughness: float = 0.004, damping: float = 0.01) -> Scene:
     """An aluminium strip falls, slanting and moving, onto wavy ground and slides over its crests."""
     strip = aluminium_strip(length=1.0, width=0.05, thickness=0.01)

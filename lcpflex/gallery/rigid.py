@@ -6,6 +6,7 @@ import math
 from functools import partial
 
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import Revolute
 from lcpflex.loads import Force, Harmonic, Spring
@@ -28,6 +29,7 @@ __all__ = [
 WEIGHT = (0.0, -9.81)
 
 
+@checked
 def block_on_incline(friction: float = 0.4, speed: float = 2.0, degrees: float = 30.0) -> Scene:
     """A block pushed up a slope at ``speed`` [m/s]."""
     slope = math.radians(degrees)
@@ -45,6 +47,7 @@ def block_on_incline(friction: float = 0.4, speed: float = 2.0, degrees: float =
     return scene
 
 
+@checked
 def stick_slip_block(friction: float = 0.3, force: float = 4.0, omega: float = 2.0) -> Scene:
     """A block of 1 kg on the floor, pulled by the horizontal force F sin(omega t)."""
     scene = Scene(gravity=WEIGHT)
@@ -55,6 +58,7 @@ def stick_slip_block(friction: float = 0.3, force: float = 4.0, omega: float = 2
     return scene
 
 
+@checked
 def spring_block(friction: float = 0.1, start: float = 0.85e-3) -> Scene:
     """A block of 1 kg on a spring of 1e4 N/m, let go at ``start`` [m] on a rough floor; g = 10 (code_aster SDND100)."""
     scene = Scene(gravity=(0.0, -10.0))
@@ -65,6 +69,7 @@ def spring_block(friction: float = 0.1, start: float = 0.85e-3) -> Scene:
     return scene
 
 
+@checked
 def bouncing_ball(height: float = 1.0, restitution: float = 0.5) -> Scene:
     """A ball dropped from ``height`` [m] above the floor: infinitely many bounces in a finite time."""
     scene = Scene(gravity=WEIGHT)
@@ -74,6 +79,7 @@ def bouncing_ball(height: float = 1.0, restitution: float = 0.5) -> Scene:
     return scene
 
 
+@checked
 def oblique_bounce(friction: float = 0.2, restitution: float = 0.7) -> Scene:
     """A disc of 1 kg and 1 m radius, radius of gyration squared 0.4 m^2, meets the floor at (3, -2) m/s; no gravity."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -84,6 +90,7 @@ def oblique_bounce(friction: float = 0.2, restitution: float = 0.7) -> Scene:
     return scene
 
 
+@checked
 def three_balls(restitution: float = 1.0) -> Scene:
     """Three equal balls in a row, in contact; the first arrives at 1 m/s. No gravity."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -96,6 +103,7 @@ def three_balls(restitution: float = 1.0) -> Scene:
     return scene
 
 
+@checked
 def rocking_block(width: float = 0.2, height: float = 1.0, tilt: float = 0.5, friction: float = 0.8) -> Scene:
     """A block stands on one lower corner, tilted by ``tilt`` times its angle of toppling, and is let go."""
     angle = tilt * math.atan2(width, height)
@@ -108,6 +116,7 @@ def rocking_block(width: float = 0.2, height: float = 1.0, tilt: float = 0.5, fr
     return scene
 
 
+@checked
 def double_pendulum(friction: float = 0.5, restitution: float = 0.5) -> Scene:
     """Kane's double pendulum: two hinged rods (1 kg, 1 m), its tip strikes a rough floor.
 
@@ -134,6 +143,7 @@ def double_pendulum(friction: float = 0.5, restitution: float = 0.5) -> Scene:
     return scene
 
 
+@checked
 def painleve_rod(friction: float = 1.4, degrees: float = 60.0, spin: float = 0.0, slip: float = -1.0) -> Scene:
     """A uniform rod (1 kg, half length 1 m, g = 1 m/s^2) touches a rough floor with its lower end.
 
@@ -155,6 +165,7 @@ def painleve_rod(friction: float = 1.4, degrees: float = 60.0, spin: float = 0.0
     return scene
 
 
+@checked
 def painleve_friction(degrees: float) -> float:
     """Friction above which the rod of :func:`painleve_rod`, its end sliding to the left, meets Painleve's paradoxes.
 
@@ -166,6 +177,7 @@ def painleve_friction(degrees: float) -> float:
     return (1.0 + 3.0 * math.cos(phi) ** 2) / product if product > 1e-15 else math.inf
 
 
+@checked
 def stack(boxes: int = 10, top_mass: float = 1.0, friction: float = 0.5) -> Scene:
     """Equal boxes of 1 kg stand on each other; the one on top may be heavier."""
     scene = Scene(gravity=WEIGHT)

@@ -7,6 +7,7 @@ import math
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import PointOnLine, Revolute
 from lcpflex.loads import Spring
@@ -17,6 +18,7 @@ __all__ = ["elastic_stop", "hinged_beam", "sphere_on_beam", "sphere_on_rod"]
 BEAM_HERTZ = 1.58056e10  # steel ball of 10 mm on the beam [N/m^1.5]
 
 
+@checked
 def elastic_stop(mass: float = 100.0, stiffness: float = 1e4, speed: float = 1.0) -> Scene:
     """A mass on a spring meets a stop at its place of rest (code_aster SDND101; the stop has 1e6 N/m)."""
     scene = Scene(gravity=(0.0, 0.0))
@@ -26,6 +28,7 @@ def elastic_stop(mass: float = 100.0, stiffness: float = 1e4, speed: float = 1.0
     return scene
 
 
+@checked
 def hinged_beam(modes: int = 20, elements: int = 40) -> Scene:
     """A hinged beam turns at 3.8 rad/s onto a stop at its tip (code_aster SDNL32; the stop has 18000 N/m)."""
     body = Beam(0.783, 0.014, 0.014, density=2400.0, youngs_modulus=6.7e10, elements=elements, axial=False)
@@ -36,6 +39,7 @@ def hinged_beam(modes: int = 20, elements: int = 40) -> Scene:
     return scene
 
 
+@checked
 def sphere_on_beam(modes: int = 40, elements: int = 60) -> Scene:
     """Timoshenko's steel ball meets the middle of a simply supported steel beam at 0.01 m/s."""
     length, side, radius = 0.1535, 0.01, 0.01
@@ -61,6 +65,7 @@ def rod_hertz() -> float:
     return 4.0 / 3.0 / compliance * math.sqrt(0.015)
 
 
+@checked
 def sphere_on_rod(elements: int = 200, speed: float = 0.3) -> Scene:
     """A steel ball strikes the end of an aluminium rod: waves alone make the loss."""
     radius = 0.015

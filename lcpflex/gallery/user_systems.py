@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.user_system import UserSystem
 
@@ -18,6 +19,7 @@ __all__ = ["impacting_bar", "slider_crank", "woodpecker"]
 GRAVITY = 9.81
 
 
+@checked
 def woodpecker(friction: float = 0.3) -> UserSystem:
     """Woodpecker toy: a sleeve with clearance on a pole, the bird on a torsion spring (Glocker & Studer 2005).
 
@@ -56,6 +58,7 @@ def woodpecker(friction: float = 0.3) -> UserSystem:
     )
 
 
+@checked
 def slider_crank(restitution: float = 0.4, friction: float = 0.01, clearance: float = 0.001) -> UserSystem:
     """Slider-crank whose slider has play between its guides (Flores, Leine & Glocker 2010).
 
@@ -120,6 +123,7 @@ def slider_crank(restitution: float = 0.4, friction: float = 0.01, clearance: fl
     )
 
 
+@checked
 def impacting_bar(nodes: int = 100) -> UserSystem:
     """The elastic bar of the Siconos examples, in its nodal coordinates: end node 0 against a wall, e_N = 0.
 

@@ -8,7 +8,7 @@ import re
 import resource
 import signal
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,8 +35,8 @@ class Ending:
     said: str = ""
 
 
-def ending_of(call: Callable[[], Any], argument: str) -> Ending:
-    """How ``call`` ends, in which ``argument`` is strange."""
+def ending_of(call: Callable[[], Any], argument: str, others: Iterable[str] = ()) -> Ending:
+    """How ``call`` ends, in which ``argument`` is strange; a message may name one of ``others``."""
     before = signal.signal(signal.SIGALRM, _alarm)
     signal.setitimer(signal.ITIMER_REAL, SECONDS)
     try:
@@ -45,7 +45,7 @@ def ending_of(call: Callable[[], Any], argument: str) -> Ending:
             warnings.simplefilter("ignore", lf.ModelWarning)
             result = call()
     except lf.LcpflexError as error:
-        return _refusal(str(error), argument)
+        return _refusal(str(error), argument, others)
     except TooLate:
         return Ending("too late")
     except MemoryError as error:
@@ -58,16 +58,19 @@ def ending_of(call: Callable[[], Any], argument: str) -> Ending:
     return Ending("result", f"{type(result).__name__}")
 
 
-def _refusal(message: str, argument: str) -> Ending:
+def _refusal(message: str, argument: str, others: Iterable[str]) -> Ending:
     if len(message) > LONGEST:
         return Ending("long", message[:100])
     words = re.split(r"[^A-Za-z0-9]+", message.casefold())
-    named = all(part in words for part in argument.casefold().split("_") if part) or argument in message
-    if not named:
+    if not (any(_names(one, words) for one in (argument, *others)) or argument in message):
         return Ending("unnamed", message)
     if "expected" not in words:
         return Ending("no expectation", message)
     return Ending("refused", message)
+
+
+def _names(argument: str, words: list[str]) -> bool:
+    return all(part in words for part in argument.casefold().split("_") if part)
 
 
 def _alarm(*_: Any) -> None:

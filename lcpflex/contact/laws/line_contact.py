@@ -23,7 +23,6 @@ from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import LOGARITHMIC
 from lcpflex.errors import ModelError, ModelWarning, shown
-from lcpflex.given import one_of
 from lcpflex.options import keep_flag, keep_number
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
@@ -256,7 +255,8 @@ class Esdu78035(Logarithmic):
 
     def __post_init__(self) -> None:
         check_pair(self)
-        one_of("reading", self.reading, ("pi", "review"))
+        if not isinstance(self.reading, str) or self.reading not in ("pi", "review"):
+            raise ModelError(f'reading: {shown(self.reading)} was given, expected "pi" or "review"')
         if not self.pair.is_internal:
             text = "pair: cylinders side by side were given, expected a pin in a hole, CylinderPair.internal(...)"
             if not self.lenient:
