@@ -41,8 +41,7 @@ def checked_request(
             f"duration: {span:g} s was given, {span / step:.3g} steps of {step:g} s, expected at most {MOST_STEPS:g}"
         )
     interval = span / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
-    if interval > span:
-        raise ModelError(f"record: {interval:g} s was given, expected at most the duration of {span:g} s")
+    interval = min(interval, span)  # beyond it, the first and the last instant are stored
     if not isinstance(energy_growth, EnergyGrowth):
         known = ", ".join(f"EnergyGrowth.{one.name}" for one in EnergyGrowth)
         raise ModelError(f"energy_growth: {shown(energy_growth)} was given, expected one of {known}")

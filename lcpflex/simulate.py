@@ -14,7 +14,7 @@ from lcpflex.checkpoint import Checkpoints
 from lcpflex.contact.impact_laws import Newton
 from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
-from lcpflex.errors import LcpflexError, StepError
+from lcpflex.errors import LcpflexError, SolverError, StepError
 from lcpflex.initial_state import started_from
 from lcpflex.kept_depth import kept_depths
 from lcpflex.rebound import rebounds
@@ -191,6 +191,8 @@ def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
     """``run.advance``: why it stopped, empty if it did not, and what a function or solver of the user raised."""
     try:
         return run.advance(n_steps), None
+    except SolverError as error:  # the cause is what a solver of the user's raised
+        return str(error), error.__cause__ if isinstance(error.__cause__, Exception) else error
     except LcpflexError as error:
         return str(error), error
     except Exception as error:  # whatever it is, what was recorded before must not be lost with it

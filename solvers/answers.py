@@ -24,7 +24,7 @@ class Answer:
     """A point z (n,) that is not judged yet; or None, and in words why.
 
     iterations: as the function counts them, 0 if it does not. claim: the Solution that it returned, if it was one.
-    seconds: what the call took. expired: whether the time was up.
+    seconds: what the call took. expired: whether the time was up. cause: what the function raised in this process.
     """
 
     z: FloatArray | None
@@ -33,6 +33,7 @@ class Answer:
     claim: Solution | None = None
     seconds: float = float("nan")
     expired: bool = False
+    cause: BaseException | None = None
 
 
 def asked(function: Any, arguments: tuple[Any, ...], n: int) -> Answer:
@@ -45,7 +46,7 @@ def asked(function: Any, arguments: tuple[Any, ...], n: int) -> Answer:
         seconds = perf_counter() - began
         z, iterations = _read(returned, n)
     except (Exception, SystemExit) as error:
-        return Answer(None, f"raised {_words(error)}", seconds=perf_counter() - began)
+        return Answer(None, f"raised {_words(error)}", seconds=perf_counter() - began, cause=error)
     claim = returned if isinstance(returned, Solution) else None
     if isinstance(z, str):
         return Answer(None, f"returned {z}", 0, claim, seconds)

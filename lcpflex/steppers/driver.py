@@ -13,6 +13,7 @@ import numpy as np
 
 from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.errors import SolverError
 from lcpflex.linking import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.friction import ContactProblem
@@ -28,7 +29,6 @@ __all__ = [
     "put_solution",
     "solver_hooks",
     "solver_method",
-    "unsolved",
 ]
 
 Watch = Callable[[Workspace], None]
@@ -106,10 +106,19 @@ class Rescue:
         solver: LcpSolver = self._solver
         return solver
 
-    def said(self) -> str:
-        """Why a solver of the user's returned no point to its last call; empty if it did."""
+    def unsolved(self, work: Workspace, status: int, tolerance: float) -> str:
+        """Why the contact problem in ``work`` does not count as solved, with what a solver of the user's says of it.
+
+        Raises SolverError from what that solver raised.
+        """
+        words = _unsolved(work, status, tolerance)
         own = own_part(self._solver)
-        return f"{own.name} {own.last.error}" if own is not None and own.last is not None and own.last.error else ""
+        if own is None or own.last is None or not own.last.error:
+            return words
+        words = f"{words}; {own.name} {own.last.error}"
+        if own.last.cause is not None:
+            raise SolverError(words) from own.last.cause
+        return words
 
     def __call__(self, work: Workspace, at: float) -> bool:
         """Whether the problem posed in ``work`` at time ``at`` [s] was solved; the solution waits there."""
@@ -163,11 +172,10 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     return ContactProblem(delassus, work.q[:m], friction, keys)
 
 
-def unsolved(work: Workspace, status: int, tolerance: float, said: str = "") -> str:
-    """Why the contact problem in ``work`` does not count as solved. said: what the solver itself says of it."""
+def _unsolved(work: Workspace, status: int, tolerance: float) -> str:
+    """Why the contact problem in ``work`` does not count as solved."""
     found = Status(status) if status else Status.INACCURATE
-    words = (
+    return (
         f"the contact problem of size {work.step_size[3]} was not solved: {found.name.lower().replace('_', ' ')}, "
         f"natural-map residual {work.certificate[0]:.3g} (tolerance {tolerance:g})"
     )
-    return f"{words}; {said}" if said else words

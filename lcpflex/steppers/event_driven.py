@@ -23,7 +23,7 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver, Status
-from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method, unsolved
+from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
 from lcpflex.steppers.event_loop import (
     CALM,
     CHATTER,
@@ -178,7 +178,7 @@ class EventDrivenRun:
             elif status == SOLVER_FAILED:
                 if self._rescue(self._work, self.time) or self._jam():
                     continue
-                return unsolved(self._work, int(detail), self._thresholds.settings.tolerance, self._rescue.said())
+                return self._rescue.unsolved(self._work, int(detail), self._thresholds.settings.tolerance)
             elif status == HIT_TOGETHER:
                 return (
                     f"{self._impact} integrates the impact of one contact, but contacts that influence each other "

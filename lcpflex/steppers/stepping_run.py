@@ -13,7 +13,7 @@ from typing import Protocol
 from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits
-from lcpflex.steppers.driver import Rescue, unsolved
+from lcpflex.steppers.driver import Rescue
 from lcpflex.steppers.pace import Pace, stopped_note
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
@@ -109,7 +109,7 @@ class ControlledScheme(Scheme, Protocol):
 def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, tolerance: float, time: float) -> str:
     """Why a loop that returned ``status`` cannot go on; empty where its contact problem was solved after all."""
     if status == SOLVER_FAILED:
-        return "" if rescue(work, time) else unsolved(work, number, tolerance, rescue.said())
+        return "" if rescue(work, time) else rescue.unsolved(work, number, tolerance)
     return "the state is no longer finite: the step is too long for the forces of this scene"
 
 

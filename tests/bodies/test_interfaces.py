@@ -193,7 +193,7 @@ def test_no_interfaces_and_no_modes_left() -> None:
         ([0.5, 1.5], r"interfaces\[1\]: x: 1.5 was given"),
         ([(0.5, 0.2)], r"interfaces\[0\]: y: 0.2 was given"),
         ([(0.5, 0.0, 1.0)], r"interfaces\[0\]: place: an array of shape \(3,\) was given"),
-        ([math.nan], r"interfaces\[0\]: place: an array with nan"),
+        ([math.nan], r"interfaces\[0\]: place: nan was given"),
         ([None], r"interfaces\[0\]: "),
     ],
 )

@@ -65,7 +65,7 @@ def test_pieces_and_mechanisms(reduce, dense_limit: int, monkeypatch) -> None:
 @pytest.mark.parametrize(
     ("choice", "message"),
     [
-        ("nose", "'nose' was given, expected a node set of the mesh: .*tip"),
+        ("nose", "'nose' was given, expected one of .*'tip', .* node sets of the mesh"),
         (["tip", "nose"], "'nose' was given"),
         (["tip", 3], "expected the name of a node set, several, or node numbers"),
         ([], "expected the name of a node set"),

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -22,6 +23,14 @@ from lcpflex.checkpoint import Checkpoints, read
 from lcpflex.frozen import freeze
 from tests.interface import checkpoint_runs
 from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_is_heard() -> Iterator[None]:
+    """A shell starts what runs in the background with Ctrl-C ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 class Breaks:

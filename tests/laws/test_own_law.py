@@ -307,4 +307,4 @@ def test_bad_numbers() -> None:
     with pytest.raises(lf.ModelError, match="guard_speed"):
         OwnLaw(hertz, (K,), guard_speed=0.0)
     with pytest.raises(lf.ModelError, match="compiled"):
-        OwnLaw(hertz, (K,), compiled=1)  # type: ignore[arg-type]
+        OwnLaw(hertz, (K,), compiled=2)  # type: ignore[arg-type]

@@ -110,7 +110,7 @@ def test_a_later_rule_adds_only_what_is_left():
         (lambda s, a, b: s.contact_all(restitution=2.0), "restitution: 2.0"),
         (lambda s, a, b: s.contact_all(exclude=[(a,)]), "exclude"),
         (lambda s, a, b: s.contact_all(exclude=(a, b)), "exclude"),
-        (lambda s, a, b: a.at("x", 1), "place"),
+        (lambda s, a, b: a.at("x", 1), "x: 'x' was given"),
         (lambda s, a, b: s.contact_all(exclude=[("box1", "box2")]), "exclude"),
         (lambda s, a, b: s.contact(a.surface(), lf.Scene().ground.node(0, 0)), "not of another one"),
     ],

@@ -304,4 +304,4 @@ def test_bad_laws_are_refused() -> None:
     with pytest.raises(lf.ModelError, match="impact: "):
         lf.EventDriven(impact="Newton")  # type: ignore[arg-type]
     with pytest.raises(lf.ModelError, match="sequential"):
-        Newton(sequential=1)  # type: ignore[arg-type]
+        Newton(sequential=2)  # type: ignore[arg-type]

@@ -441,7 +441,7 @@ def test_what_cannot_be_is_refused_with_an_alternative(
         ("step", float("nan")),
         ("dynamic_modes", -1),
         ("dynamic_modes", 2.5),
-        ("substeps", 1),
+        ("substeps", 2),
         ("safety", 0.0),
         ("safety", 1.5),
         ("gap_tolerance", -1.0),
