@@ -11,14 +11,19 @@ from lcpflex import Result
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 STUDIES = (
+    "ball_on_rod",
+    "claw",
+    "cross_check_solvers",
     "flexible_pendulum_micro_collisions",
     "four_strikers",
     "many_laws",
     "pendulum_strikes_rod",
     "penalty_against_complementarity",
     "residual_modes",
+    "right_size",
     "scotch_yoke",
     "slider_crank_with_flexible_stop",
+    "two_spheres",
     "where_methods_fail",
     "work_precision",
 )  # many runs each

@@ -66,6 +66,7 @@ def test_momentum_and_energy(fine: lf.Result) -> None:
     assert kinetic / fine.energies.kinetic[0] == pytest.approx(0.47, abs=0.05)  # the rest is in waves
 
 
+@pytest.mark.slow
 def test_meshes_and_modes_converge(fine: lf.Result) -> None:
     """What is left to the reference is no error of mesh or modes: half as fine, half as many change a part of it."""
     apart = abs(restitution(fine) - CASE.reference["restitution"])

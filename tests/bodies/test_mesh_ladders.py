@@ -27,6 +27,7 @@ def names(body: lf.Body) -> list[str]:
     return [rung.name for rung in body.ladder()]
 
 
+@pytest.mark.slow
 def test_rungs_lead_from_rigid_to_the_full_mesh() -> None:
     model = plate()
     body = residual_compliance(model, "right", 10, damping=lf.Rayleigh(3.0, 1e-6))

@@ -87,6 +87,7 @@ def test_a_free_sphere_breathes_at_the_closed_form(quadratic):
     assert 0.0 < error < (2e-4 if quadratic else 5e-3)
 
 
+@pytest.mark.slow
 def test_a_rod_rings_at_the_wave_speed_of_bars_less_the_inertia_across():
     """omega_k = k pi c / L (1 - (k pi nu R / L)^2 / 4), Rayleigh's correction; the next term is of its square."""
     length, radius = 1.0, 0.02

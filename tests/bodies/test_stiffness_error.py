@@ -51,6 +51,8 @@ RIGHT = {
     "a fine half disc": meshes.half_disc(0.01, 1e-3, finest=1e-4, order=1),
 }
 
+QUICK = ("quadratic quadrilaterals", "a fine half disc")
+
 
 def estimate(model) -> tuple[np.ndarray, np.ndarray]:
     """(3,) excess of stiffness of the lowest modes, estimated, and of the next finer mesh."""
@@ -72,7 +74,7 @@ def test_a_mesh_that_is_too_stiff_is_told_when_a_body_is_made(name: str) -> None
     assert said[0].filename == __file__
 
 
-@pytest.mark.parametrize("name", RIGHT)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in RIGHT])
 def test_a_mesh_that_is_right_is_not(name: str) -> None:
     model = continuum(RIGHT[name])
     for reduce in (model.reduce, lambda: craig_bampton(model, [0, 1], 0), lambda: residual_compliance(model, [0], 0)):
@@ -80,6 +82,7 @@ def test_a_mesh_that_is_right_is_not(name: str) -> None:
     assert 0.0 <= model.stiffness_error() < 0.1
 
 
+@pytest.mark.slow
 def test_every_reduction_tells_it() -> None:
     model = continuum(layers(3, True))
     ways = [
@@ -137,6 +140,7 @@ def test_matrices_have_no_elements_to_judge() -> None:
     assert model.finite_elements().excess is None
 
 
+@pytest.mark.slow
 def test_the_mesh_of_the_readme_bends_as_a_converged_one_does(capsys: pytest.CaptureFixture[str]) -> None:
     """Its code as it stands there; against one that is split twice, within 3 %."""
     text = README.read_text(encoding="utf-8")

@@ -25,6 +25,9 @@ from tests.interface import checkpoint_runs
 from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
 
 
+QUICK = ("moreau", "moreau adaptive", "alpha adaptive", "event-driven by law", "massless", "stiff", "own system")
+
+
 @pytest.fixture(autouse=True)
 def ctrl_c_is_heard() -> Iterator[None]:
     """A shell starts what runs in the background with Ctrl-C ignored."""
@@ -64,7 +67,7 @@ def no_two_share_memory(run: Any) -> None:
         assert end <= begin, (name, other)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in RUNS])
 def test_a_resumed_run_ends_with_the_same_bits(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Broken off three times; all that is in the result is the same but the timings, and so is the file's content."""
     build, duration, stepper = RUNS[name]

@@ -86,6 +86,7 @@ def test_every_quantity_of_the_help_can_be_asked_for(chart, capsys, quantity) ->
     assert f"in {quantity}" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_outputs_and_methods_of_ones_own(chart, mine, capsys) -> None:
     assert chart("--quantity", f"{mine}:reach", "--method", f"{mine}:two", "--method", "Moreau-Jean") == 0
     printed = capsys.readouterr().out
@@ -93,6 +94,7 @@ def test_outputs_and_methods_of_ones_own(chart, mine, capsys) -> None:
     assert all(f"| {label} " in printed for label in ("mine", "event-driven", "Moreau-Jean"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["coarse_to_fine", "one"])
 def test_a_series_of_ones_own_is_called_as_it_is(chart, mine, capsys, name) -> None:
     assert chart("--method", f"{mine}:{name}", "--method", "event-driven") == 0

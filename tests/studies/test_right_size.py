@@ -154,6 +154,7 @@ def test_runs_that_would_take_too_long_are_left_out() -> None:
 COARSE = lf.MoreauJean(step=1e-4)  # far too long a step for the strip: contacts create energy with rich bodies
 
 
+@pytest.mark.slow
 def test_runs_that_cannot_be_trusted_are_shown_and_not_chosen() -> None:
     coarse = right_size(strip, "motion", 0.05, duration=0.03, stepper=COARSE, progress=False)
     assert not coarse.within
@@ -170,6 +171,7 @@ def test_runs_that_cannot_be_trusted_are_shown_and_not_chosen() -> None:
     assert not lf.simulate(strip().with_bodies({"pendulum": whole}), 0.03, coarse.better, progress=False).warnings
 
 
+@pytest.mark.slow
 def test_the_stepper_of_a_case_is_exchanged_where_it_cannot_be_trusted() -> None:
     case = gallery.Case("strip", "a strip", strip, 0.03, COARSE)
     found = right_size(case, "motion", 0.05, progress=False)
@@ -182,6 +184,7 @@ def test_the_stepper_of_a_case_is_exchanged_where_it_cannot_be_trusted() -> None
     assert not kept.notes
 
 
+@pytest.mark.slow
 def test_a_default_step_is_shortened_until_it_decides_less_than_the_bodies() -> None:
     found = right_size(strip, "motion", 2e-4, duration=0.004, progress=False)
     assert "was given up: half the step changes the outputs by" in found.notes[0]

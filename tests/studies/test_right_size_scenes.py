@@ -123,6 +123,7 @@ def test_modes_that_nothing_excites_prove_nothing() -> None:
     check("block")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.01, 1e-5])
 def test_a_study_of_three_bodies_costs_less_than_eight_runs_of_the_full_mesh(tolerance: float) -> None:
     question = replace(QUESTIONS["chain"], tolerance=tolerance)
