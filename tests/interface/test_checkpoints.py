@@ -24,7 +24,6 @@ from lcpflex.frozen import freeze
 from tests.interface import checkpoint_runs
 from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
 
-
 QUICK = ("moreau", "moreau adaptive", "alpha adaptive", "event-driven by law", "massless", "stiff", "own system")
 
 
