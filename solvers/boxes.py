@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.solvers.balance import EVEN
+from lcpflex.solvers.certificate import ROUNDING
 
 __all__ = ["CANCELLED", "DOUBLE", "FREE", "SINGLE", "box_parts", "recover_box", "reduce_box", "sound_box"]
 
@@ -13,23 +15,31 @@ CANCELLED = 1e-13  # part of its terms below which a sum is rounding
 REGULAR = 1e-6  # pivot of the scaled bilateral rows below which their rank is looked at more closely
 LARGE = 60  # bilateral rows beyond which they are left to the libraries of numpy
 NEAR = 16.0  # ratio to 1 up to which diagonal entries are near it
+TINY, HUGE = 1e-200, 1e200  # diagonal entries that units are never made of
+CLEAR = 1e-6  # part of its terms above which the sign of w is beyond doubt
+CLOSE = 1e-9  # part of the load beyond which large terms are no excuse for a residual
 SYMMETRIC = 1e-12  # |M_ij - M_ji| relative to M_ij, of a matrix that stays symmetric
 
 
 @kernel
-def sound_box(M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[int, int]:
-    """How many unknowns have a bound, and two; -1 where M (n, n) or q (n,) is not finite, or bounds (n,) are none."""
-    total, bounded, double = 0.0, 0, 0
+def sound_box(M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[int, int, int]:
+    """How many unknowns have a bound, and two, and whether all are alike (1) by the diagonal of M; -1 where M (n, n) or
+    q (n,) is not finite, or bounds (n,) are none.
+    """
+    total, bounded, double, low, high = 0.0, 0, 0, np.inf, 0.0
     for i in range(len(q)):
         for j in range(len(q)):
             total += 0.0 * M[i, j]
         total += 0.0 * q[i]
         if not (lower[i] <= upper[i] and lower[i] < np.inf and upper[i] > -np.inf):
-            return -1, -1
+            return -1, -1, -1
         below, above = lower[i] > -np.inf, upper[i] < np.inf
         bounded += 1 if below or above else 0
         double += 1 if below and above else 0
-    return (bounded, double) if total == 0.0 else (-1, -1)
+        low, high = min(low, abs(M[i, i])), max(high, abs(M[i, i]))
+    if total != 0.0:
+        return -1, -1, -1
+    return bounded, double, 1 if high <= EVEN * low and low > TINY and high < HUGE else 0
 
 
 @kernel
@@ -226,9 +236,12 @@ def box_parts(
 ) -> tuple[float, float, float]:
     """The absolute residual of a box, the size of the terms of w and the load, as a Lcp's; all inf if not finite.
 
-    Out: w = M z + q (n,). The load is the largest of |q| and d_i times the finite bounds of z_i.
+    Out: w = M z + q (n,). The load is the largest of |q_i| and d_i |mid(lower_i, 0, upper_i)|. Where it is 0, z = 0
+    is a solution; another z is one if its w is rounding of its terms, which are the load then.
+    Where a bound is neither 0 nor infinite, unknowns on their bounds may make the terms large: a residual above 1e-9 of
+    the load is judged against the load.
     """
-    worst, size, load = 0.0, 0.0, 0.0
+    worst, size, load, shifted = 0.0, 0.0, 0.0, False
     for i in range(len(q)):
         row, terms, total = 0.0, 0.0, 0.0
         for j in range(len(q)):
@@ -239,12 +252,15 @@ def box_parts(
         w[i] = total + q[i]
         off = d * (z[i] - min(max(z[i] - w[i] / d, lower[i]), upper[i]))
         terms += abs(q[i])
-        load = max(load, abs(q[i]))
-        if lower[i] > -np.inf:
-            load = max(load, d * abs(lower[i]))
-        if upper[i] < np.inf:
-            load = max(load, d * abs(upper[i]))
+        if z[i] != 0.0 and off == 0.0 and abs(w[i]) > CLEAR * terms:  # on its bound, whatever w is rounded to
+            terms = abs(q[i])
+        shifted = shifted or 0.0 < abs(lower[i]) < np.inf or 0.0 < abs(upper[i]) < np.inf
+        load = max(load, max(abs(q[i]), d * abs(min(max(0.0, lower[i]), upper[i]))))
         if not (terms < np.inf and abs(off) < np.inf and load < np.inf):
             return np.inf, np.inf, np.inf
         worst, size = max(worst, abs(off)), max(size, terms)
+    if load == 0.0 and worst <= ROUNDING * len(q) * size:
+        load = size
+    if shifted and worst > CLOSE * load:
+        size = load
     return worst, max(size, load), load

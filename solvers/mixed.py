@@ -23,15 +23,18 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, numbers, point_of
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
-from lcpflex.solvers.boxes import CANCELLED, DOUBLE, FREE, box_parts, recover_box, reduce_box, sound_box
+from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of
+from lcpflex.solvers.box_measure import BoxMeasure
+from lcpflex.solvers.boxes import DOUBLE, FREE, box_parts, recover_box, reduce_box, sound_box
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
+from lcpflex.solvers.guard import joined
 from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
-DEPENDENT = 1e-12  # singular value, relative, below which a bilateral row depends on others
-OUTSIDE = 1e-9  # part of a column that is left over where it is outside of the range of the bilateral rows
+RELAXED = 4  # times that bounds which were left out as far and then broken are put back
 
 
 class _Reduction(NamedTuple):
@@ -82,8 +85,10 @@ class BoxedLcp:
     upper: FloatArray
     # What the four show read-only: kernels would be compiled a second time for read-only arrays.
     data: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(init=False, repr=False, compare=False)
-    _bounds: tuple[int, int] = field(init=False, repr=False, compare=False)  # how many unknowns have one, and two
+    # How many unknowns have a bound, and two; whether all are alike as they are.
+    _bounds: tuple[int, int, int] = field(init=False, repr=False, compare=False)
     _reduction: list[_Reduction] = field(default_factory=list, init=False, repr=False, compare=False)  # once made
+    _measure: list[BoxMeasure] = field(default_factory=list, init=False, repr=False, compare=False)  # once made
 
     def __post_init__(self) -> None:
         q = as_array("q", self.q, 1)
@@ -114,10 +119,14 @@ class BoxedLcp:
         """Natural-map residual of z (n,), ``max_i d_i |z_i - mid(lower_i, z_i - w_i / d_i, upper_i)|``.
 
         d_i is the largest |M_ij| of row i. Scaled and guarded as that of an :class:`Lcp`, with which it agrees where
-        the bounds are 0 and inf. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        the bounds are 0 and inf: the load is the largest |q_i| and d_i |mid(lower_i, 0, upper_i)|, so that bounds which
+        are far away hide no error. Where it is 0, z = 0 is a solution, and so are points with a w of nothing but
+        rounding. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
         """
-        worst, size, load = box_parts(*self.data, point_of("z", z, self.size), np.empty(self.size))
-        return float(guarded_residual(worst, size, load)) if flag("scaled", scaled) else float(worst)
+        point = point_of("z", z, self.size)
+        if flag("scaled", scaled):
+            return float(self.judged(point)[1])
+        return float(box_parts(*self.data, point, np.empty(self.size))[0])
 
     def judged(self, point: FloatArray) -> tuple[FloatArray, float, float]:
         """w of a point (n,), and its residual in the two sizes of a :class:`Solution`."""
@@ -125,6 +134,8 @@ class BoxedLcp:
         if w.shape != self.q.shape:
             raise ModelError(f"z has shape {point.shape}: expected {self.q.shape}")
         worst, size, load = box_parts(*self.data, point, w)
+        if not self._bounds[2]:
+            return w, *self._measured().residuals(point)
         return w, guarded_residual(worst, size, load), strict_residual(worst, load)
 
     def lcp(self) -> Lcp:
@@ -149,6 +160,11 @@ class BoxedLcp:
         if not self._reduction:
             self._reduction.append(_reduce(self))
         return self._reduction[0]
+
+    def _measured(self) -> BoxMeasure:
+        if not self._measure:
+            self._measure.append(BoxMeasure.of(self.data, bool(self._bounds[2])))
+        return self._measure[0]
 
     def exact_system(self) -> ExactSystem:
         """The conditions without rounding, unknowns [bounded ones, multipliers of second bounds, free ones]."""
@@ -260,7 +276,7 @@ def _mask(value: Any, n: int) -> npt.NDArray[np.bool_]:
 
 def _reduce(problem: BoxedLcp) -> _Reduction:
     """Shift, mirror, add multipliers of upper bounds, eliminate free unknowns."""
-    n, (b, extra) = problem.size, problem._bounds
+    n, (b, extra, _) = problem.size, problem._bounds
     f, k = n - b, b + extra
     frame, (kind, order) = np.empty((2, n)), np.empty((2, n), dtype=np.int64)
     gain, M, q, work = np.empty((f, b + 1)), np.empty((k, k)), np.empty(k), np.empty((n + 2 * f + 2, n + 1))
@@ -282,9 +298,9 @@ def _reduced(problem: BoxedLcp) -> _Reduction:
     q = sign * (problem.M @ base + problem.q)
     B, F = bounded, ~bounded
     A, b = M[np.ix_(B, B)], q[B]
-    gain, offset, contradiction = _eliminated(M[np.ix_(F, F)], M[np.ix_(F, B)], q[F])
+    gain, offset, contradiction = eliminated(M[np.ix_(F, F)], M[np.ix_(F, B)], q[F])
     if gain is not None:
-        A, b = _sum(A, M[np.ix_(B, F)], gain), _sum(b, M[np.ix_(B, F)], offset)
+        A, b = sum_of(A, M[np.ix_(B, F)], gain), sum_of(b, M[np.ix_(B, F)], offset)
         if np.allclose(problem.M, problem.M.T, rtol=1e-12, atol=0.0):
             A = 0.5 * (A + A.T)
     upper = np.flatnonzero(two_sided[B])
@@ -308,44 +324,11 @@ def _reduced(problem: BoxedLcp) -> _Reduction:
     return _Reduction(Lcp(full, load), np.stack([base, sign]), kind, gain, contradiction)
 
 
-def _sum(A: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
-    """A + left @ right without its rounding."""
-    return _cleared(A + left @ right, np.abs(A) + np.abs(left) @ np.abs(right))
-
-
-def _cleared(total: FloatArray, terms: FloatArray) -> FloatArray:
-    """The sums, 0 where nothing but rounding of their terms is left: it would pass for a push that nothing resists."""
-    return np.asarray(np.where(np.abs(total) > CANCELLED * terms, total, 0.0))
-
-
-def _eliminated(MFF: FloatArray, MFB: FloatArray, qF: FloatArray) -> tuple[FloatArray | None, FloatArray, float]:
-    """z_F = offset + gain x_B from M_FF z_F + M_FB x_B + q_F = 0, the shortest where rows are redundant.
-
-    Also how far q_F contradicts the rows, relative. The gain is None where M_FF is singular in a way that would
-    constrain x_B.
-    """
-    scale = np.sqrt(np.maximum(np.abs(MFF).max(axis=1, initial=0.0), np.finfo(float).tiny))
-    try:
-        inverse = np.linalg.pinv(MFF / np.outer(scale, scale), rcond=DEPENDENT) / np.outer(scale, scale)
-    except np.linalg.LinAlgError:  # numbers too far apart for the singular values: the LCP takes them as they are
-        return None, np.zeros(len(qF)), 0.0
-    gain, offset = -inverse @ MFB, -inverse @ qF
-    for _ in range(2):  # of the rounding of the inverse
-        gain -= inverse @ (MFB + MFF @ gain)
-        offset -= inverse @ (qF + MFF @ offset)
-    size = np.abs(inverse)
-    gain, offset = _cleared(gain, size @ np.abs(MFB)), _cleared(offset, size @ np.abs(qF))
-    left = np.abs(MFB + MFF @ gain).max(initial=0.0)
-    if left > OUTSIDE * np.abs(MFB).max(initial=0.0):
-        return None, offset, 0.0
-    load = np.abs(qF).max(initial=0.0)
-    return gain, offset, float(np.abs(qF + MFF @ offset).max(initial=0.0) / load) if load > 0.0 else 0.0
-
-
 def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, guess: Solution | None) -> Solution:
     """Solve the LCP, bring the point back, and judge it on the problem itself."""
     if guess is not None and guess.z.shape == problem.q.shape:
         guess = replace(guess, z=reduction.point(guess.z, guess.w))
+    tolerance = getattr(solver, "tolerance", 1e-10)
     found = solver.solve(reduction.lcp, guess)
     message = found.message
     if reduction.contradiction > OUTSIDE:
@@ -353,7 +336,7 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
     judged = accept(
         problem,
         reduction.recover(found.z),
-        tolerance=getattr(solver, "tolerance", 1e-10),
+        tolerance=tolerance,
         status=found.status,
         iterations=found.iterations,
         route=found.route,
@@ -362,5 +345,55 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
         solutions=tuple([reduction.recover(x) for x in found.solutions]) if found.solutions else (),
     )
     if not judged.solved and found.status in PROVED:
-        return confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
-    return judged
+        judged = confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
+    if judged.status in PROVED or judged.strict <= tolerance or reduction.contradiction > OUTSIDE:
+        return judged
+    judged = _polished(problem, judged, tolerance)
+    return judged if judged.solved else _without_far_bounds(problem, judged, solver, tolerance)
+
+
+def _polished(problem: BoxedLcp, found: Solution, tolerance: float) -> Solution:
+    """The better of the point and the one on its active set, which no shift to the bounds has rounded."""
+    if not (np.isfinite(problem.lower) & (problem.lower != 0.0) | np.isfinite(problem.upper)).any():
+        return found
+    measure = problem._measured()
+    others = () if found.solved else (*found.solutions, measure.rest)
+    for z in (*others, measure.polished(found.z)):
+        trial = accept(
+            problem,
+            z,
+            tolerance=tolerance,
+            status=found.status,
+            iterations=found.iterations,
+            route=found.route,
+            active=found.active,
+            solutions=found.solutions,
+        )
+        if trial.solved and not (found.solved and found.strict <= trial.strict):
+            found = trial
+    return found
+
+
+def _without_far_bounds(problem: BoxedLcp, found: Solution, solver: LcpSolver, tolerance: float) -> Solution:
+    """The solution of the problem without its far bounds, if it is one of the problem; else what was found."""
+    lower, upper = problem._measured().within_near_bounds()
+    for _ in range(RELAXED):
+        if out_of_time() or (np.array_equal(lower, problem.lower) and np.array_equal(upper, problem.upper)):
+            break
+        relaxed = BoxedLcp(problem.M, problem.q, lower, upper).solve_by(solver)
+        if not relaxed.solved:
+            break
+        told = accept(
+            problem,
+            np.clip(relaxed.z, problem.lower, problem.upper),
+            tolerance=tolerance,
+            iterations=found.iterations + relaxed.iterations,
+            route=f"{joined(found)} > {relaxed.route}, far bounds left out",
+        )
+        if told.solved:
+            return told
+        below, above = relaxed.z < problem.lower, relaxed.z > problem.upper
+        if not (below | above).any():
+            break
+        lower, upper = np.where(below, problem.lower, lower), np.where(above, problem.upper, upper)
+    return found

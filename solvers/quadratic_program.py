@@ -109,7 +109,7 @@ class QuadraticProgram:
             iterations += answer.iterations
             for z, how in _points(program, answer):
                 trial = form.outward(z)
-                off = form.residual(trial)
+                off = problem.residual(trial)
                 if off < residual:
                     best, residual, route = trial, off, self.backend + answer.form + how
                 if residual <= self.tolerance and how:
@@ -203,14 +203,6 @@ class _Scaled:
         if not (np.array_equal(low, lower) and np.array_equal(high, upper)):
             asked.append((Program(full.M, full.q, low, high), None))
         return [*asked, (full, None)]
-
-    def residual(self, z: FloatArray) -> float:
-        """That of the problem, measured by q and by those bounds alone on which z (n,) is, not by far ones."""
-        if isinstance(self.problem, Lcp):
-            return self.problem.residual(z)
-        M, q, lower, upper = self.problem.data
-        near = BoxedLcp(M, q, np.where(z == lower, lower, -np.inf), np.where(z == upper, upper, np.inf))
-        return max(self.problem.residual(z), near.residual(z)) if (q != 0.0).any() else self.problem.residual(z)
 
     def outward(self, z: FloatArray) -> FloatArray:
         """The point in the units of the problem; on its bounds exactly where it is on them here."""
