@@ -469,7 +469,7 @@ def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface
         return
     chosen = slave.label if isinstance(slave, PlacedSurface) and slave.scene is a.scene else ""
     if chosen not in (a.label, b.label):
-        given = repr(slave.label) if isinstance(slave, PlacedSurface) else repr(slave)
+        given = repr(slave.label) if isinstance(slave, PlacedSurface) else shown(slave)
         raise ModelError(f"slave: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
     master = b if chosen == a.label else a
     if not is_slave_of(slave, master):
