@@ -8,7 +8,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.solvers.balance import EVEN
 from lcpflex.solvers.certificate import ROUNDING
 
-__all__ = ["CANCELLED", "DOUBLE", "FREE", "SINGLE", "box_parts", "recover_box", "reduce_box", "sound_box"]
+__all__ = ["CANCELLED", "DOUBLE", "FREE", "SINGLE", "box_parts", "on_bounds", "recover_box", "reduce_box", "sound_box"]
 
 FREE, SINGLE, DOUBLE = 0, 1, 2  # bounds of an unknown
 CANCELLED = 1e-13  # part of its terms below which a sum is rounding
@@ -18,6 +18,7 @@ NEAR = 16.0  # ratio to 1 up to which diagonal entries are near it
 TINY, HUGE = 1e-200, 1e200  # diagonal entries that units are never made of
 CLEAR = 1e-6  # part of its terms above which the sign of w is beyond doubt
 CLOSE = 1e-9  # part of the load beyond which large terms are no excuse for a residual
+BESIDE = 1e-12  # part of the width of a box by which an unknown is not on its bound
 SYMMETRIC = 1e-12  # |M_ij - M_ji| relative to M_ij, of a matrix that stays symmetric
 
 
@@ -264,3 +265,20 @@ def box_parts(
     if shifted and worst > CLOSE * load:
         size = load
     return worst, max(size, load), load
+
+
+@kernel
+def on_bounds(q: FloatArray, lower: FloatArray, upper: FloatArray, z: FloatArray, w: FloatArray) -> bool:
+    """Whether each z_i (n,) with two bounds is on the one that a w_i (n,), large enough beside q, pushes it to.
+
+    A narrow box beside a large q: either end is as good to a residual that is relative to q.
+    """
+    load = 0.0
+    for i in range(len(q)):
+        load = max(load, abs(q[i]))
+    for i in range(len(q)):
+        width = upper[i] - lower[i]
+        bound = lower[i] if w[i] > 0.0 else upper[i]
+        if width < np.inf and abs(w[i]) > CLOSE * load and abs(z[i] - bound) > BESIDE * width:
+            return False
+    return True

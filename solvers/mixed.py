@@ -25,7 +25,7 @@ from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of
 from lcpflex.solvers.box_measure import BoxMeasure
-from lcpflex.solvers.boxes import DOUBLE, FREE, box_parts, recover_box, reduce_box, sound_box
+from lcpflex.solvers.boxes import DOUBLE, FREE, box_parts, on_bounds, recover_box, reduce_box, sound_box
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
@@ -346,7 +346,8 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
     )
     if not judged.solved and found.status in PROVED:
         judged = confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
-    if judged.status in PROVED or judged.strict <= tolerance or reduction.contradiction > OUTSIDE:
+    good = judged.strict <= tolerance and on_bounds(*problem.data[1:], judged.z, judged.w)
+    if good or judged.status in PROVED or reduction.contradiction > OUTSIDE:
         return judged
     judged = _polished(problem, judged, tolerance)
     return judged if judged.solved else _without_far_bounds(problem, judged, solver, tolerance)

@@ -48,6 +48,11 @@ class TestOneUnknown:
         assert problem.residual([50.0]) == 0.0
         assert problem.residual([49.0]) == pytest.approx(2.0 / 100.0, rel=1e-14)
 
+    @pytest.mark.parametrize("load", [1e6, 1e12, 1e18, 1e100, 1e300])
+    def test_narrow_boxes_beside_a_large_load(self, load):
+        for side in (1.0, -1.0):
+            assert Auto().solve(BoxedLcp([[1.0]], [-side * load], -1.0, 1.0)).z == pytest.approx([side], rel=1e-12)
+
     def test_bounds_that_are_far_and_reached(self):
         solution = Enumeration().solve(BoxedLcp([[-1.0]], [0.5], -1e14, 1e14))
         assert solution.status is Status.NOT_UNIQUE
