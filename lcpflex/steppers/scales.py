@@ -2,7 +2,7 @@
 
     length L    extent of the largest body [m]
     speed  V    the larger of sqrt(g L) / pi and the fastest initial speed of a body [m/s]; with neither gravity nor
-                initial motion a thousandth of L in the duration of the run
+                initial motion L in the duration of the run
     mass   M    of all bodies [kg]
 
 A pendulum of 1 m swings once in a second, there and back in two: sqrt(g L) / pi is .997 m/s for L = 1 m, so that
@@ -24,7 +24,6 @@ from lcpflex.steppers.system import System
 __all__ = ["GAP", "Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
 
 GAP = 1e-9  # of the length: gaps up to that are closed
-SLIGHT = 1e-3  # of the length, in the duration of a run, is a speed where nothing else tells of one
 INSTANT = 1e-9  # of the time in which the length is passed, at most of the duration: the shortest step
 RESOLVED = 1e-13  # of the duration: no step is shorter, times would not tell it from none
 ABSOLUTE = 1e-2  # of the relative tolerance, times what is usual: the absolute one
@@ -53,7 +52,7 @@ def scales_of(system: System, duration: float) -> Scales:
     for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
         modal = float(np.linalg.norm(u[first + 3 : last])) / math.sqrt(mass)
         speed = max(speed, float(np.hypot(u[first], u[first + 1])) + length * abs(float(u[first + 2])) + modal)
-    return Scales(length, speed or SLIGHT * length / duration, float(bodies.mass.sum()))
+    return Scales(length, speed or length / duration, float(bodies.mass.sum()))
 
 
 def usual_state(system: System, scales: Scales) -> FloatArray:

@@ -249,7 +249,7 @@ def wall(mass: float, speed: float) -> lf.Scene:
 
 def rebound(law: ContactLaw, integrator: Any = None, mass: float = MASS, speed: float = SPEED) -> lf.Result:
     """A run until the ball is off the wall again."""
-    integrator = ExplicitRungeKutta() if integrator is None else integrator
+    integrator = ExplicitRungeKutta(atol=1e-10) if integrator is None else integrator
     return lf.simulate(wall(mass, speed), 0.02 / speed, Smooth(law, integrator=integrator), record=1e-4 / speed)
 
 

@@ -72,16 +72,17 @@ def test_redundant_contacts(loud: Any) -> None:
 
 @pytest.mark.parametrize("ratio", [1e6, 1e8])
 def test_mass_ratios(ratio: float, loud: Any) -> None:
-    """A box of ``ratio`` kg on four of one: sweeps carry its weight down to the floor slowly, in the end too slowly."""
-    sweeps = lf.MoreauJean(step=STEP, solver=GaussSeidel(sweep_limit=20))
-    if ratio > 1e7:
-        said = loud(gallery.stack(boxes=5, top_mass=ratio), 0.1, sweeps)
-        assert "StepError" in said
-        assert "iteration" in said
-    else:
-        swept = lf.simulate(gallery.stack(boxes=5, top_mass=ratio), 0.1, sweeps)
-        assert np.abs(swept.q[-1] - swept.q[0]).max() < 1e-8
-    result = lf.simulate(gallery.stack(boxes=5, top_mass=ratio), 1.0, lf.MoreauJean(step=STEP))
+    """A box of ``ratio`` kg on four of one: sweeps carry its weight down to the floor too slowly.
+
+    Rounding of 1e-8 of the weight moves the light boxes by more than a billionth of their size: a gap tolerance is set.
+    """
+    said = loud(
+        gallery.stack(boxes=5, top_mass=ratio), 0.1, lf.MoreauJean(step=STEP, solver=GaussSeidel(sweep_limit=20))
+    )
+    assert "StepError" in said
+    assert "iteration" in said
+    stepper = lf.MoreauJean(step=STEP, gap_tolerance=1e-9)
+    result = lf.simulate(gallery.stack(boxes=5, top_mass=ratio), 1.0, stepper)
     assert np.abs(result.q[-1] - result.q[0]).max() < 1e-8  # a hundredth of a micrometre in 1000 steps
     assert not result.warnings
 
