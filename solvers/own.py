@@ -38,7 +38,8 @@ _EXPECTED = (
 class OwnSolver:
     """A solver of 0 <= z _|_ M z + q >= 0 that is a function of the user's own, or an object with ``solve``.
 
-    Every stepper, ``cross_check`` and ``replay`` make one of any callable that they are given as a solver.
+    Every stepper, ``cross_check`` and ``replay`` make one of any callable that they are given as a solver. A problem
+    without unknowns is answered without a call.
 
     Attributes
     ----------
@@ -142,6 +143,8 @@ class OwnSolver:
         return answer
 
     def _asked(self, problem: Lcp | PosedProblem, guess: Solution | None) -> Answer:
+        if problem.size == 0:  # steppers pose such problems too; few functions bear them
+            return Answer(np.zeros(0), seconds=0.0)
         lent = _lent(problem, guess, self.takes, self.function)
         seconds = self.time_limit
         if limited():

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex import gallery
 from lcpflex.__main__ import main
 from lcpflex.errors import ModelError, StepError
 from lcpflex.gallery import scenes
@@ -117,6 +118,13 @@ class TestAnswers:
         assert not found.solved
         assert type(error).__name__ in found.message
         assert len(found.message) < 300
+
+    def test_a_problem_without_unknowns_needs_no_call(self):
+        solution = OwnSolver(raises).solve(Lcp(np.zeros((0, 0)), []))
+        assert solution.solved
+        assert solution.z.shape == (0,)
+        fine = lf.simulate(gallery.bouncing_ball(), 0.1, lf.MoreauJean(step=1e-2, solver=raises))  # it does not touch
+        assert fine.complete
 
     def test_an_interruption_is_not_kept(self):
         def interrupted(M, q):
