@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lcpflex.errors import LcpflexError, ModelError, nearest, writable_path
+from lcpflex.errors import LcpflexError, ModelError, nearest, shown, writable_path
 from lcpflex.written import whole_file
 
 if TYPE_CHECKING:
@@ -23,12 +23,12 @@ __all__ = [
     "called",
     "check_files",
     "check_picture",
+    "deliver",
     "duration_of",
     "in_file",
     "load_named",
     "methods_named",
     "outputs_named",
-    "shown",
 ]
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -135,7 +135,7 @@ def outputs_named(option: str, texts: Sequence[str], known: Sequence[str]) -> li
         found = load_named(option, text)
         if isinstance(found, type) or not (callable(found) or hasattr(found, "function")):
             raise ModelError(
-                f"{option}: {text[-80:]!r} is {_cut(found)}; expected a function of a Result, or an Output"
+                f"{option}: {text[-80:]!r} is {shown(found)}; expected a function of a Result, or an Output"
             )
         chosen.append(found)
     return chosen
@@ -169,17 +169,12 @@ def _own_methods(option: str, text: str) -> dict[str, Any]:
     for label, one in found.items():
         steppers = one if isinstance(one, list | tuple) else [one]
         if not steppers or any(isinstance(each, type) or not hasattr(each, "start") for each in steppers):
-            raise ModelError(f"{option}: {text[-80:]!r} has {_cut(one)} as {label!r}; expected a stepper, or several")
+            raise ModelError(f"{option}: {text[-80:]!r} has {shown(one)} as {label!r}; expected a stepper, or several")
     return {str(label): one for label, one in found.items()}
 
 
 def _plain(label: str) -> str:
     return label.lower().replace(",", "").replace(" ", "-").replace("generalised", "generalized")
-
-
-def _cut(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def duration_of(request: argparse.Namespace, known: float | None) -> float:
@@ -190,7 +185,7 @@ def duration_of(request: argparse.Namespace, known: float | None) -> float:
     return float(duration)
 
 
-def shown(request: argparse.Namespace, study: Study, success: bool) -> int:
+def deliver(request: argparse.Namespace, study: Study, success: bool) -> int:
     """Print a study and write its files. The exit code: 130 after Ctrl-C, else 0 for ``success`` and 1 without."""
     print(study)
     if request.csv is not None:

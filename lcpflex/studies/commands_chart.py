@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.command_line import add_files, check_files, duration_of, methods_named, outputs_named, shown
+from lcpflex.studies.command_line import add_files, check_files, deliver, duration_of, methods_named, outputs_named
 
 __all__ = ["add_chart"]
 
@@ -54,4 +54,4 @@ def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float |
         limit=request.limit,
         outputs=[*asked, *others],  # the first one is drawn and decides on the reference
     )
-    return shown(request, work, any(not point.failure for point in work.points))
+    return deliver(request, work, any(not point.failure for point in work.points))

@@ -8,16 +8,15 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from lcpflex.errors import ModelError, in_range
-from lcpflex.errors import shown as value_shown
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.studies.command_line import (
     add_files,
     check_files,
+    deliver,
     duration_of,
     in_file,
     load_named,
     outputs_named,
-    shown,
 )
 
 __all__ = ["add_right_size"]
@@ -66,7 +65,7 @@ def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, fl
     duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
     case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
     found = right_size(case, outputs or None, request.tolerance, duration=duration, stepper=given, limit=request.limit)
-    return shown(request, found, found.within)
+    return deliver(request, found, found.within)
 
 
 def _stepper(request: argparse.Namespace) -> Any:
@@ -82,6 +81,6 @@ def _stepper(request: argparse.Namespace) -> Any:
         raise ModelError(f"--stepper: {request.stepper[:80]!r}; expected file.py:name")
     found = load_named("--stepper", request.stepper)
     if isinstance(found, type) or not (callable(found) or hasattr(found, "start")):
-        raise ModelError(f"--stepper: {request.stepper[-80:]!r} is {value_shown(found)}; expected a stepper, or a "
+        raise ModelError(f"--stepper: {request.stepper[-80:]!r} is {shown(found)}; expected a stepper, or a "
                          "function of the scene that makes one")  # fmt: skip
     return found

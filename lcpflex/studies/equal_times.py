@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple
 
 from lcpflex.compiled import FloatArray, kernel
+from lcpflex.errors import ModelError, shown
 from lcpflex.studies.outputs import Measured, Output, coarsened, scale_of_part
 
 __all__ = ["UNKNOWN", "EqualTimes", "apart_at_equal_times", "blur_at_equal_times", "difference_at_equal_times"]
@@ -27,13 +28,22 @@ UNKNOWN = EqualTimes(math.nan, math.nan)  # of numbers, which have no time
 
 
 def apart_at_equal_times(output: Output, measured: Measured, reference: Measured) -> EqualTimes:
-    """Of the curves of an output the worst, relative to the scale of the reference; infinite for what is not finite."""
+    """Of the curves of an output the worst, relative to the scale of the reference.
+
+    Infinite for what is not finite, and where there are no common times. Raises ModelError for curves of different
+    shapes.
+    """
     if not reference.parts or not measured.parts:
         return UNKNOWN
     if not measured.finite:
         return EqualTimes(math.inf, math.inf)
     mean, largest = 0.0, 0.0
     for part, other in zip(measured.parts, reference.parts, strict=True):
+        if part.curves.shape[1:] != other.curves.shape[1:]:
+            raise ModelError(
+                f"outputs: {shown(output.name)} has curves of shape {part.curves.shape[1:]}, its reference "
+                f"{other.curves.shape[1:]}; expected the same"
+            )
         scale = scale_of_part(output, other)
         if scale == 0.0:
             continue
@@ -41,6 +51,8 @@ def apart_at_equal_times(output: Output, measured: Measured, reference: Measured
             found = difference_at_equal_times(
                 measured.times, part.curves[:, k].copy(), reference.times, other.curves[:, k].copy()
             )
+            if math.isnan(found[0]):
+                return EqualTimes(math.inf, math.inf)
             mean, largest = max(mean, found[0] / scale), max(largest, found[1] / scale)
     return EqualTimes(mean, largest)
 
