@@ -73,7 +73,7 @@ from lcpflex.steppers.event_remarks import event_remarks, listed, shared_load
 from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.scales import GAP, absolute_tolerance, given_or, scales_of
+from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
 __all__ = ["EventDriven", "EventDrivenRun"]
@@ -95,12 +95,12 @@ class EventDrivenRun:
             stepper.rtol,
             absolute_tolerance(stepper.atol, stepper.rtol, system, scales, system.n_laws),
             stepper.max_step,
-            given_or(stepper.gap_tolerance, GAP * scales.length),
+            scales.gap(stepper.gap_tolerance, located=True),
             slow,
             stepper.solver_tolerance,
             stepper.impact.code,
             stepper.impact.sequential,
-            WINDOW / stepper.most_events,
+            WINDOW / scales.most_events(stepper.most_events),
             system.margin,
             SLIP_PART * slow,
             math.inf,
@@ -300,7 +300,8 @@ class EventDriven:
         First step [s]; chosen if omitted.
     gap_tolerance
         Gaps up to this count as closed at an event, deeper penetration of an open pair as an event [m].
-        None: 1e-9 of the size of the scene (extent of the largest body).
+        None: 1e-9 of the size of the scene (extent of the largest body), and at least 6.7e-12 of the largest
+        coordinate: rounding of places, which is more where bodies are farther from the origin than 150 such sizes.
     velocity_threshold
         Slower approach than this [m/s] is stopped instead of reflected (e_N = 0), which ends the infinitely many
         impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick. None: 1e-6 of the
@@ -310,7 +311,8 @@ class EventDriven:
     most_events
         Events a second of simulated time, over the last 1000, beyond which the velocity threshold, or the slip below
         which a contact may stick, rises for a while to end them, with a warning. If none of at most a hundredth of the
-        largest velocity of a contact would, the run ends.
+        largest velocity of a contact would, the run ends. None: 1e5 in the time in which the speed of the scene passes
+        its size (a second, where these are 1 m/s and 1 m); 1e7 in a run without gravity or initial motion.
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
         see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
@@ -330,14 +332,14 @@ class EventDriven:
     gap_tolerance: float | None = None
     velocity_threshold: float | None = None
     impact: ImpactLaw = field(default_factory=Newton)
-    most_events: float = 1e5
+    most_events: float | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        for name in ("rtol", "most_events", "solver_tolerance"):
+        for name in ("rtol", "solver_tolerance"):
             keep_number(self, name, 0.0, math.inf, open_ends=True)
-        for name in ("atol", "gap_tolerance", "velocity_threshold"):
+        for name in ("atol", "gap_tolerance", "velocity_threshold", "most_events"):
             keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
         keep_at_least(self, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)
         if self.first_step is not None:

@@ -63,7 +63,7 @@ from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean_step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.scales import GAP, Scales, given_or, scales_of
+from lcpflex.steppers.scales import Scales, given_or, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import (
@@ -237,7 +237,7 @@ class GeneralizedAlpha:
         such modes out at once. What that takes is part of ``energies.damping``.
     gap_tolerance
         Gaps up to this count as closed [m], > 0: positions are met to rounding.
-        None: 1e-9 of the size of the scene (extent of the largest body).
+        None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     velocity_threshold
         A closed contact with a slower normal velocity [m/s] is at rest, one with a slower slip may stick.
         None: 1e-8 of the speed of the scene, the larger of sqrt(gravity size) / pi and the fastest initial speed of
@@ -286,7 +286,7 @@ class GeneralizedAlpha:
             alpha_f,
             gamma,
             beta,
-            given_or(self.gap_tolerance, GAP * scales.length),
+            scales.gap(self.gap_tolerance),
             given_or(self.velocity_threshold, 1e-8 * scales.speed),
             self.solver_tolerance,
             0.0,

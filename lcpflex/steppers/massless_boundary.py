@@ -75,7 +75,7 @@ from lcpflex.steppers.massless_step import (
 from lcpflex.steppers.moreau_jean_step import grown
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.scales import GAP, given_or
+from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.step_error import Sampling, half_steps
 from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
@@ -112,7 +112,7 @@ class MasslessBoundaryScheme:
         self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step
         give = expected_compliance(self._system, self._compliance)
-        gap = given_or(stepper.gap_tolerance, GAP * system.size)
+        gap = scales_of(system, duration).gap(stepper.gap_tolerance)
         self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0, gap)
         self.work.span[:] = 0.5 * self._settings.step  # loads by their mean about the end of a step
         self._boundary = boundary_of(flexibility, self._compliance)
@@ -258,7 +258,7 @@ class MasslessBoundary:
         that closes or opens within a step changes the energy by order (h omega)^2. Sliding friction is not in it.
     gap_tolerance
         Gaps up to this, besides those within reach of the static modes, enter the contact problem [m].
-        None: 1e-9 of the size of the scene (extent of the largest body).
+        None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
         see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.

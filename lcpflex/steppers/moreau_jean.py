@@ -36,7 +36,7 @@ from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.scales import GAP, Scales, given_or, scales_of
+from lcpflex.steppers.scales import Scales, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
@@ -197,7 +197,8 @@ class MoreauJean:
     activation
         A pair enters the problem of a step if its gap at q + activation h u is closed; 0 uses the present gap.
     gap_tolerance
-        Gaps up to this count as closed [m]. None: 1e-9 of the size of the scene (extent of the largest body).
+        Gaps up to this count as closed [m].
+        None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     projection
         Take the drift out of contacts that stay closed, after each step. Joints are always projected.
     adaptive
@@ -234,7 +235,7 @@ class MoreauJean:
 
     def settings(self, scales: Scales) -> Settings:
         """The numbers that compiled loops need, in a scene of such scales."""
-        gap = given_or(self.gap_tolerance, GAP * scales.length)
+        gap = scales.gap(self.gap_tolerance)
         return Settings(self.step, self.theta, self.activation, gap, self.projection, self.solver_tolerance, 0.0)
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:

@@ -4,11 +4,14 @@
     speed  V    the larger of sqrt(g L) / pi and the fastest initial speed of a body [m/s]; with neither gravity nor
                 initial motion L in the duration of the run
     mass   M    of all bodies [kg]
+    reach  R    largest coordinate of a body, and radius of a circle with the distance of its centre, at the start [m]
 
 A pendulum of 1 m swings once in a second, there and back in two: sqrt(g L) / pi is .997 m/s for L = 1 m, so that
 numbers in metres and seconds keep their meaning in scenes of that size. In other units, and in a scene of another size
 whose motion is similar, L, V and M change as lengths, speeds and masses do, and every tolerance with them.
-Of a user's own system, of which only numbers are known, all three are 1: tolerances are in its own units.
+Rounding alone does not follow the bodies: a gap is a difference of places, which are known to 2.2e-16 R. So no gap
+tolerance is finer than a multiple of that.
+Of a user's own system, of which only numbers are known, L, V and M are 1: tolerances are in its own units.
 """
 
 from __future__ import annotations
@@ -21,9 +24,14 @@ import numpy as np
 from lcpflex.compiled import FloatArray
 from lcpflex.steppers.system import System
 
-__all__ = ["GAP", "Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
+__all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
 
+EPS = 2.0**-52
 GAP = 1e-9  # of the length: gaps up to that are closed
+ROUNDED = 10.0 * EPS  # of the reach: no gap tolerance is finer
+LOCATED = 3e4 * EPS  # of the reach, where the instants of impacts are sought: gaps to a thousandth of the tolerance
+EVENTS = 1e5  # in the time V / L: no more can be located one by one
+FEW_EVENTS = 1e-2  # of the duration takes the place of that time where V has come from it
 INSTANT = 1e-9  # of the time in which the length is passed, at most of the duration: the shortest step
 RESOLVED = 1e-13  # of the duration: no step is shorter, times would not tell it from none
 ABSOLUTE = 1e-2  # of the relative tolerance, times what is usual: the absolute one
@@ -31,11 +39,23 @@ USUAL = 1e-6  # relative tolerance that counts for it where it is 0
 
 
 class Scales(NamedTuple):
-    """Length [m], speed [m/s] and mass [kg] that are usual in a scene."""
+    """Length [m], speed [m/s] and mass [kg] that are usual in a scene; reach [m] and pace [1/s]."""
 
     length: float
     speed: float
     mass: float
+    reach: float = 0.0
+    pace: float = 1.0
+
+    def gap(self, given: float | None, located: bool = False) -> float:
+        """Gaps up to this count as closed [m]; ``located``: of a run that seeks the instants at which they close."""
+        if given is not None:
+            return given
+        return max(GAP * self.length, (LOCATED if located else ROUNDED) * self.reach)
+
+    def most_events(self, given: float | None) -> float:
+        """Events a second that are followed one by one."""
+        return EVENTS * self.pace if given is None else given
 
     def shortest(self, duration: float) -> float:
         """The shortest step [s] of a run over ``duration`` [s]: at this speed a body moves by a closed gap."""
@@ -52,7 +72,19 @@ def scales_of(system: System, duration: float) -> Scales:
     for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
         modal = float(np.linalg.norm(u[first + 3 : last])) / math.sqrt(mass)
         speed = max(speed, float(np.hypot(u[first], u[first + 1])) + length * abs(float(u[first + 2])) + modal)
-    return Scales(length, speed or length / duration, float(bodies.mass.sum()))
+    pace = speed / length or 1.0 / (FEW_EVENTS * duration)
+    return Scales(length, speed or length / duration, float(bodies.mass.sum()), _reach(system), pace)
+
+
+def _reach(system: System) -> float:
+    """The largest coordinate of which gaps are made, at the start [m]."""
+    points, contacts = system.model.points, system.model.contacts
+    frames = np.abs(system.q[system.model.bodies.dof[:-1, None] + np.arange(2)])
+    center = contacts.feature_point[:, 0]
+    away = np.where(points.body[center] < 0, np.hypot(*points.place[center].T), 0.0)
+    radius = np.abs(contacts.feature_radius)
+    circles = (away + radius)[radius > 0.0]
+    return system.size + max(float(frames.max()), float(circles.max(initial=0.0)))
 
 
 def usual_state(system: System, scales: Scales) -> FloatArray:
@@ -74,7 +106,7 @@ def absolute_tolerance(given: float | None, rtol: float, system: System, scales:
 
     Given, it is the same for all. Else ``ABSOLUTE rtol`` times what is usual: see ``usual_state``, M V^2 and M V.
     """
-    _, speed, mass = scales
+    speed, mass = scales.speed, scales.mass
     usual = usual_state(system, scales)
     if laws >= 0:
         usual = np.concatenate((usual, np.full(3, mass * speed**2), np.full(2 * laws, mass * speed)))

@@ -116,7 +116,7 @@ def test_scales_of_a_metre_and_a_second():
     scene = lf.Scene(gravity=(0.0, -9.81))
     scene.add(lf.Box(1.0, 1.0, mass=1.0))
     scales = scales_of(scene.compile().system(), 1.0)
-    assert scales == pytest.approx((1.0, 1.0, 1.0), rel=4e-3)
+    assert scales == pytest.approx((1.0, 1.0, 1.0, 1.0, 1.0), rel=4e-3)
     assert scales.shortest(10.0) == pytest.approx(1e-9, rel=4e-3)
 
 
@@ -124,9 +124,9 @@ def test_scales_without_gravity():
     scene = lf.Scene(gravity=(0.0, 0.0))
     body = lf.Box(0.1, 0.1, mass=2.0)
     scene.add(body)
-    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 0.1 / 4.0, 2.0))
+    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 0.1 / 4.0, 2.0, 0.1, 100.0 / 4.0))
     scene.add(body, position=(1.0, 0.0), velocity=(3.0, 4.0), angular_velocity=-20.0)
-    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 7.0, 4.0))
+    assert scales_of(scene.compile().system(), 4.0) == pytest.approx((0.1, 7.0, 4.0, 1.1, 70.0))
 
 
 def test_what_is_set_is_taken_as_it_is():
@@ -176,3 +176,50 @@ def test_a_large_strict_residual_is_told():
     wedged = replace(result, strict=np.where(np.arange(len(result.times)) == 5, 1e-2, 0.0))
     assert "NOT to be trusted" in wedged.summary()
     assert "1.0e-02 of the velocity that its contacts would have" in wedged.summary()
+
+
+def hinged(m, x=0.0, y=0.0):
+    """Three links on hinges fall on a floor, all of the size m and at the place (x, y)."""
+    scene = lf.Scene(gravity=(0.0, -98.1 * m))
+    holder = scene.ground.at(x, y)
+    for k in range(3):
+        link = scene.add(lf.Box(2 * m, 0.2 * m, mass=1.0), position=(x + m + 2 * m * k, y))
+        scene.join(lf.Revolute(link.at(-m, 0.0), holder))
+        holder = link.at(m, 0.0)
+    scene.contact(link.surface(), scene.ground.half_plane((0.0, y - 3 * m), (0, 1)), friction=0.3, restitution=0.2)
+    return scene
+
+
+def with_play(m, x=0.0, y=0.0):
+    """The same on pins with play, in the air."""
+    scene = lf.Scene(gravity=(0.0, -98.1 * m))
+    holder = scene.ground.at(x, y)
+    for k in range(3):
+        link = scene.add(lf.Box(2 * m, 0.2 * m, mass=1.0), position=(x + m + 2 * m * k, y))
+        scene.revolute_with_clearance(holder, link.at(-m, 0.0), 0.05 * m, 0.06 * m, 0.1, 0.1)
+        holder = link.at(m, 0.0)
+    return scene
+
+
+@pytest.mark.parametrize("scene", [hinged, with_play])
+def test_far_from_the_origin_rounding_sets_the_gap_tolerance(scene):
+    """Places are known to 2e-16 of what they are; impacts were missed, and energy was lost without a word."""
+    near = lf.simulate(scene(0.1), 0.6, lf.EventDriven(), progress=False).q[-1].reshape(-1, 3)
+    for m, x, y in ((0.1, 1e4, 1e4), (0.1, -3e4, 7e4), (0.1, 1e5, 1e5), (1e-6, 1.0, 1.0), (1e-3, 1e3, -1e3)):
+        result = lf.simulate(scene(m, x, y), 0.6, lf.EventDriven(), progress=False)
+        place = (result.q[-1].reshape(-1, 3) - (x, y, 0.0)) * (0.1 / m, 0.1 / m, 1.0)
+        assert np.abs(place - near).max() < 1e-6, (m, x, y)
+        assert result.energies.relative_remainder < 1e-6
+        assert not result.warnings
+
+
+def test_the_reach_is_that_of_places_and_of_circles():
+    scene = hinged(0.1, 300.0, -20.0)
+    scales = scales_of(scene.compile().system(), 1.0)
+    assert scales.reach == pytest.approx(300.5 + 0.2)
+    assert scales.gap(None) == pytest.approx(1e-9 * 0.2)
+    assert scales.gap(None, located=True) == pytest.approx(3e4 * 2.0**-52 * scales.reach)
+    assert scales.gap(1e-7, located=True) == 1e-7
+    body = scene.add(lf.Disc(0.1, mass=1.0), position=(300.0, 40.0))
+    scene.contact(body.surface(), scene.ground.circle((3e3, 4e3), 1e3))
+    assert scales_of(scene.compile().system(), 1.0).reach == pytest.approx(6e3 + 0.2)
