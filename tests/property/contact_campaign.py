@@ -127,11 +127,10 @@ def judged(problem, z, number=np.longdouble):
     return max(terms_size, float(ROUNDING * size / load) if ROUNDING * size > GUARD * load else 0.0), strict
 
 
-def velocities(problem, z):
-    """G lambda + free in units in which the contacts are alike, relative to the terms of which they are made."""
+def moved(problem, force):
+    """G lambda + free in units in which the contacts are alike, and the largest of the terms of which it is made."""
     n, tangent = len(problem.friction), np.flatnonzero(problem.friction)
     s = scales(problem.delassus, n, tangent)
     S = np.concatenate([s, s[tangent]])
-    force = np.concatenate(problem.forces(z))
-    size = (np.abs(problem.delassus) @ np.abs(force) + np.abs(problem.free)) * S
-    return (problem.delassus @ force + problem.free) * S / size.max(initial=1e-300)
+    terms = (np.abs(problem.delassus) @ np.abs(force) + np.abs(problem.free)) * S
+    return (problem.delassus @ force + problem.free) * S, terms.max(initial=0.0)
