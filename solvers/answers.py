@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
+from lcpflex.solvers.guard import words_of
 from lcpflex.solvers.problem import Solution
 
 __all__ = ["Answer", "asked"]
 
-LONGEST = 160  # characters of what an exception says
 _COUNTS = ("iterations", "num_iter", "nit")
 
 
@@ -46,21 +46,11 @@ def asked(function: Any, arguments: tuple[Any, ...], n: int) -> Answer:
         seconds = perf_counter() - began
         z, iterations = _read(returned, n)
     except (Exception, SystemExit) as error:
-        return Answer(None, f"raised {_words(error)}", seconds=perf_counter() - began, cause=error)
+        return Answer(None, f"raised {words_of(error)}", seconds=perf_counter() - began, cause=error)
     claim = returned if isinstance(returned, Solution) else None
     if isinstance(z, str):
         return Answer(None, f"returned {z}", 0, claim, seconds)
     return Answer(z, "", iterations, claim, seconds)
-
-
-def _words(error: BaseException) -> str:
-    """The exception in one line."""
-    try:
-        said = str(error).strip().partition("\n")[0]
-    except Exception:
-        said = ""
-    text = f"{type(error).__name__}: {said}" if said else type(error).__name__
-    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
 
 
 def _read(returned: Any, n: int) -> tuple[FloatArray | str, int]:

@@ -23,11 +23,12 @@ from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.clock import expired, out_of_time
 from lcpflex.solvers.contact_forms import from_copositive
-from lcpflex.solvers.enumeration import Enumeration
+from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.farkas import candidate
 from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lemke import Lemke, lemke
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.newton import MinMapNewton
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.principal_pivoting import PrincipalPivoting, principal_pivoting
@@ -42,8 +43,8 @@ from lcpflex.solvers.problem import (
     Status,
     accept,
     confirmed,
-    keep_tolerance,
 )
+from lcpflex.solvers.proofs import FULL, exact_solution
 from lcpflex.solvers.tableau import EXTRA
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
@@ -53,6 +54,8 @@ TARGET = 1e-10  # residual of a solution
 MANY = 900  # unknowns from which Gauss-Seidel on the contacts is tried first
 TOO_MANY = 3000  # unknowns from which a dense matrix is not formed
 PROGRAM = "linear program of Farkas"
+EXACT = "search in whole numbers"
+SEARCH = 5e5  # entries that it may compute: a third of a second
 
 Step = tuple[str, Callable[[], Solution]]  # with its name in the route
 
@@ -100,13 +103,14 @@ class Auto:
 
     Guaranteed for positive (semi)definite and P-matrices and for planar friction posed as a :class:`ContactProblem`,
     as far as rounding allows. For other matrices all that can be tried is tried; without a solution the status is
-    INFEASIBLE with its proof, NO_SOLUTION up to 16 unknowns, else what stopped the first method.
+    INFEASIBLE with its proof, NO_SOLUTION up to 16 unknowns (up to 48 where the search is short), else what stopped
+    the first method.
     """
 
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
+        keep_settings(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""
@@ -123,7 +127,12 @@ class Auto:
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)
-        return first if first.settled else _descend(problem, first, self._last_steps(problem), self.tolerance)
+        if first.settled:
+            return first
+        steps = self._last_steps(problem)
+        if LARGEST < problem.size <= FULL:
+            steps.append((EXACT, lambda: self._exact(problem)))
+        return _descend(problem, first, steps, self.tolerance)
 
     def _first(self, problem: Lcp, guess: Solution | None) -> Solution:
         """By the basis of the guess, else by principal pivoting where M is symmetric, and by Lemke."""
@@ -185,6 +194,14 @@ class Auto:
         if not enumeration.refuses(problem):
             steps.append(("enumeration", lambda: enumeration.solve(problem)))
         return steps
+
+    def _exact(self, problem: Lcp) -> Solution:
+        """The search without rounding: a solution that floats can hold, or the proof that there is none."""
+        proof, z = exact_solution(problem, SEARCH)
+        point = np.zeros(problem.size) if z is None else z
+        return accept(
+            problem, point, tolerance=self.tolerance, status=Status.NUMERICAL_FAILURE, route=EXACT, proof=proof
+        )
 
     def _infeasible(self, problem: Lcp) -> Solution:
         u = candidate(*problem.data)

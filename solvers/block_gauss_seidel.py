@@ -39,17 +39,8 @@ from lcpflex.solvers.contact_sweeps import (
 from lcpflex.solvers.friction import ContactProblem, aligned
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lemke import lemke_workspace
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-    keep_limit,
-    keep_tolerance,
-    restored,
-)
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import ITERATION_LIMIT, Lcp, PosedProblem, Solution, Status, accept, restored
 
 __all__ = ["BlockGaussSeidel"]
 
@@ -171,8 +162,7 @@ class BlockGaussSeidel:
     sweep_limit: int = 20_000
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
-        keep_limit(self, "sweep_limit")
+        keep_settings(self, "sweep_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

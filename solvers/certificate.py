@@ -19,10 +19,12 @@ __all__ = [
     "residual_parts",
     "row_parts",
     "strict_residual",
+    "terms_residual",
     "weigh",
 ]
 
 GUARD = 1e-6  # a residual above this fraction of |q| is judged against |q| itself: see guarded_residual
+WEDGED = 0.1  # a residual, or rounding, above this fraction of |q| leaves nothing of an answer: see terms_residual
 ROUNDING = 2.2e-16  # of one operation, relative
 SYMMETRY = 1e-10  # largest |M - M^T| of a symmetric matrix, relative to max|M|
 
@@ -129,6 +131,18 @@ def strict_residual(worst: float, load: float) -> float:
     if worst == 0.0:
         return 0.0
     return worst / load if load > 0.0 else np.inf
+
+
+@kernel
+def terms_residual(worst: float, size: float, load: float) -> float:
+    """The residual relative to the terms alone, ``worst / size``: what rounding allows where bodies are wedged.
+
+    Large forces then cancel in small velocities, and :func:`guarded_residual` asks for more digits than there are. inf
+    where more than a tenth of the load is left, or lost in rounding: that is how a z that runs away looks.
+    """
+    if not (size < np.inf and max(worst, ROUNDING * size) <= WEDGED * load):
+        return np.inf
+    return worst / size if size > 0.0 else 0.0
 
 
 @kernel

@@ -22,9 +22,10 @@ from lcpflex.given import text
 from lcpflex.solvers.arguments import check_options, check_problem, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import TimeLimit, check_time_limit
+from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
 from lcpflex.solvers.own import TARGET, named_solvers, own_part, own_tolerance
-from lcpflex.solvers.problem import Lcp, Solution, Status, check_tolerance
+from lcpflex.solvers.problem import Lcp, Solution, Status
 from lcpflex.solvers.records import version_of
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]

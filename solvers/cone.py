@@ -28,15 +28,9 @@ from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.polishing import equilibrium, polish
-from lcpflex.solvers.problem import (
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-    keep_tolerance,
-)
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.proofs import infeasibility
 from lcpflex.solvers.relaxation import ConvexContactProblem
 
@@ -63,7 +57,7 @@ class ConvexFriction:
     model: ClassVar[str] = "convex relaxation"
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
+        keep_settings(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

@@ -9,7 +9,7 @@ none, or finds one. Source: Murty 1988, chapter 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from lcpflex.errors import ModelError
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.proofs import exact_solution
 
 __all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]
@@ -194,7 +195,7 @@ class Enumeration:
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
+        keep_settings(self)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
@@ -252,7 +253,7 @@ class Enumeration:
             message = "a solution exists, but rounded to floats it leaves more than the tolerance; z is it"
         elif proof is None:
             message = "no active set gives a solution in floats, but the proof that none does was too much work"
-        return accept(
+        told = accept(
             problem,
             np.zeros(problem.size) if z is None else z,
             tolerance=self.tolerance,
@@ -262,6 +263,7 @@ class Enumeration:
             message=f"numerical failure: {message}" if message else "",
             proof=proof,
         )
+        return replace(told, message="") if told.solved else told
 
 
 def _same(z: FloatArray, other: FloatArray) -> bool:

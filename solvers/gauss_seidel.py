@@ -21,6 +21,7 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lemke import lemke_workspace
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -31,8 +32,6 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    keep_limit,
-    keep_tolerance,
 )
 
 __all__ = ["GaussSeidel", "projected_gauss_seidel"]
@@ -142,8 +141,7 @@ class GaussSeidel:
     sweep_limit: int = 2000
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
-        keep_limit(self, "sweep_limit")
+        keep_settings(self, "sweep_limit")
         keep_number(self, "relaxation", 0.0, 2.0, open_ends=True)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:

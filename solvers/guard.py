@@ -41,9 +41,13 @@ def guarded(name: str, problem: P, tolerance: float, solve: Callable[[], Solutio
 
 
 def words_of(error: BaseException) -> str:
-    """Kind and message of an exception on one line, cut short."""
-    said = " ".join(f"{type(error).__name__}: {error}".split())
-    return said if len(said) <= LONGEST else f"{said[: LONGEST - 3]}..."
+    """Kind and first line of the message of an exception, cut short; the kind alone where str raises, or is empty."""
+    try:
+        said = " ".join(str(error).strip().partition("\n")[0].split())
+    except Exception:
+        said = ""
+    words = f"{type(error).__name__}: {said}" if said else type(error).__name__
+    return words if len(words) <= LONGEST else f"{words[: LONGEST - 3]}..."
 
 
 def joined(*parts: Solution) -> str:

@@ -21,6 +21,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -32,8 +33,6 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    keep_limit,
-    keep_tolerance,
 )
 from lcpflex.solvers.tableau import (
     CANDIDATE,
@@ -330,8 +329,7 @@ class Lemke:
     pivot_limit: int | None = None
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
-        keep_limit(self, "pivot_limit")
+        keep_settings(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: Lemke's algorithm takes every problem."""

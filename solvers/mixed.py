@@ -30,7 +30,7 @@ from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.exact_systems import ExactSystem, boxed_rows
 from lcpflex.solvers.guard import joined
-from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, confirmed
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
@@ -333,17 +333,8 @@ def _solve_reduced(problem: BoxedLcp, reduction: _Reduction, solver: LcpSolver, 
     message = found.message
     if reduction.contradiction > OUTSIDE:
         message = f"bilateral rows contradict each other: {reduction.contradiction:.1e} of q is outside their range"
-    judged = accept(
-        problem,
-        reduction.recover(found.z),
-        tolerance=tolerance,
-        status=found.status,
-        iterations=found.iterations,
-        route=found.route,
-        message=message if not found.solved or reduction.contradiction > OUTSIDE else "",
-        active=found.active,
-        solutions=tuple([reduction.recover(x) for x in found.solutions]) if found.solutions else (),
-    )
+    message = message if not found.solved or reduction.contradiction > OUTSIDE else ""
+    judged = brought_back(problem, found, reduction.recover, tolerance, message=message)
     if not judged.solved and found.status in PROVED:
         judged = confirmed(problem, replace(judged, status=found.status, certificate=found.certificate))
     good = judged.strict <= tolerance and on_bounds(*problem.data[1:], judged.z, judged.w)

@@ -17,6 +17,7 @@ from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.pivoting import solve_active
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
@@ -27,8 +28,6 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    keep_limit,
-    keep_tolerance,
 )
 
 __all__ = ["MinMapNewton", "min_map_newton", "newton_workspace"]
@@ -211,8 +210,7 @@ class MinMapNewton:
     iteration_limit: int | None = None
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
-        keep_limit(self, "iteration_limit")
+        keep_settings(self, "iteration_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""

@@ -18,8 +18,9 @@ from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
+from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.own_process import Worker
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept, check_tolerance
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 
 __all__ = ["OwnSolver", "as_solver", "is_ours", "name_of", "named_solvers", "own_part"]
 

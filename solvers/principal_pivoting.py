@@ -25,6 +25,7 @@ from lcpflex.solvers.active_factor import backward, factorise, forward, join, le
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
     NUMERICAL_FAILURE,
@@ -35,8 +36,6 @@ from lcpflex.solvers.problem import (
     Solution,
     Status,
     accept,
-    keep_limit,
-    keep_tolerance,
 )
 
 __all__ = [
@@ -349,8 +348,7 @@ class PrincipalPivoting:
     pivot_limit: int | None = None
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
-        keep_limit(self, "pivot_limit")
+        keep_settings(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why not: the matrix is not symmetric."""

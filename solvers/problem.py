@@ -6,31 +6,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, as_number, shown
+from lcpflex.errors import ModelError
 from lcpflex.given import flag, point_of
-from lcpflex.options import is_number
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
-from lcpflex.solvers.certificate import (
-    all_finite,
-    is_symmetric,
-    residual_parts,
-    weigh,
-)
+from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh
 from lcpflex.solvers.claims import check_claim, check_vectors
+from lcpflex.solvers.exact_residual import residual_in_fractions
 from lcpflex.solvers.exact_systems import ExactSystem, exact_rows
 from lcpflex.solvers.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
+from lcpflex.solvers.solution import PROVED, LcpSolver, PosedProblem, Problem, Solution
 from lcpflex.solvers.status import Status
 
 __all__ = [
+    "PROVED",
     "Lcp",
     "LcpSolver",
     "PosedProblem",
@@ -38,15 +35,11 @@ __all__ = [
     "Solution",
     "Status",
     "accept",
-    "check_limit",
-    "check_tolerance",
+    "brought_back",
     "confirmed",
     "restored",
-    "keep_limit",
-    "keep_tolerance",
 ]
 
-PROVED = (Status.INFEASIBLE, Status.NO_SOLUTION)
 NEARLY = (
     "nearly infeasible: a vector u fulfils M^T u <= 0 and q.u < 0 to rounding, but none is known that does so exactly"
 )
@@ -55,15 +48,6 @@ ROUNDED = "numerical failure: {} has no solution, but its rounding may be the re
 
 # The same codes as plain integers, for kernels.
 SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3
-
-
-class Problem(Protocol):
-    """What :func:`accept` asks of a problem: its size, and how wrong a point is."""
-
-    @property
-    def size(self) -> int: ...
-    def slack(self, z: npt.ArrayLike) -> FloatArray: ...
-    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,18 +122,33 @@ class Lcp:
         return (self, None) if scaled is None else (scaled, units)
 
     def residuals(self, z: FloatArray) -> tuple[float, float]:
-        """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`.
+        """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`."""
+        return self.judged(z)[1:]
+
+    def judged(self, z: FloatArray) -> tuple[FloatArray, float, float]:
+        """w of z (n,), and its residual in the two sizes of a :class:`Solution`.
 
         Where units were guessed from the diagonal of an unsymmetric M, which tells little of its rows, the larger ones
-        of :meth:`balanced` and of the problem as it is.
+        of :meth:`balanced` and of the problem as it is. Where floats lose w in its terms, in fractions.
         """
-        alike, units = self.balanced()
+        if z.shape != self.q.shape:
+            raise ModelError(f"z has shape {z.shape}: expected {self.q.shape}")
         w = np.empty(self.size)
-        sizes = weigh(*alike.data, z if units is None else units.inward(z), self.size, w)
-        if units is not None and self._units[2]:
+        alike, units = self.balanced()
+        residual, strict = weigh(*alike.data, z if units is None else units.inward(z), self.size, w)
+        if units is not None:
             raw = weigh(*self.data, z, self.size, w)
-            return max(sizes[0], raw[0]), max(sizes[1], raw[1])
-        return sizes
+            if self._units[2]:
+                residual, strict = max(residual, raw[0]), max(strict, raw[1])
+        if GUARD < residual < np.inf and (exact := residual_in_fractions(self, z)) is not None:
+            return exact[0], exact[1], exact[1]
+        return w, residual, strict
+
+    def measures(self) -> list[tuple[FloatArray, FloatArray, Units | None]]:
+        """M and q as residuals are taken in them, with their units: once, or twice where units were guessed."""
+        alike, units = self.balanced()
+        own = [(*self.data, None)] if units is not None and self._units[2] else []
+        return [(*alike.data, units), *own]
 
     def _in_units(self, d: FloatArray | None) -> tuple[Lcp | None, Units | None]:
         """The problem in units d; None where those are one, or it overflows."""
@@ -205,68 +204,6 @@ class Lcp:
         return self.residuals(point)[0]
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """What a solver found: the point, and how far it can be trusted.
-
-    z, w (n,): the point and w = M z + q. residual: that of the problem, scaled, relative to the terms that cancel in w
-    (what rounding allows); strict: the same relative to the load alone, which for contacts is the velocity that they
-    would have without their forces (what a user cares about): larger, by far where contacts are wedged. iterations:
-    pivots or iterations. route: the algorithms tried, in order, failed ones marked. active (n,): which z are basic (0
-    or 1), None if the solver has no basis; handing the solution back as the guess of a similar problem starts from
-    there (z > 0 would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else
-    None; proof: the same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name
-    of each unknown, for guesses between problems with different contacts. solutions: all that are known, if several.
-    """
-
-    z: FloatArray
-    w: FloatArray
-    status: Status
-    residual: float
-    iterations: int
-    route: str
-    message: str = ""
-    active: IntArray | None = None
-    certificate: FloatArray | None = None
-    keys: tuple[Hashable, ...] | None = None
-    solutions: tuple[FloatArray, ...] = ()
-    proof: tuple[int, ...] = ()
-    strict: float = math.nan
-
-    @property
-    def solved(self) -> bool:
-        """Whether the status is SOLVED or NOT_UNIQUE."""
-        return self.status is Status.SOLVED or self.status is Status.NOT_UNIQUE
-
-    @property
-    def settled(self) -> bool:
-        """Whether nothing more is to be found out: solved, or proved to have no solution."""
-        return self.solved or self.status in PROVED
-
-
-class LcpSolver(Protocol):
-    """What all solvers have in common."""
-
-    def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Why the solver cannot take the problem, as a sentence for its user; empty if it can."""
-
-    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """The certified solution of ``problem``, or the best point found with its status.
-
-        guess: the solution of a similar problem. Raises ModelError, with the reason, for a problem it refuses.
-        """
-
-
-class PosedProblem(Problem, Protocol):
-    """A problem that an LCP solver takes by way of an :class:`Lcp`: contact with friction, mixed and boxed problems."""
-
-    def lcp(self) -> Lcp:
-        """The LCP whose solutions are, or lead to, those of the problem."""
-
-    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """What ``solver`` makes of :meth:`lcp`, as a certified solution of this problem."""
-
-
 def accept(
     problem: Problem,
     z: npt.ArrayLike,
@@ -310,23 +247,37 @@ def accept(
     return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict)
 
 
+def brought_back(
+    problem: Problem, found: Solution, outward: Callable[[FloatArray], FloatArray], tolerance: float, **changed: Any
+) -> Solution:
+    """A solution of a problem made of ``problem``, its points brought back by ``outward`` and judged on ``problem``.
+
+    changed: arguments of :func:`accept` that are not those of ``found``.
+    """
+    kept: dict[str, Any] = {
+        "status": found.status,
+        "iterations": found.iterations,
+        "route": found.route,
+        "message": found.message,
+        "active": found.active,
+        "solutions": tuple([outward(one) for one in found.solutions]),
+    }
+    return accept(problem, outward(found.z), tolerance=tolerance, **(kept | changed))
+
+
 def restored(problem: Problem, found: Solution, units: Units, tolerance: float) -> Solution:
     """A solution of the same problem in other units, brought to those of ``problem`` and judged there.
 
     Other units round the numbers: that there is no solution must be proved once more, by the numbers of ``problem``.
     """
     unproved = ROUNDED.format("the problem in units in which its unknowns are alike")
-    told = accept(
+    told = brought_back(
         problem,
-        units.outward(found.z),
-        tolerance=tolerance,
-        status=found.status,
-        iterations=found.iterations,
-        route=found.route,
+        found,
+        units.outward,
+        tolerance,
         message="" if found.solved else unproved if found.status in PROVED else found.message,
-        active=found.active,
         certificate=None if found.certificate is None else found.certificate * units.d,
-        solutions=tuple(units.outward(one) for one in found.solutions),
         proof=exact_solution(problem)[0] if found.status is Status.NO_SOLUTION else None,
     )
     return replace(told, keys=found.keys)
@@ -334,13 +285,6 @@ def restored(problem: Problem, found: Solution, units: Units, tolerance: float) 
 
 def _judged(problem: Problem, point: FloatArray) -> tuple[FloatArray, float, float]:
     """w, and the residual in its two sizes; NaN for the second where a problem does not tell it."""
-    if type(problem) is Lcp and point.shape == problem.q.shape:
-        w = np.empty(len(point))
-        if problem.balanced()[1] is None:
-            return w, *weigh(*problem.data, point, len(point), w)
-        sizes = problem.residuals(point)
-        weigh(*problem.data, point, len(point), w)
-        return w, *sizes
     if hasattr(problem, "judged"):
         told: tuple[FloatArray, float, float] = problem.judged(point)
         return told
@@ -408,29 +352,3 @@ def _checked_factor(value: Any, M: FloatArray) -> FloatArray:
         raise ModelError(f"factor: factor @ factor.T differs from M by up to {difference:.3g}; expected M itself")
     J.flags.writeable = False
     return J
-
-
-def check_tolerance(tolerance: float) -> None:
-    """A tolerance of the natural-map residual: refuses what no residual could mean."""
-    if not 0.0 < as_number(tolerance) < 1e-2:
-        raise ModelError(f"tolerance is {shown(tolerance)}: expected a number between 0 and 0.01 (relative residual)")
-
-
-def check_limit(name: str, limit: int | None) -> None:
-    """A limit of pivots or iterations: a positive integer, or None for the solver's own."""
-    if limit is not None and not (isinstance(limit, int) and not isinstance(limit, bool) and 0 < limit < 2**62):
-        raise ModelError(f"{name} is {shown(limit)}: expected a positive integer or None")
-
-
-def keep_tolerance(solver: Any) -> None:
-    """Keep the tolerance of a frozen solver as the float that kernels are compiled for; see ``check_tolerance``."""
-    check_tolerance(solver.tolerance)
-    object.__setattr__(solver, "tolerance", float(solver.tolerance))
-
-
-def keep_limit(solver: Any, name: str) -> None:
-    """Keep a limit of a frozen solver as the int that kernels are compiled for, or None; see ``check_limit``."""
-    limit = getattr(solver, name)
-    if isinstance(limit, np.integer | np.ndarray) and is_number(limit) and limit == int(limit):
-        object.__setattr__(solver, name, int(limit))
-    check_limit(name, getattr(solver, name))

@@ -87,12 +87,12 @@ def infeasibility(problem: Any, guess: FloatArray | None = None) -> Proof | None
     return None if vector is None or not proves(system, vector) else Proof(problem, tuple(vector))
 
 
-def exact_solution(problem: Any) -> tuple[Proof | None, FloatArray | None]:
-    """A proof that there is no solution; or a solution, rounded to floats; or neither where the work was too much."""
+def exact_solution(problem: Any, work: float = WORK) -> tuple[Proof | None, FloatArray | None]:
+    """A proof that there is no solution; or a solution, rounded to floats; or neither beyond so much work."""
     system: ExactSystem = problem.exact_system()
     rows = system.rows(range(system.size))
     integers, units, columns = _integers(rows)
-    dictionary = Dictionary(integers, system.free, WORK)
+    dictionary = Dictionary(integers, system.free, work)
     try:
         refuting = dictionary.refuting_row()
         if refuting >= 0:

@@ -30,9 +30,10 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
 from lcpflex.solvers.polishing import equilibrium, polish, shortest
-from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept, keep_tolerance
+from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.program_backends import Answer, Program
 from lcpflex.solvers.proofs import NEAR, Proof, infeasibility, nearly_infeasible
 
@@ -64,7 +65,7 @@ class QuadraticProgram:
     tolerance: float = 1e-10
 
     def __post_init__(self) -> None:
-        keep_tolerance(self)
+        keep_settings(self)
         import qpsolvers
 
         if not isinstance(self.backend, str) or self.backend not in qpsolvers.available_solvers:

@@ -39,7 +39,7 @@ def _cross_check(request: argparse.Namespace) -> int:
 
     from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.clock import check_time_limit
-    from lcpflex.solvers.problem import check_tolerance
+    from lcpflex.solvers.limits import check_tolerance
     from lcpflex.solvers.replays import replay
 
     check_picture("--plot", request.plot)

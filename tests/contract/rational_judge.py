@@ -59,3 +59,19 @@ def proves_infeasible(M, q, u):
         and all(sum(u[i] * Fraction(float(M[i][j])) for i in columns) <= 0 for j in columns)
         and sum(u[i] * Fraction(float(q[i])) for i in columns) < 0
     )
+
+
+def left_of_load(M, q, z, units=None):
+    """max_i |min(m_i z_i, w_i)| / max_i |q_i| in fractions, m_i the largest |M_ij|, 1 in a row of zeros; as a float.
+
+    units: d (n,), of the problem d M d, d q and its point z / d, without rounding.
+    """
+    d = [Fraction(1)] * len(q) if units is None else [Fraction(float(x)) for x in units]
+    point = [Fraction(float(x)) / unit for x, unit in zip(z, d, strict=True)]
+    loads = [Fraction(float(x)) * unit for x, unit in zip(q, d, strict=True)]
+    worst = Fraction(0)
+    for row, load, own, unit in zip(M, loads, point, d, strict=True):
+        entries = [Fraction(float(x)) * unit * other for x, other in zip(row, d, strict=True)]
+        w = sum((a * x for a, x in zip(entries, point, strict=True)), load)
+        worst = max(worst, abs(min((max(map(abs, entries)) or 1) * own, w)))
+    return float(worst / max(map(abs, loads)))

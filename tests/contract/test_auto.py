@@ -15,6 +15,13 @@ INFEASIBLE = Lcp([[0.0, 1.0], [0.0, 0.0]], [-1.0, -1.0])  # w2 = -1 whatever z i
 UNSOLVABLE = Lcp([[-1.0, 2.0], [1.0, 1.0]], [-1.0, 1.0])  # w2 > 0 makes z2 = 0, and then w1 < 0
 
 
+def padded(n, weight=1.0):
+    """UNSOLVABLE among n - 2 unknowns that have nothing to do with it."""
+    M, q = np.eye(n), -np.ones(n)
+    M[:2, :2], q[:2] = weight * UNSOLVABLE.M, weight * UNSOLVABLE.q
+    return Lcp(M, q)
+
+
 def masses(friction, slide, keys=(), order=None) -> ContactProblem:
     """Mass points of 1 kg, one contact each, that arrive at the floor with 1 m/s and slide with ``slide`` m/s."""
     friction, slide = np.array(friction, dtype=float), np.array(slide, dtype=float)
@@ -187,26 +194,30 @@ class TestWithoutSolution:
         assert solution.certificate is None  # w >= 0 has points: z = (0, 1)
         assert solution.route == f"{UP_TO_THE_LAST} > enumeration"
 
-    def test_too_large_for_enumeration_is_left_open(self):
-        M, q = np.eye(20), -np.ones(20)
-        M[:2, :2], q[:2] = UNSOLVABLE.M, UNSOLVABLE.q
-        solution = Auto().solve(Lcp(M, q))
+    def test_beyond_enumeration_the_search_may_prove_it_too(self):
+        solution = Auto().solve(padded(20))
+        assert solution.status is Status.NO_SOLUTION
+        assert solution.route == f"{UP_TO_THE_LAST} > search in whole numbers"
+
+    def test_too_large_for_the_search_is_left_open(self):
+        problem = padded(50)
+        solution = Auto().solve(problem)
         assert solution.status is Status.RAY  # what stopped the first method
         assert solution.certificate is None
         assert solution.route == UP_TO_THE_LAST
         assert UP_TO_THE_LAST.replace(" (failed)", "") in solution.message
-        assert solution.residual == Lcp(M, q).residual(solution.z)
+        assert solution.residual == problem.residual(solution.z)
 
     def test_the_error_carries_the_best_point_and_the_reason(self):
-        M, q = np.eye(20), -np.ones(20)
-        M[:2, :2], q[:2] = 0.1 * UNSOLVABLE.M, 0.1 * UNSOLVABLE.q
+        problem = padded(50, 0.1)
+        M, q = problem.M, problem.q
         with pytest.raises(
             SolverError, match=r"^ray: .*nothing of lemke > min-map Newton > linear program of Farkas found"
         ) as caught:
             solve_lcp(M, q)
         best = caught.value.solution
         assert best.residual <= Lemke().solve(Lcp(M, q)).residual
-        assert best.residual < Lcp(M, q).residual(np.zeros(20))
+        assert best.residual < Lcp(M, q).residual(np.zeros(50))
         assert best.w == pytest.approx(M @ best.z + q, abs=1e-14)
 
     @pytest.mark.parametrize(

@@ -350,7 +350,7 @@ class TestForeignExceptions:
         found = Auto().solve(UNSOLVABLE)
         assert found.status is Status.NO_SOLUTION
         assert "linear program of Farkas (failed)" in found.route
-        large = Lcp(np.kron(np.eye(20), UNSOLVABLE.M), np.tile(UNSOLVABLE.q, 20))
+        large = Lcp(np.kron(np.eye(25), UNSOLVABLE.M), np.tile(UNSOLVABLE.q, 25))
         assert "ValueError: the solver broke" in Auto().solve(large).message
 
     def test_a_panic_is_no_exception_and_is_caught(self, monkeypatch):
@@ -386,7 +386,7 @@ class TestRoutes:
         assert found.route in ("basis of the guess", "basis of the guess (failed) > lemke")
 
     def test_all_parts_of_a_failure_are_marked(self):
-        large = Lcp(np.kron(np.eye(20), UNSOLVABLE.M), np.tile(UNSOLVABLE.q, 20))
+        large = Lcp(np.kron(np.eye(25), UNSOLVABLE.M), np.tile(UNSOLVABLE.q, 25))
         found = Auto().solve(large)
         assert all(part.endswith(" (failed)") for part in found.route.split(" > "))
         assert found.route.count(">") >= 2
