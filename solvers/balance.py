@@ -85,9 +85,10 @@ def in_units(
 ) -> None:
     """Out: scaled = d M d and right = d q / load, the leading n x n block and n entries; a symmetric M stays so."""
     for i in range(n):
-        right[i] = d[i] * (q[i] / load)
+        own, source, row = d[i], M[i], scaled[i]
+        right[i] = own * (q[i] / load)
         for j in range(n):
-            scaled[i, j] = M[i, j] * (d[i] * d[j])
+            row[j] = source[j] * (own * d[j])
 
 
 @kernel

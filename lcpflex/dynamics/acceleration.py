@@ -28,8 +28,8 @@ from lcpflex.dynamics.delassus import (
     cholesky,
     condense,
     delassus,
+    free_velocities,
     joint_impulses,
-    row_terms,
     row_velocity,
 )
 from lcpflex.dynamics.law_contacts import law_forces
@@ -154,11 +154,13 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     for i in range(len(q)):
         work.free_u[i] = work.total[i]
     solve_vector(model, work, work.free_u)
-    for r in range(work.step_size[0] + n + work.step_size[2]):
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
-    for r in range(n + work.step_size[2]):
-        i = work.step_size[0] + r
-        work.terms[r] = row_terms(work.rows, work.row_body, i, work.dof, work.free_u) + abs(work.bias[i])
+    n_joint = work.step_size[0]
+    total = n_joint + n + work.step_size[2]
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    for r in range(total):
+        work.free[r] += work.bias[r]
+    for r in range(n_joint, total):
+        work.terms[r - n_joint] += abs(work.bias[r])
     condense_rows(work)
 
 

@@ -22,9 +22,9 @@ __all__ = [
     "condense",
     "delassus",
     "dot",
+    "free_velocities",
     "cholesky",
     "joint_impulses",
-    "row_terms",
     "row_velocity",
     "cholesky_solve",
 ]
@@ -80,16 +80,33 @@ def row_velocity(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u:
 
 
 @kernel
-def row_terms(rows: FloatArray, row_body: IntArray, r: int, dof: IntArray, u: FloatArray) -> float:
-    """Sum of |rows_r| |u|: the size of the terms of which :func:`row_velocity` is made."""
-    total = 0.0
-    for i in range(2):
-        b = row_body[r, i]
-        if b >= 0:
-            d = dof[b]
-            for k in range(dof[b + 1] - d):
-                total += abs(rows[r, i, k] * u[d + k])
-    return total
+def free_velocities(
+    rows: FloatArray,
+    row_body: IntArray,
+    n_joint: int,
+    n: int,
+    dof: IntArray,
+    u: FloatArray,
+    free: FloatArray,
+    terms: FloatArray,
+) -> None:
+    """free[r] = rows_r . u of the first n rows; of those of contacts, r >= n_joint, terms[r - n_joint] = |rows_r| |u|.
+
+    What is left of terms that cancel may be rounding: a residual is measured against both.
+    """
+    for r in range(n_joint):
+        free[r] = row_velocity(rows, row_body, r, dof, u)
+    for r in range(n_joint, n):
+        total, size = 0.0, 0.0
+        for i in range(2):
+            b = row_body[r, i]
+            if b >= 0:
+                row, d, width = rows[r, i], dof[b], dof[b + 1] - dof[b]
+                total += dot(row, u, d, width)
+                for k in range(width):
+                    size += abs(row[k] * u[d + k])
+        free[r] = total
+        terms[r - n_joint] = size
 
 
 @kernel

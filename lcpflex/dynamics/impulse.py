@@ -14,8 +14,8 @@ from lcpflex.dynamics.delassus import (
     cholesky,
     condense,
     delassus,
+    free_velocities,
     joint_impulses,
-    row_terms,
     row_velocity,
 )
 from lcpflex.dynamics.workspace import Workspace
@@ -61,12 +61,10 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     n = work.step_size[1]
     n_tangent = work.step_size[2]
     total = n_joint + n + n_tangent
-    for r in range(total):
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
-        if lead > 0.0:
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    if lead > 0.0:
+        for r in range(total):
             work.free[r] += lead * work.bias[r]
-    for r in range(n + n_tangent):
-        work.terms[r] = row_terms(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
@@ -148,24 +146,24 @@ def measure(work: Workspace) -> None:
     """
     n = work.step_size[1]
     m = work.step_size[3]
-    own = work.contact_units
+    own, tangent, Gc, M, d = work.contact_units, work.tangent, work.Gc, work.M, work.units
     for k in range(n):
-        own[k] = work.Gc[k, k]
+        own[k] = Gc[k, k]
     for j in range(work.step_size[2]):
-        own[work.tangent[j]] = max(own[work.tangent[j]], work.Gc[n + j, n + j])
+        own[tangent[j]] = max(own[tangent[j]], Gc[n + j, n + j])
     contact_units(own, n)
     n_tangent = (m - n) // 2
     k = 0
     for i in range(n):
-        work.units[i] = own[i]
+        d[i] = own[i]
     for j in range(n_tangent):
         i = n + n_tangent + j
-        while k < n - 1 and work.M[i, k] == 0.0:  # 2 mu of its contact, in the order of the contacts
+        while k < n - 1 and M[i, k] == 0.0:  # 2 mu of its contact, in the order of the contacts
             k += 1
-        work.units[n + j] = own[k]
-        work.units[i] = 1.0 / own[k]
+        d[n + j] = own[k]
+        d[i] = 1.0 / own[k]
         k += 1
-    in_units(work.M, work.q, work.units, 1.0, m, work.alike, work.load)
+    in_units(M, work.q, d, 1.0, m, work.alike, work.load)
 
 
 @kernel
@@ -176,11 +174,12 @@ def judge(work: Workspace) -> None:
     terms of which it is made: what is left of it below that may be rounding.
     """
     n = work.step_size[1]
+    own, tangent, terms = work.contact_units, work.tangent, work.terms
     worst, size, load = residual_parts(work.alike, work.load, work.z, work.step_size[3])
     for k in range(n):
-        load = max(load, FLOOR * work.contact_units[k] * work.terms[k])
+        load = max(load, FLOOR * own[k] * terms[k])
     for j in range(work.step_size[2]):
-        load = max(load, FLOOR * work.contact_units[work.tangent[j]] * work.terms[n + j])
+        load = max(load, FLOOR * own[tangent[j]] * terms[n + j])
     work.certificate[0] = guarded_residual(worst, max(size, load), load)
     work.certificate[2] = strict_residual(worst, load)
 
@@ -221,10 +220,11 @@ def solve_lcp(work: Workspace) -> int:
 @kernel
 def finish(work: Workspace) -> None:
     """z in the units of the posed problem; what was known of the terms of its free velocities was for it alone."""
+    z, d, terms = work.z, work.units, work.terms
     for i in range(work.step_size[3]):
-        work.z[i] *= work.units[i]
+        z[i] *= d[i]
     for r in range(work.step_size[1] + work.step_size[2]):
-        work.terms[r] = 0.0
+        terms[r] = 0.0
 
 
 @kernel

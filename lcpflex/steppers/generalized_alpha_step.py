@@ -10,7 +10,7 @@ import math
 
 from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, condense_rows
-from lcpflex.dynamics.delassus import apply_impulses, row_terms, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.impulse import distribute
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
@@ -115,8 +115,7 @@ def pose_velocity(
         if i >= 0:
             work.p[n_joint + n + j] = -h * memory.resting.load[i, 1]
     apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
-    for r in range(total):
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
@@ -135,8 +134,6 @@ def pose_velocity(
         if e_t > 0.0 and memory.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    for r in range(n + n_tangent):
-        work.terms[r] = row_terms(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
     condense_rows(work)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
     work.step_size[3] = n + 2 * n_tangent
