@@ -253,10 +253,16 @@ def contact_advice(
     if not wave_speeds:
         raise ModelError("wave_speeds: none was given, expected that of each body that deforms")
     compression = _compression(mass, radius, modulus, speed)
-    duration = contact_time(mass, radius, modulus, speed)
-    force = 4.0 / 3.0 * modulus * math.sqrt(radius) * compression**1.5
-    patch = contact_radius(force, radius, modulus)
-    frequency = excited_frequency(duration, fraction)
+    in_range("fraction", fraction, 0.0, 1.0, open_ends=True)
+    try:
+        duration = contact_time(mass, radius, modulus, speed)
+        force = 4.0 / 3.0 * modulus * math.sqrt(radius) * compression**1.5
+        patch = contact_radius(force, radius, modulus)
+        frequency = excited_frequency(duration, fraction)
+        _positive("frequency", frequency)
+    except (ModelError, ArithmeticError) as error:  # of what was computed from them
+        given = f"mass {mass:g}, radius {radius:g}, modulus {modulus:g}, speed {speed:g}, fraction {fraction:g}"
+        raise ModelError(f"{given}: {error}, expected an impact whose force and time are numbers") from error
     return ContactAdvice(
         duration=duration,
         peak_force=force,

@@ -31,6 +31,10 @@ from lcpflex.written import whole_file
 
 __all__ = ["read", "write"]
 
+DAMAGED = (
+    ValueError, KeyError, TypeError, AttributeError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error
+)  # fmt: skip
+EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 1"
 _MODULES = ("result", "energy", "scene", "model")  # whose value classes a file may name
 
@@ -63,9 +67,9 @@ def read(path: str | os.PathLike[str]) -> Any:
         raise
     except OSError as error:
         words = f"cannot read {str(target)!r}: {error.strerror or error}"
-        raise ModelError(f"path: {words}; expected a result saved by Result.save") from error
-    except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error})") from error
+        raise ModelError(f"path: {words}, {EXPECTED}") from error
+    except DAMAGED as error:
+        raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error}), {EXPECTED}") from error
 
 
 def _field_names(value: object) -> tuple[str, ...] | None:

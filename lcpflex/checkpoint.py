@@ -128,7 +128,8 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     except ModelError:
         raise
     except OSError as error:
-        raise ModelError(f"path: cannot read {shown(str(path))}: {error.strerror or error}") from error
+        words = f"cannot read {shown(str(path))} ({error.strerror or error})"
+        raise ModelError(f"path: {words}, expected a file that simulate(..., checkpoint=path) wrote") from error
     except DAMAGED as error:
         if isinstance(error, TypeError) and not isinstance(path, str | os.PathLike):
             raise ModelError(f"path: {shown(path)} was given, expected the name of a file") from None

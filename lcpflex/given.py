@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,16 @@ import numpy as np
 from lcpflex.errors import ModelError, as_number, in_range, shown
 
 __all__ = [
+    "FLOAT",
+    "LARGEST_TEXT",
+    "SHOWN",
+    "WrongFunction",
     "absent",
+    "check_axes",
     "array_of",
+    "called",
     "flag",
+    "lines_of",
     "listed",
     "mapping_of",
     "nearest",
@@ -26,6 +34,7 @@ __all__ = [
     "optional_flag",
     "point_of",
     "positive",
+    "raised",
     "sequence_of",
     "text",
     "told_by",
@@ -36,7 +45,27 @@ __all__ = [
 FLOAT = np.dtype(np.float64)
 LARGEST = 2**30  # elements of an array: 8 GiB
 SCALE = 1e60  # up to which positive quantities go, and down to its inverse: products of five are numbers
+LARGEST_TEXT = 2 * 10**9  # bytes of a text file that is read
+SHOWN = 80  # characters of a path in a message
 LISTED = 8  # names in a message
+
+
+class WrongFunction(ModelError):
+    """A function of the user's failed, or returned what it should not."""
+
+
+def raised(name: str, error: Exception, expected: str) -> WrongFunction:
+    """What to raise where a function of the user's raised that error."""
+    words = f"the function raised {type(error).__name__}: {shown(str(error))}"
+    return WrongFunction(f"{name}: {words}, expected {expected}")
+
+
+def called(name: str, function: Callable[..., Any], expected: str, /, *args: Any) -> Any:
+    """What a function of the user's returns; whatever it raises is said with its name."""
+    try:
+        return function(*args)
+    except Exception as error:
+        raise raised(name, error, expected) from error
 
 
 def numbers(value: Any) -> Any:
@@ -119,9 +148,12 @@ def optional_flag(name: str, value: Any) -> bool | None:
 
 
 def sequence_of(name: str, value: Any, expected: str, most: int = 1_000_000) -> list[Any]:
-    """The items of a list, tuple or array of no more than so many; raises :class:`ModelError` for anything else."""
+    """The items of a list, tuple or array of no more than so many; raises :class:`ModelError` for anything else.
+
+    A set is none: its items have no order.
+    """
     try:
-        if not isinstance(value, str | bytes | Mapping | np.ma.MaskedArray) and len(value) <= most:
+        if not isinstance(value, str | bytes | Mapping | set | frozenset | np.ma.MaskedArray) and len(value) <= most:
             return list(value)
     except Exception:  # what has no length, and objects of a user
         pass
@@ -154,6 +186,27 @@ def mapping_of(name: str, value: Any) -> Mapping[str, Any]:
     if not isinstance(value, Mapping) or not all(isinstance(key, str) and key for key in value):
         raise ModelError(f"{name}: {shown(value)} was given, expected a mapping from names (texts)")
     return value
+
+
+def check_axes(axes: Any, *, needed: bool = False) -> None:
+    """Raise ModelError for what is neither axes of matplotlib nor, unless they are needed, None."""
+    from matplotlib.axes import Axes
+
+    if not (isinstance(axes, Axes) or (axes is None and not needed)):
+        raise ModelError(f"axes: {shown(axes)} was given, expected Axes of matplotlib{'' if needed else ', or None'}")
+
+
+def lines_of(name: str, path: Path, errors: str = "strict") -> list[str]:
+    """The lines of a text file; raises :class:`ModelError` for what is none, or is larger than LARGEST_TEXT."""
+    where, expected = f"{name} {str(path)[-SHOWN:]!r}", f"expected a text file of at most {LARGEST_TEXT:.0e} bytes"
+    try:
+        if path.is_file() and path.stat().st_size > LARGEST_TEXT:
+            raise ModelError(f"{where}: it has {path.stat().st_size:.3g} bytes, {expected}")
+        return path.read_text(encoding="utf-8", errors=errors).splitlines()
+    except (OSError, ValueError, MemoryError) as error:
+        if isinstance(error, ModelError):
+            raise
+        raise ModelError(f"{where}: cannot be read ({str(error)[:SHOWN]}), {expected}") from error
 
 
 def one_of(name: str, value: Any, known: Iterable[str]) -> str:

@@ -36,6 +36,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import sequence_of
 from lcpflex.options import is_number, keep_flag, keep_number
 
 __all__ = [
@@ -251,15 +252,15 @@ class Force:
         keep_flag(self, "follower", label="Force: follower")
         if callable(self.value):
             return
-        try:
-            x, y = self.value
-        except (TypeError, ValueError):
+        pair = sequence_of("Force: value", self.value, "a pair (fx, fy) or a Python function of the time")
+        if len(pair) != 2:
             raise ModelError(
                 f"Force: value: {shown(self.value)} was given, "
                 f"expected a pair (fx, fy) or a Python function of the time"
-            ) from None
-        pair = (checked_motion("Force: value[0]", x), checked_motion("Force: value[1]", y))
-        object.__setattr__(self, "value", pair)
+            )
+        x, y = pair
+        both = (checked_motion("Force: value[0]", x), checked_motion("Force: value[1]", y))
+        object.__setattr__(self, "value", both)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
+from lcpflex.given import check_axes
 from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
 from lcpflex.written import whole_file
@@ -120,14 +121,6 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
                         paint(int(record))
                         writer.grab_frame()
     return target
-
-
-def check_axes(axes: Any) -> None:
-    """Raise ModelError for what is neither None nor axes of matplotlib."""
-    from matplotlib.axes import Axes
-
-    if not (axes is None or isinstance(axes, Axes)):
-        raise ModelError(f"axes: {shown(axes)} was given, expected Axes of matplotlib, or None")
 
 
 def _write_gif(

@@ -10,6 +10,7 @@ from lcpflex.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
 from lcpflex.frozen import Arrays
+from lcpflex.given import optional_flag
 from lcpflex.run_setup import Options, Stepper, compiled_for, set_up
 from lcpflex.run_stamp import difference, functions_of, made, plain, scene_node, stepper_node
 from lcpflex.simulate import carry_out
@@ -64,11 +65,12 @@ def resume(
     StepError
         As of :func:`simulate`.
     """
+    progress = optional_flag("progress", progress)
     kept = read(path)
     notes = _versions(kept)
     given = _stepper(kept, stepper)
     options: Options = kept.thawed("options")
-    if not isinstance(options, Options) or not hasattr(given, "start"):
+    if not isinstance(options, Options) or not callable(getattr(given, "start", None)):
         raise kept.damaged(ValueError("other entries than expected"))
     if options.records_problems != (record_problems is not None):
         wanted = "RecordProblems(path, ...), as the run began with" if options.records_problems else "None"
@@ -105,6 +107,10 @@ def _stepper(kept: Checkpoint, given: Stepper | None) -> Any:
         if not is_dataclass(found) or isinstance(found, type):
             raise kept.damaged(ValueError("other entries than expected"))
         return replace(found)  # its numbers are checked as any others
+    if isinstance(given, type) or not callable(getattr(given, "start", None)):
+        raise ModelError(
+            f"stepper: {shown(given)} was given, expected a stepper such as MoreauJean(step=1e-4), or None"
+        )
     arrays: Arrays = {}
     node, why = stepper_node(given, arrays)
     if why or "stepper" in missing:

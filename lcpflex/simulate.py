@@ -14,7 +14,7 @@ from lcpflex.checkpoint import Checkpoints
 from lcpflex.contact.impact_laws import Newton
 from lcpflex.contact.laws.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
-from lcpflex.errors import LcpflexError, SolverError, StepError
+from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.initial_state import started_from
 from lcpflex.kept_depth import kept_depths
 from lcpflex.rebound import rebounds
@@ -107,6 +107,7 @@ def simulate(
     if initial is not None:
         source, notes = started_from(source, initial, stepper)
     records_problems = record_problems is not None
+    every = in_range("every", every, 0.0, float("inf"))
     options = Options(duration, interval, project, energy_growth, notes, every, records_problems)
     keeper = None if checkpoint is None else Checkpoints(checkpoint, every)
     if keeper is not None:

@@ -57,6 +57,16 @@ class Slot:
     last: PlacedSurface
     width: float
 
+    def __post_init__(self) -> None:
+        from lcpflex.placed import PlacedSurface
+
+        for name, surface in self.parts._asdict().items():
+            if not isinstance(surface, PlacedSurface):
+                raise ModelError(f"{name}: {shown(surface)} was given, expected a surface of a body or of the ground")
+            if surface.body != self.inner.body or surface.scene is not self.inner.scene:
+                raise ModelError(f"{name}: {shown(surface)} was given, expected one of the body that inner belongs to")
+        in_range("width", self.width, 0.0, math.inf, open_ends=True)
+
     @property
     def parts(self) -> SlotParts[PlacedSurface]:
         """The four surfaces."""

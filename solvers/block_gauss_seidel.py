@@ -162,7 +162,7 @@ class BlockGaussSeidel:
     sweep_limit: int = 20_000
 
     def __post_init__(self) -> None:
-        keep_settings(self, "sweep_limit")
+        keep_settings(self, "sweep_limit", needed=True)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""

@@ -185,7 +185,7 @@ def cross_check(
     """
     check_options(repeats, tolerance)
     check_problem("problem", problem)
-    if name != "":
+    if not (isinstance(name, str) and name == ""):
         text("name", name)
     ready = ready_solvers(solvers, time_limit)
     return solve_all(problem, ready, repeats, {}, tolerance, name)[0]

@@ -37,7 +37,7 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     for matrices of more than 8000 rows.
     """
     path = path_of("path", path)
-    h5py, name = _h5py(), str(path)[-SHOWN:]
+    h5py, name = _h5py(), f"path {str(path)[-SHOWN:]!r}"
     expected = LOCAL
     try:
         with h5py.File(path, "r") as file:

@@ -19,7 +19,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, path_of
-from lcpflex.given import sequence_of, text
+from lcpflex.given import SHOWN, lines_of, sequence_of, text
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.written import whole_file
@@ -71,7 +71,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
     hold a problem.
     """
     file = path_of("path", path)
-    name = str(file)
+    name = f"path {str(file)[-SHOWN:]!r}"
     try:
         with file.open("rb") as stream:  # which numpy leaves open where the file is damaged
             stored = np.load(stream, allow_pickle=False)
@@ -105,36 +105,34 @@ def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
     test data have, n, 0 (dense storage), n, n, n, n, then M *column by column*, then q, then any remarks. Raises
     ModelError for anything else.
     """
-    file = path_of("path", path)
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError, MemoryError) as error:
-        raise ModelError(f"{path}: cannot be read ({error}); expected a text file") from error
+    path = path_of("path", path)
+    lines = lines_of("path", path)
+    name = f"path {str(path)[-SHOWN:]!r}"
     words = [line.partition("#")[0].split() for line in lines]
-    if (found := _siconos(path, words)) is not None:
+    if (found := _siconos(name, words)) is not None:
         return found
     rows: list[list[float]] = []
     for number, line in enumerate(words, 1):
         try:
             row = [float(word) for word in line]
         except ValueError as error:
-            raise ModelError(f"{path}: line {number}: {error}; expected numbers") from error
+            raise ModelError(f"{name}: line {number}: {error}; expected numbers") from error
         if row:
             rows.append(row)
     if rows and all(len(row) == len(rows) + 1 for row in rows):
         table = np.array(rows)
-        return _lcp_of(path, table[:, :-1], table[:, -1])
+        return _lcp_of(name, table[:, :-1], table[:, -1])
     numbers = np.array([x for row in rows for x in row])
     n = int(numbers[0]) if len(numbers) and 0 <= numbers[0] < 1e6 and numbers[0] % 1 == 0 else -1
     if n < 0 or len(numbers) != 1 + n * n + n:
         raise ModelError(
-            f"{path}: {len(numbers)} numbers in {len(rows)} rows; expected n, M (n x n) and q (n), n rows of n + 1, "
+            f"{name}: {len(numbers)} numbers in {len(rows)} rows; expected n, M (n x n) and q (n), n rows of n + 1, "
             "or the dense storage of Siconos"
         )
-    return _lcp_of(path, numbers[1 : 1 + n * n].reshape(n, n), numbers[1 + n * n :])
+    return _lcp_of(name, numbers[1 : 1 + n * n].reshape(n, n), numbers[1 + n * n :])
 
 
-def _siconos(path: object, words: list[list[str]]) -> Lcp | None:
+def _siconos(name: str, words: list[list[str]]) -> Lcp | None:
     """The LCP if the file begins as those of Siconos do, which no other form can: they have fewer numbers."""
     flat = [word for line in words for word in line]
     first = next((line for line in words if line), [])
@@ -147,12 +145,12 @@ def _siconos(path: object, words: list[list[str]]) -> Lcp | None:
     try:
         numbers = np.array([float(word) for word in flat[6:end]])
     except ValueError as error:
-        raise ModelError(f"{path}: {error}; expected {n * n} numbers of M and {n} of q after the header") from error
-    return _lcp_of(path, numbers[: n * n].reshape(n, n).T, numbers[n * n :])
+        raise ModelError(f"{name}: {error}; expected {n * n} numbers of M and {n} of q after the header") from error
+    return _lcp_of(name, numbers[: n * n].reshape(n, n).T, numbers[n * n :])
 
 
-def _lcp_of(path: object, M: FloatArray, q: FloatArray) -> Lcp:
+def _lcp_of(name: str, M: FloatArray, q: FloatArray) -> Lcp:
     try:
         return Lcp(M, q)
     except ModelError as error:
-        raise ModelError(f"{path}: {error}") from error
+        raise ModelError(f"{name}: {error}") from error

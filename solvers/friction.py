@@ -330,7 +330,7 @@ def is_sparse(value: Any) -> bool:
 def keys_of(value: Any) -> tuple[Hashable, ...]:
     """Names of contacts; raises ModelError for what is no sequence of names."""
     try:
-        keys = tuple(value) if not isinstance(value, str | bytes) and hasattr(value, "__len__") else None
+        keys = tuple(value) if not isinstance(value, str | bytes | set | dict) and hasattr(value, "__len__") else None
         if keys is not None:
             hash(keys)
             return keys

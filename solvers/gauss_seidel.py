@@ -141,7 +141,7 @@ class GaussSeidel:
     sweep_limit: int = 2000
 
     def __post_init__(self) -> None:
-        keep_settings(self, "sweep_limit")
+        keep_settings(self, "sweep_limit", needed=True)
         keep_number(self, "relaxation", 0.0, 2.0, open_ends=True)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:

@@ -24,8 +24,10 @@ def check_limit(name: str, limit: int | None) -> None:
         raise ModelError(f"{name} is {shown(limit)}: expected a positive integer or None")
 
 
-def keep_settings(solver: Any, *limits: str) -> None:
+def keep_settings(solver: Any, *limits: str, needed: bool = False) -> None:
     """Keep the tolerance of a frozen solver as a float and these limits as integers or None, as kernels take them.
+
+    ``needed``: None is refused.
 
     Raises ModelError as :func:`check_tolerance` and :func:`check_limit` do.
     """
@@ -33,6 +35,8 @@ def keep_settings(solver: Any, *limits: str) -> None:
     object.__setattr__(solver, "tolerance", float(solver.tolerance))
     for name in limits:
         limit = getattr(solver, name)
+        if needed and limit is None:
+            raise ModelError(f"{name} is None: expected a positive integer")
         if isinstance(limit, np.integer | np.ndarray) and is_number(limit) and limit == int(limit):
             object.__setattr__(solver, name, int(limit))
         check_limit(name, getattr(solver, name))

@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, shown
+from lcpflex.given import one_of
 from lcpflex.solvers.answers import Answer, asked
+from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.own_process import Worker
@@ -81,8 +83,10 @@ class OwnSolver:
     def __post_init__(self) -> None:
         check_tolerance(self.tolerance)
         check_time_limit("time_limit", self.time_limit)
-        if self.takes not in ("", *TAKES):
-            raise ModelError(f"takes is {str(self.takes)[:40]!r}: expected one of {', '.join(TAKES)}")
+        one_of("takes", self.takes, ("", *TAKES))
+        for name in ("name", "version"):
+            if not isinstance(getattr(self, name), str):
+                raise ModelError(f"{name} is {shown(getattr(self, name))}: expected a text")
         takes = _taken(self.function, self.takes)
         object.__setattr__(self, "takes", takes)
         if not self.name:
@@ -114,8 +118,11 @@ class OwnSolver:
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The point that the function returns, judged; the origin with the reason where it returns none."""
-        if not isinstance(problem, Lcp) and self.takes != "problem":
-            return problem.solve_by(self, guess)
+        check_guess(guess)
+        if not isinstance(problem, Lcp):
+            problem = posed(problem)
+            if self.takes != "problem":
+                return problem.solve_by(self, guess)
         answer = self.ask(problem, guess)
         if answer.z is None:
             return _failed(problem, self.name, answer)
@@ -222,9 +229,11 @@ def own_part(solver: Any) -> OwnSolver | None:
 
 def named_solvers(given: Any) -> dict[str, Any]:
     """Solvers by name: of a mapping, of one solver or callable, or of a sequence of them."""
-    if isinstance(given, Mapping):
+    if isinstance(given, Mapping) and given:
         return {str(name): as_solver(solver, name=str(name)) for name, solver in given.items()}
-    listed = list(given) if isinstance(given, (list, tuple)) else [given]
+    listed = list(given) if isinstance(given, (list, tuple, Mapping)) else [given]
+    if not listed:
+        raise ModelError("what was given is empty, expected at least one")
     named: dict[str, Any] = {}
     for solver in listed:
         ready = as_solver(solver)

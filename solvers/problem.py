@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
-from lcpflex.given import flag, point_of
+from lcpflex.given import FLOAT, flag, point_of
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh
@@ -131,8 +131,8 @@ class Lcp:
         Where units were guessed from the diagonal of an unsymmetric M, which tells little of its rows, the larger ones
         of :meth:`balanced` and of the problem as it is. Where floats lose w in its terms, in fractions.
         """
-        if z.shape != self.q.shape:
-            raise ModelError(f"z has shape {z.shape}: expected {self.q.shape}")
+        if type(z) is not np.ndarray or z.dtype is not FLOAT or z.shape != (self.size,):
+            z = point_of("z", z, self.size)
         w = np.empty(self.size)
         alike, units = self.balanced()
         residual, strict = weigh(*alike.data, z if units is None else units.inward(z), self.size, w)
@@ -170,6 +170,10 @@ class Lcp:
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """What ``solver`` makes of :meth:`balanced`, as a certified solution of this problem."""
+        from lcpflex.solvers.arguments import check_guess, check_solver
+
+        check_solver(solver)
+        check_guess(guess)
         scaled, units = self.balanced()
         if units is None:
             return solver.solve(scaled, guess)

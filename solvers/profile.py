@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.given import check_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -62,6 +63,7 @@ def draw_profile(names: Sequence[str], times: npt.ArrayLike, axes: Axes | None =
     """
     from matplotlib.figure import Figure
 
+    check_axes(axes)
     measured = np.asarray(times, dtype=float)
     performance_profile(measured, np.ones(1))
     if len(names) != len(measured):

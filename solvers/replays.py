@@ -10,7 +10,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import flag
+from lcpflex.given import called, flag
 from lcpflex.solvers import comparison as one
 from lcpflex.solvers.arguments import check_options, check_problem
 from lcpflex.solvers.comparison import CrossCheck, Row
@@ -164,7 +164,7 @@ def replay(
         if warm:
             guesses |= {name: solution for name, solution in found.items() if solution is not None and solution.solved}
         if progress is not None:
-            progress(done, len(named))
+            called("progress", progress, "a function of two numbers", done, len(named))
     columns = list(zip(*(check.rows for check in checks), strict=True))
     findings = (f"{name}: {check.verdict}" for (name, _), check in zip(named, checks, strict=True) if _is_odd(check))
     times = np.array([[_counted(row) for row in rows] for rows in columns])

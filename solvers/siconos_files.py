@@ -23,6 +23,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, path_of
+from lcpflex.given import SHOWN, lines_of
 from lcpflex.solvers.condensation import condensed, contact_problem
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.mixed import MixedLcp
@@ -32,7 +33,6 @@ from lcpflex.solvers.spatial import SpatialContactProblem
 __all__ = ["load_siconos", "load_siconos_contacts", "load_siconos_lcp", "load_siconos_mlcp"]
 
 LARGEST = 8000  # rows of a matrix, which becomes a dense one
-SHOWN = 80  # characters of a path in a message
 DENSE, BLOCKS, SPARSE = 0, 1, 2
 _HEADING = re.compile(r"(?:(triplet|csr):\s*)?(\d+)-by-(\d+),\s*nzmax:\s*\d+\s+nnz:\s*(\d+)")
 
@@ -42,15 +42,12 @@ class _Reader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = path_of("path", path)
-        try:
-            self._lines = self.path.read_text(encoding="utf-8").splitlines()
-        except (OSError, ValueError) as error:
-            raise ModelError(f"{self._name}: cannot be read ({str(error)[:60]}); expected a text file") from error
+        self._lines = lines_of("path", self.path)
         self._line, self._rest = 0, [] if not self._lines else self._lines[0].split()[::-1]
 
     @property
     def _name(self) -> str:
-        return str(self.path)[-SHOWN:]
+        return f"path {str(self.path)[-SHOWN:]!r}"
 
     def fail(self, what: str, expected: str) -> ModelError:
         """The error that tells where the reader is."""
@@ -185,6 +182,9 @@ def load_siconos(path: str | os.PathLike[str]) -> Lcp | MixedLcp | ContactProble
 
     Raises ModelError, with what is missing for each kind, where none fits, and where several do.
     """
+    file = path_of("path", path)
+    name = f"path {str(file)[-SHOWN:]!r}"
+    lines_of("path", file)
     loaders = (load_siconos_lcp, load_siconos_contacts, load_siconos_mlcp)
     found: list[Lcp | MixedLcp | ContactProblem | SpatialContactProblem] = []
     errors = []
@@ -192,12 +192,12 @@ def load_siconos(path: str | os.PathLike[str]) -> Lcp | MixedLcp | ContactProble
         try:
             found.append(load(path))
         except ModelError as error:
-            errors.append(str(error).removeprefix(f"{str(path)[-SHOWN:]}: ")[:110])
+            errors.append(str(error).removeprefix(f"{name}: ")[:100])
     if len(found) == 1:
         return found[0]
-    name = str(path)[-SHOWN:]
     if not found:
-        raise ModelError(f"{name}: as LCP, {errors[0]}; as contacts, {errors[1]}; as mixed LCP, {errors[2]}")
+        words = f"as LCP, {errors[0]}; as contacts, {errors[1]}; as mixed LCP, {errors[2]}"
+        raise ModelError(f"{name}: {words}; expected one of these")
     kinds = ", ".join(type(one).__name__ for one in found)
     raise ModelError(f"{name}: can be read as {kinds}; expected one: load_siconos_lcp, _contacts or _mlcp tell which")
 

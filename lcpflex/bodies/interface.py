@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import sequence_of
+from lcpflex.given import flag, sequence_of
 
 __all__ = ["Interface", "Interfaces", "interfaces_of"]
 
@@ -58,8 +58,7 @@ class Interface:
                 raise ModelError(f"along: {shown(self.along)} was given, expected a direction (x, y), not both 0")
             object.__setattr__(self, "along", (float(x) / size, float(y) / size))
         for name in ("moment", "contact", "forces"):
-            if not isinstance(getattr(self, name), (bool, np.bool_)):
-                raise ModelError(f"{name}: {getattr(self, name)!r} was given, expected True or False")
+            object.__setattr__(self, name, flag(name, getattr(self, name)))
         if not (self.forces or self.moment):
             raise ModelError("forces, moment: both are False, expected at least one: nothing would act there")
 

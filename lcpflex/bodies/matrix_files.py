@@ -24,11 +24,14 @@ from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, path_of, shown
+from lcpflex.given import lines_of
+from lcpflex.given import numbers as numbers_in
 
 __all__ = ["matrices_from_files"]
 
 SUPPORT = 1e30  # no stiffness is that large: such entries are penalties that hold a support
 
+HEAD = 10_000  # characters that tell what a file is
 ROWS = 10_000_000  # of a matrix; a broken header may ask for any memory
 
 
@@ -73,7 +76,7 @@ def matrices_from_files(
         not belong together, supports, and what :class:`Matrices` refuses.
     """
     names = {"mass": mass, "stiffness": stiffness, "damping": damping}
-    read = {name: _matrix(name, path) for name, path in names.items() if path is not None}
+    read = {name: _matrix(name, path) for name, path in names.items() if path is not None or name != "damping"}
     labelled = {name: value for name, value in read.items() if isinstance(value, Labelled)}
     if labelled and len(labelled) < len(read):
         raise ModelError(f"{', '.join(names)}: some name their nodes and some do not, expected files of one form")
@@ -89,7 +92,10 @@ def matrices_from_files(
                 f"coordinates: node {apart[0]} is not both there and in the matrices, expected the same nodes"
             )
         places, numbers = places[order], numbers[order]
-    sets = {name: _renumbered(name, nodes, numbers) for name, nodes in named("node_sets", node_sets or {}).items()}
+    sets = {
+        name: _renumbered(name, nodes, numbers)
+        for name, nodes in named("node_sets", {} if node_sets is None else node_sets).items()
+    }
     whole = {name: value.matrix if isinstance(value, Labelled) else value for name, value in read.items()}
     return Matrices(whole["mass"], whole["stiffness"], places, sets, whole.get("damping"))
 
@@ -134,7 +140,7 @@ def _matrix(name: str, value: Any) -> Any:
     if kind != ".mtx":
         raise ModelError(f"{name}: {str(path)!r} was given, expected a file .mtx, .npz or .npy")
     with path.open(errors="replace") as lines:
-        first = next((line for line in lines if line.strip()), "")
+        first = lines.read(HEAD).lstrip()
     if first.lower().startswith("%%matrixmarket"):
         return _matrix_market(name, path)
     return _abaqus(name, path)
@@ -145,7 +151,8 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
 
     try:
         if path.suffix.lower() == ".npy":
-            return np.load(path, allow_pickle=False)
+            with path.open("rb") as file:  # which numpy leaves open where the file is damaged
+                return np.load(file, allow_pickle=False)
         with np.load(path, allow_pickle=False) as arrays:
             keys = list(arrays.keys())
             if sparse and "format" in keys and "data" in keys:
@@ -157,7 +164,7 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
                 return arrays[keys[0]]
     except Exception as error:  # numpy, zipfile and pickle each have their own
         raise ModelError(
-            f"{name}: {str(path)!r} cannot be read ({error}), expected arrays as numpy saves them"
+            f"{name}: {str(path)!r} cannot be read ({str(error)[:150]}), expected arrays as numpy saves them"
         ) from None
     raise ModelError(f"{name}: {str(path)!r} holds {', '.join(keys) or 'nothing'}, expected one array or one matrix")
 
@@ -167,7 +174,7 @@ def _matrix_market(name: str, path: Path) -> Any:
     from scipy.sparse import coo_matrix
 
     where = f"{name}: {str(path)!r}: "
-    head, *lines = path.read_text(errors="replace").splitlines()
+    head, *lines = lines_of(name, path, "replace")
     words = head.lower().split()[1:]
     known = len(words) == 4 and words[0] == "matrix" and words[1] in ("coordinate", "array")
     if not known or words[2] not in ("real", "double", "integer") or words[3] not in ("general", "symmetric"):
@@ -208,7 +215,7 @@ def _abaqus(name: str, path: Path) -> Labelled:
     expected = "expected lines 'node, dof, node, dof, value' (Abaqus: *MATRIX OUTPUT, FORMAT=MATRIX INPUT)"
     rows = []
     with path.open(errors="replace") as lines:
-        for number, line in enumerate(lines, start=1):
+        for number, line in enumerate(iter(lambda: lines.readline(HEAD), ""), start=1):
             text = line.strip()
             if not text or text.startswith("**"):
                 continue
@@ -281,10 +288,13 @@ def _places(value: Any) -> tuple[FloatArray, IntArray | None]:
             value = _numpy("coordinates", path, sparse=False)
         elif kind in (".txt", ".csv"):
             value = _table(path)
+            if value.ndim != 2 or not value.size:
+                raise ModelError(f"coordinates: {str(path)!r} has no rows of numbers, expected lines 'x, y'")
         else:
             raise ModelError(f"coordinates: {str(path)!r} was given, expected a file .npy, .npz, .txt or .csv")
-    columns = np.shape(value)[1] if np.ndim(value) == 2 else 2
-    array = array_of("coordinates", value, (-1, 3 if columns == 3 else 2))
+    given = numbers_in(value)
+    columns = given.shape[1] if given is not None and given.ndim == 2 else 2
+    array = array_of("coordinates", value if given is None else given, (-1, 3 if columns == 3 else 2))
     if columns != 3:
         return array, None
     numbers = array[:, 0].astype(np.int64)
@@ -295,7 +305,7 @@ def _places(value: Any) -> tuple[FloatArray, IntArray | None]:
 
 def _table(path: Path) -> FloatArray:
     try:
-        lines = path.read_text().replace(",", " ").splitlines()
+        lines = [line.replace(",", " ") for line in lines_of("coordinates", path)]
         return np.array([[float(part) for part in line.split()] for line in lines if line.strip() and line[0] != "#"])
     except (ValueError, OSError) as error:
         raise ModelError(f"coordinates: {str(path)!r} cannot be read ({error}), expected lines 'x, y'") from None

@@ -19,6 +19,7 @@ import numpy as np
 from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, path_of, shown
+from lcpflex.given import LARGEST_TEXT
 
 __all__ = ["read_mesh"]
 
@@ -39,6 +40,8 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
     source = f"mesh {name!r}"
     if not Path(name).is_file():
         raise ModelError(f"mesh: {shown(name)} was given, expected the name of a file that is there")
+    if Path(name).stat().st_size > LARGEST_TEXT:
+        raise ModelError(f"{source}: it is too large, expected a file of at most {LARGEST_TEXT:.0e} bytes")
     found = _read(name, source)
     kind = _only_kind(found, source)
     found.points = places = _planar(np.asarray(found.points, dtype=np.float64), source)

@@ -15,7 +15,7 @@ import numpy as np
 
 from lcpflex.bodies.body import array_of
 from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.errors import ModelError, ModelWarning, in_range
+from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 
 __all__ = ["KINDS", "Kind", "PlanarMesh", "planar_mesh"]
 
@@ -126,9 +126,9 @@ def _from_scikit_fem(mesh: Any, source: str) -> PlanarMesh:
     name = type(mesh).__name__
     kind = next((kind for kind in KINDS.values() if kind.mesh == name), None)
     if kind is None:
-        shown = repr(mesh) if isinstance(mesh, (int, float, type(None))) else name
+        given = shown(mesh) if isinstance(mesh, (int, float, type(None))) else name
         raise ModelError(
-            f"mesh: {shown} was given, expected a scikit-fem mesh ({', '.join(k.mesh for k in KINDS.values())}) "
+            f"mesh: {given} was given, expected a scikit-fem mesh ({', '.join(k.mesh for k in KINDS.values())}) "
             f"or the name of a mesh file"
         )
     places, corners = np.asarray(mesh.doflocs, dtype=np.float64).T, np.asarray(mesh.t)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
-from lcpflex.errors import in_range
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import whole_number
 
 __all__ = ["checked"]
@@ -28,9 +28,18 @@ def checked(build: Callable[P, R]) -> Callable[P, R]:
         bound = signature.bind(*args, **kwargs)
         for name, value in bound.arguments.items():
             bound.arguments[name] = _number(name, value, kinds[name])
-        return build(*bound.args, **bound.kwargs)
+        try:
+            return build(*bound.args, **bound.kwargs)
+        except (ValueError, ArithmeticError) as error:
+            # what is made of the parameters has other names
+            expected = "" if isinstance(error, ModelError) else ", expected numbers of which a scene can be made"
+            raise ModelError(f"{build.__name__}({_told(bound.arguments)}): {error}{expected}") from error
 
     return built
+
+
+def _told(given: dict[str, Any]) -> str:
+    return ", ".join(f"{name}={shown(value)}" for name, value in given.items())
 
 
 def _number(name: str, value: Any, kind: str) -> Any:

@@ -8,6 +8,7 @@ from lcpflex.bodies import meshes
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.reductions import residual_compliance
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+from lcpflex.errors import in_range
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.joints import Prismatic
@@ -18,12 +19,17 @@ __all__ = ["meshed_ball", "meshed_rod", "meshed_sphere_on_rod"]
 RADIUS = 0.015  # of the ball [m]
 LENGTH = 1.0  # of the rod [m]
 REACH = 7.5e-4  # distance from the axis up to which nodes may touch: the contact patch has a radius of 0.45 mm
+FINEST = 2e-5  # edge of an element at the contact [m]
 ORDER = 1  # linear elements: forces of contact are smooth from node to node, and nothing bends or is incompressible
 
 
 @checked
 def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Body:
-    """An aluminium rod of 1 m, 20 mm thick, along x; "tip": nodes around the middle of its left end, (0, 0)."""
+    """An aluminium rod of 1 m, 20 mm thick, along x; "tip": nodes around the middle of its left end, (0, 0).
+
+    ``finest`` [m] is the edge of an element there, from 20 micrometres on, ``size`` the largest one, from 2 mm on.
+    """
+    _check_edges(finest, size, 2e-3)
     mesh = meshes.half_section_of_rod(LENGTH, 0.01, size, finest=finest, within=REACH, order=ORDER)
     solid = SolidOfRevolution(
         mesh,
@@ -37,7 +43,11 @@ def meshed_rod(finest: float = 5e-5, size: float = 5e-3, modes: int = 20) -> Bod
 
 @checked
 def meshed_ball(finest: float = 5e-5, size: float = 2e-3, modes: int = 20) -> Body:
-    """A steel ball of radius 15 mm about the origin; "tip": nodes around its pole (0.015, 0)."""
+    """A steel ball of radius 15 mm about the origin; "tip": nodes around its pole (0.015, 0).
+
+    ``finest`` [m] is the edge of an element there, from 20 micrometres on, ``size`` the largest one, from 1 mm on.
+    """
+    _check_edges(finest, size, 1e-3)
     mesh = meshes.half_section_of_sphere(RADIUS, size, finest=finest, within=REACH, order=ORDER)
     solid = SolidOfRevolution(
         mesh,
@@ -67,6 +77,12 @@ def meshed_sphere_on_rod(finest: float = 5e-5, speed: float = 0.3, modes: int = 
     tip = ball.surface("tip")
     scene.contact(tip, rod.surface("tip"), name="ball", slave=tip)
     return scene
+
+
+def _check_edges(finest: float, size: float, least: float) -> None:
+    """Refuse edges that make a mesh whose reduction takes minutes, and that no element has."""
+    in_range("size", size, least, LENGTH)
+    in_range("finest", finest, FINEST, size)
 
 
 def cases() -> tuple[Case, ...]:

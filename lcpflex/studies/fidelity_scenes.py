@@ -8,10 +8,20 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.bodies.body import Body, Rung
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.exchange import settled
+from lcpflex.given import raised, sequence_of
 from lcpflex.scene import Scene
-from lcpflex.studies.outputs import Output, Part, chosen_outputs, motion_of, standard_outputs, trajectory, two_places
+from lcpflex.studies.outputs import (
+    MOST,
+    Output,
+    Part,
+    chosen_outputs,
+    motion_of,
+    standard_outputs,
+    trajectory,
+    two_places,
+)
 from lcpflex.user_system import UserSystem
 
 if TYPE_CHECKING:
@@ -95,11 +105,16 @@ class Ladders:
 def of_scene(scene: Any) -> Ladders:
     """The ladders of the bodies of a scene, of the function that makes it, or of a Case. Raises ModelError."""
     build = getattr(scene, "build", scene)
-    made = build() if callable(build) else build
+    try:
+        made = build() if callable(build) else build
+    except LcpflexError as error:
+        raise ModelError(f"scene: {error}") from error
+    except Exception as error:
+        raise raised("scene", error, "a Scene, a function that makes one, or a Case") from error
     if hasattr(made, "build") and hasattr(made, "duration"):  # a function that returns a case
         made = made.build()
     if not isinstance(made, Scene):
-        what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else repr(scene)
+        what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else shown(scene)
         raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
     made = made.reduced()
     placed = made.parts().placed
@@ -127,6 +142,7 @@ def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
     if isinstance(outputs, (str, Output)) or callable(outputs):
         outputs = (outputs,)
     if isinstance(outputs, Sequence):
+        outputs = sequence_of("outputs", outputs, "a sequence of outputs", MOST)
         outputs = [_position(places) if isinstance(one, str) and one == MOTION else one for one in outputs]
         unknown = [one for one in outputs if isinstance(one, str) and one not in known_outputs()]
         if unknown:

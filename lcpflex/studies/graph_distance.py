@@ -22,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import flag, numbers
 
 __all__ = ["graph_distance"]
 
@@ -32,6 +33,7 @@ HALVINGS = 10  # of a segment, at most
 SMALLEST = 1.0 / 2**HALVINGS
 RUN = 8  # segments in a box
 WALK = 16  # segments tried about the time of a point before the boxes are
+LARGEST = 1e100  # a coordinate: squares of such are numbers
 SPARSE = 61  # the first look takes every so manieth segment
 
 
@@ -74,19 +76,31 @@ def graph_distance(
     other = _polyline("other_values", other_times, other_values, time_scale, value_scale)
     if one.shape[1] != other.shape[1]:
         raise ModelError(f"other_values: {other.shape[1] - 1} columns; expected {one.shape[1] - 1}, as in values")
+    two_sided = flag("two_sided", two_sided)
     far = _farthest(one, _tree(other), 0.0)
     return _farthest(other, _tree(one), far) if two_sided else far
 
 
 def _polyline(name: str, times: FloatArray, values: FloatArray, time_scale: float, value_scale: float) -> FloatArray:
     """Corners (m, 1 + d), dimensionless."""
-    t, y = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    clock = "times" if name == "values" else "other_times"
+    t, y = numbers(times), numbers(values)
+    if t is None or y is None:
+        what, given = (clock, times) if t is None else (name, values)
+        raise ModelError(f"{what}: {shown(given)} was given, expected an array of numbers")
     if t.ndim != 1 or not t.size or y.ndim not in (1, 2) or len(y) != len(t):
         raise ModelError(f"{name}: shape {y.shape} at times of shape {t.shape}; expected (m,) or (m, d) at (m,), m > 0")
     if not (np.isfinite(t).all() and np.isfinite(y).all()):
         raise ModelError(f"{name}: times or values that are not finite; expected finite numbers")
     if np.any(np.diff(t) < 0.0):
         raise ModelError(f"{name}: times that decrease; expected times in order")
+    scales = ("time_scale", t, time_scale), ("value_scale", y, value_scale)
+    for what, coordinates, scale in scales:
+        most = float(np.abs(coordinates).max(initial=0.0))
+        if not most <= LARGEST * scale:
+            raise ModelError(
+                f"{what}: {scale:g} was given, expected a scale nearer to the size of the graphs, {most:g}"
+            )
     return np.ascontiguousarray(np.column_stack([t / time_scale, y / value_scale]))
 
 

@@ -113,7 +113,7 @@ class Criteria:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None:
+            if value is not None or field.name != "length":
                 in_range(f"criteria.{field.name}", value, 0.0, math.inf, open_ends=True)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers
+from lcpflex.given import numbers, sequence_of, text
 from lcpflex.studies.graph_distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
@@ -39,6 +39,7 @@ __all__ = [
     "unscaled",
 ]
 
+MOST = 1000  # outputs of a study
 STILL = 1e-9  # a range below this, relative to the values, is rounding
 SLOW = 1e-3  # of the size of a body: motions smaller than this are as good as rest
 
@@ -84,6 +85,7 @@ class Output:
     scale: float | None = None
 
     def __post_init__(self) -> None:
+        text("name", self.name)
         if not callable(self.function):
             raise ModelError(
                 f"outputs[{self.name!r}]: {shown(self.function)} was given, "
@@ -94,10 +96,16 @@ class Output:
 
     def of(self, result: Result) -> Measured:
         """The output of a result. Raises ModelError for what is neither a number nor one row for each instant."""
+        from lcpflex.result import Result
+
+        if not isinstance(result, Result):
+            raise ModelError(f"result: {shown(result)} was given, expected a Result")
         try:
             value = self.function(result)
         except NotDefined as error:
             return Measured(result.times, (), float("nan"), str(error))
+        except ModelError as error:
+            raise ModelError(f"outputs[{self.name!r}]: {error}") from error
         if isinstance(value, (list, tuple)) and value and all(isinstance(part, Part) for part in value):
             return Measured(result.times, tuple(value), None)
         array = numbers(value)
@@ -279,7 +287,8 @@ def chosen_outputs(outputs: Any) -> tuple[Output, ...]:
             value if isinstance(value, Output) else Output(str(name), value) for name, value in outputs.items()
         )
     elif isinstance(outputs, Sequence):
-        chosen = tuple(_output(value) for value in outputs)
+        listed = sequence_of("outputs", outputs, "a sequence of outputs", MOST)
+        chosen = tuple(_output(value) for value in listed)
     else:
         raise ModelError(f"outputs: {shown(outputs)} was given, expected functions of a Result by name")
     names = [output.name for output in chosen]

@@ -15,13 +15,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import LcpflexError, ModelError, in_range, shown
+from lcpflex.given import flag, optional_flag, positive, raised
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene
 from lcpflex.studies.fidelity_search import Search
 from lcpflex.studies.fidelity_steps import HalfSteps, half_steps
 from lcpflex.studies.fidelity_verdict import contradictions, remedy
+from lcpflex.studies.given_functions import is_stepper
 from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]
@@ -106,10 +108,11 @@ def right_size(
 
     tolerance = in_range("tolerance", tolerance, 0.0, 1.0, open_ends=True)
     limit = in_range("limit", limit, 0.0, math.inf, open_ends=True)
+    verify, progress = flag("verify", verify), optional_flag("progress", progress)
     span = getattr(scene, "duration", None) if duration is None else duration
     if span is None:
         raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
-    span = in_range("duration", span, 0.0, math.inf, open_ends=True)
+    span = positive("duration", span)
     ladders = of_scene(scene)
     used = comparable(ladders, outputs)
     attempts, own = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
@@ -123,7 +126,7 @@ def right_size(
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             quick = QUICK * limit / SHORTER if k >= own and not last else None
-            search = Search(ladders, used, tolerance, span, make, limit, bool(verify), not last, quick, bar.update)
+            search = Search(ladders, used, tolerance, span, make, limit, verify, not last, quick, bar.update)
             others = [] if stepper is None else _defaults(ladders, span)
             found, halves, better, complete = _measured(search, others)
             spent += search.spent
@@ -178,7 +181,7 @@ def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
 
 def _stepper(given: Any) -> Callable[[Any], Any]:
     """What makes the stepper of a scene."""
-    if hasattr(given, "start") and not isinstance(given, type):
+    if is_stepper(given):
         return lambda scene: given
     if not callable(given) or isinstance(given, type):
         raise ModelError(
@@ -186,8 +189,13 @@ def _stepper(given: Any) -> Callable[[Any], Any]:
         )
 
     def made(scene: Any) -> Any:
-        one = given(scene)
-        if isinstance(one, type) or not hasattr(one, "start"):
+        try:
+            one = given(scene)
+        except LcpflexError:
+            raise
+        except Exception as error:
+            raise raised("stepper", error, "a stepper such as MoreauJean(step=1e-4)") from error
+        if not is_stepper(one):
             raise ModelError(
                 f"stepper: the function made {shown(one)}, expected a stepper such as MoreauJean(step=1e-4)"
             )

@@ -30,9 +30,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import LcpflexError, ModelError, in_range, nearest, shown
+from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
+from lcpflex.given import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.result import Result
 from lcpflex.simulate import simulate
+from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_map import StabilityMap
@@ -49,7 +51,6 @@ if TYPE_CHECKING:
 __all__ = ["stability"]
 
 MOST = 100_000  # cells of a map
-MANY = 1000  # values of an axis, of which none is compared with all others
 BUILT = "scene"  # parameter by which a method asks for the built scene
 
 
@@ -120,8 +121,8 @@ def stability(
         For axes that nothing takes, parameters that nothing gives, and arguments out of range, before time is spent.
         One that a cell raises is the outcome of that cell: refused.
     """
-    table = {name: tuple(values) for name, values in axes.items()}
-    _check_axes(table)
+    table = checked_axes(axes, MOST)
+    progress = optional_flag("progress", progress)
     build = getattr(scene, "build", scene)
     compared = truth_outputs(outputs)
     truth_limit = in_range("truth_limit", truth_limit, 0.0, math.inf, open_ends=True)
@@ -131,6 +132,11 @@ def stability(
         duration = in_range("duration", duration, 0.0, math.inf, open_ends=True)
     if time_limit is not None:
         time_limit = in_range("time_limit", time_limit, 0.0, math.inf, open_ends=True)
+    if record is not None:
+        record = in_range("record", record, 0.0, math.inf)
+    check_call("judge", judge, "a function of a Result that returns an Outcome or None")
+    check_call("check", check, "a function of a Result that returns its error")
+    methods = mapping_of("methods", methods)
     if not methods:
         raise ModelError("methods: none was given; expected steppers, or functions that make them, by label")
     builder = _Maker.of("scene", build, table)
@@ -143,7 +149,7 @@ def stability(
     truth_maker = None if own else _Maker.of("truth", truth, table)
     if duration is None and (truth or any(maker.fixed is not None for maker in makers.values())):
         raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
-    criteria = criteria or Criteria()
+    criteria = instance_of("criteria", criteria, Criteria) or Criteria()
     truths = None
     if duration is not None and truth is not None and truth is not False:
         truths = _Truths(builder, truth_maker, duration, compared, criteria.error, truth_limit)
@@ -164,7 +170,7 @@ class _Maker:
 
     @classmethod
     def of(cls, label: str, thing: Any, axes: Mapping[str, Any]) -> _Maker:
-        if hasattr(thing, "start") and not isinstance(thing, type):
+        if is_stepper(thing) and label != "scene":
             return cls(label, None, thing, (), (), False)
         if not callable(thing):
             expected = "a Case or a function that builds a scene" if label == "scene" else "a stepper or a function"
@@ -219,16 +225,23 @@ class _Truths:
             given = None
             if self.stepper is not None:
                 given = self.stepper(values, **({BUILT: scene()} if self.stepper.wants_scene else {}))
-                if isinstance(given, type) or not hasattr(given, "start"):
+                if not is_stepper(given):
                     raise ModelError(f"truth: returned {shown(given)}; expected a stepper")
             return find_truth(scene, self.duration, self.outputs, self.tolerance, self.limit, given)
+        except WrongFunction:
+            raise
         except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
             return Truth(f"there is no truth: {error}")
 
 
 def _scene_of(build: _Maker, values: Mapping[str, Any]) -> Any:
     """The scene with these values; a function may return a case."""
-    scene = build(values)
+    try:
+        scene = build(values)
+    except LcpflexError:
+        raise
+    except Exception as error:
+        raise raised(build.label, error, "a scene") from error
     return scene.build() if hasattr(scene, "build") and hasattr(scene, "duration") else scene
 
 
@@ -254,6 +267,8 @@ class _Trial:
             if isinstance(made, Result):
                 return self._judged(made, None if self.truths is None else self.truths(values))
             return Verdict(made) if isinstance(made, Outcome) else made
+        except WrongFunction:
+            raise
         except (LcpflexError, ArithmeticError, np.linalg.LinAlgError) as error:
             return judge_error(error, self.criteria)
 
@@ -263,10 +278,14 @@ class _Trial:
         made = method(values, **({BUILT: scene} if method.wants_scene else {}))
         if isinstance(made, (Outcome, Verdict, Result)):
             return made
-        if isinstance(made, type) or not hasattr(made, "start"):
-            raise TypeError(f"{method.label} returned {made!r}; expected a stepper, an Outcome or a Result")
+        if not is_stepper(made):
+            raise WrongFunction(
+                f"{method.label}: the function returned {shown(made)}; expected a stepper, an Outcome or a Result"
+            )
         if self.duration is None:
-            raise TypeError(f"duration: not given, but {method.label} returned a stepper; expected a number > 0 [s]")
+            raise WrongFunction(
+                f"duration: not given, but {method.label} returned a stepper; expected a number > 0 [s]"
+            )
         stepper: Any = made if self.time_limit is None else TimeLimit(made, self.time_limit)
         return simulate(scene, self.duration, stepper, record=self.record, progress=False)
 
@@ -276,8 +295,20 @@ class _Trial:
         if result.contact_names:
             self.touched.append(bool(np.any(result.impulse)))
         self.said.update(dict.fromkeys(scene_warnings(result)))
-        said = self.judge(result) if self.judge is not None else None
-        return Verdict(said) if said is not None else judge_result(result, self.criteria, self.check, truth)
+        said = called("judge", self.judge, "an Outcome or None", result) if self.judge is not None else None
+        if not (said is None or isinstance(said, Outcome)):
+            raise WrongFunction(f"judge: the function returned {shown(said)}, expected an Outcome or None")
+        check = None if self.check is None else self._error
+        return Verdict(said) if said is not None else judge_result(result, self.criteria, check, truth)
+
+    def _error(self, result: Result) -> float:
+        """What the check says of a result."""
+        assert self.check is not None
+        error = called("check", self.check, "the error of the result", result)
+        undefined = isinstance(error, float | np.floating) and math.isnan(error)  # which counts as wrong
+        if not (undefined or as_number(error) >= 0.0):
+            raise WrongFunction(f"check: the function returned {shown(error)}, expected an error, a number >= 0")
+        return as_number(error)
 
 
 def _fill(
@@ -337,16 +368,6 @@ def _notes(trial: _Trial, outcomes: Any) -> tuple[str, ...]:
         more = f" (and {len(trial.said) - 1} more)" if len(trial.said) > 1 else ""
         notes.append(f"whatever the method, the scene itself is doubtful: {next(iter(trial.said))}{more}")
     return tuple(notes)
-
-
-def _check_axes(axes: Mapping[str, tuple[Any, ...]]) -> None:
-    if len(axes) not in (1, 2):
-        raise ModelError(f"axes: {len(axes)} were given; expected one or two names, each with its values")
-    for name, values in axes.items():
-        if not values:
-            raise ModelError(f"axes[{name!r}]: no values were given; expected at least one")
-        if len(values) <= MANY and any(value == other for i, value in enumerate(values) for other in values[:i]):
-            raise ModelError(f"axes[{name!r}]: {shown(values)}; expected values that differ")
 
 
 def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, _Maker]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.given import sequence_of, text
 from lcpflex.studies.outcome import Outcome
 from lcpflex.studies.stability_map import axis_label
 
@@ -41,6 +42,7 @@ COLOURS = {
     Outcome.NOT_RUN: "#FFFFFF",
 }
 DARK = (Outcome.GAINING, Outcome.DIVERGED, Outcome.SOLVER_FAILED, Outcome.NO_SOLUTION, Outcome.STOPPED)
+MANY = 1000  # curves of a chart
 LETTERED = 26  # cells along an axis up to which every cell carries its letter
 NAMED = 6  # values of an axis up to which each has its tick
 CURVES: tuple[Any, ...] = ("-", "--", ":", "-.")
@@ -108,6 +110,10 @@ def outcome_legend(*maps: StabilityMap, curves: Iterable[str] = ()) -> list[Any]
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
+    curves = sequence_of(
+        "curves", list(curves) if isinstance(curves, Mapping) else curves, "a sequence of labels", MANY
+    )
+    curves = [text(f"curves[{i}]", label) for i, label in enumerate(curves)]
     present = {outcome for one in maps for outcome in one.outcomes.ravel().tolist()}
     handles: list[Any] = [
         Patch(facecolor=COLOURS[kind], edgecolor="#666666", label=f"{kind.letter}  {kind.value}")

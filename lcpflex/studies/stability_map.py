@@ -15,7 +15,9 @@ import numpy as np
 
 from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown, writable_path
+from lcpflex.given import check_axes, unknown
 from lcpflex.solvers.comparison import as_markdown
+from lcpflex.studies.given_functions import check_curves
 from lcpflex.studies.outcome import Outcome
 from lcpflex.written import whole_file
 
@@ -66,8 +68,8 @@ class StabilityMap:
 
     def of(self, method: str) -> Objects:
         """Outcomes of one method, (n1, n2) or (n1,). Raises ModelError for an unknown one."""
-        if method not in self.methods:
-            raise ModelError(f"method: no method {method!r}; expected one of {', '.join(map(repr, self.methods))}")
+        if not isinstance(method, str) or method not in self.methods:
+            raise ModelError(f"method: {unknown(method, self.methods)}")
         found: Objects = self.outcomes[self.methods.index(method)]
         return found
 
@@ -144,7 +146,7 @@ class StabilityMap:
         """
         from lcpflex.studies.stability_chart import chart
 
-        return chart(self, curves or {})
+        return chart(self, check_curves("curves", curves))
 
     def draw(
         self,
@@ -155,7 +157,8 @@ class StabilityMap:
         """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend."""
         from lcpflex.studies.stability_chart import draw_map
 
-        draw_map(axes, self, method, curves or {})
+        check_axes(axes, needed=True)
+        draw_map(axes, self, method, check_curves("curves", curves))
 
     def __str__(self) -> str:
         """The counts of each method, where along the first axis it is sound or without trouble, and the notes."""

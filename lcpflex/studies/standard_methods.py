@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from lcpflex.given import positive
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven import EventDriven
 from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
@@ -24,6 +25,7 @@ def standard_methods(duration: float) -> dict[str, tuple[Any, ...]]:
     ten. What takes too long is left out by the limit of the study, what does not apply by the scene. Smooth contact
     laws are not among them: their stiffness is part of the model, and only the user knows it.
     """
+    duration = positive("duration", duration)
     steps = [COARSEST * duration / FACTOR**k for k in range(LEVELS)]
     tolerances = [10.0**-k for k in range(2, 11)]
     return {

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compiled import FloatArray
-from lcpflex.errors import ModelError, SolverError, in_range
+from lcpflex.errors import ModelError, SolverError, in_range, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,7 +81,11 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     SolverError
         If no steady state was found near the start.
     """
+    from lcpflex.scene import Scene
+
     spin = in_range("spin", spin, -math.inf, math.inf)
+    if not isinstance(scene, Scene):
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
     compiled = scene.compile(project=True)
     if spin != 0.0 and np.any(compiled.model.loads.gravity):
         raise ModelError("gravity: it was given with a spin, expected none: a scene that turns in it is never steady")

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.errors import ModelError, in_range, shown, writable_path
+from lcpflex.errors import in_range, writable_path
+from lcpflex.given import flag, one_of, sequence_of
 from lcpflex.studies.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.trial import brief
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneStudy", "WorkPoint", "WorkPrecision"]
 
+MOST = 1000  # tolerances of an advice
 TOLERANCES = (1e-2, 1e-3, 1e-4)  # that advice is given for
 
 
@@ -107,9 +109,7 @@ class SceneStudy:
     def output(self, name: str | None) -> str:
         """The name of an output, the first by default. Raises ModelError for an unknown one."""
         names = [output.name for output in self.outputs]
-        if name is not None and name not in names:
-            raise ModelError(f"output: no output {shown(name)}; expected one of {', '.join(names)}")
-        return names[0] if name is None else name
+        return names[0] if name is None else one_of("output", name, names)
 
     def limited(self, point: WorkPoint, output: str) -> bool:
         """Whether the error of a point is within :meth:`floor`, so that it is not known."""
@@ -143,6 +143,7 @@ class SceneStudy:
         ``at_equal_times``: its mean difference at equal times, too.
         """
         tolerance = in_range("tolerance", tolerance, 0.0, math.inf, open_ends=True)
+        at_equal_times = flag("at_equal_times", at_equal_times)
         name = self.output(output)
         good = [
             p
@@ -157,7 +158,9 @@ class SceneStudy:
         """Sentences for each tolerance, and what the reference leaves open: who agrees with it, and who does not."""
         from lcpflex.studies.work_words import advice
 
-        return advice(self, tolerances, self.output(output))
+        given = sequence_of("tolerances", tolerances, "a sequence of numbers > 0", MOST)
+        wanted = [in_range(f"tolerances[{i}]", x, 0.0, math.inf, open_ends=True) for i, x in enumerate(given)]
+        return advice(self, wanted, self.output(output))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,9 +194,7 @@ class WorkPrecision:
     def of(self, scene: str | None = None) -> SceneStudy:
         """The study of one scene, the first by default. Raises ModelError for an unknown one."""
         names = [study.scene for study in self.studies]
-        if scene is not None and scene not in names:
-            raise ModelError(f"scene: no scene {shown(scene)}; expected one of {', '.join(names)}")
-        return self.studies[0 if scene is None else names.index(scene)]
+        return self.studies[0 if scene is None else names.index(one_of("scene", scene, names))]
 
     def cheapest(
         self, tolerance: float, output: str | None = None, scene: str | None = None, *, at_equal_times: bool = False

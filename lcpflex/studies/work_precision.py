@@ -26,8 +26,10 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.bodies.body import whole_number
 from lcpflex.energy import EnergyGrowth
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import LcpflexError, ModelError, in_range, shown
+from lcpflex.given import optional_flag, positive, raised
 from lcpflex.studies.equal_times import apart_at_equal_times, blur_at_equal_times
+from lcpflex.studies.given_functions import is_stepper, series_of
 from lcpflex.studies.outputs import (
     Output,
     chosen_outputs,
@@ -52,6 +54,8 @@ if TYPE_CHECKING:
     from lcpflex.simulate import Stepper
 
 __all__ = ["work_precision"]
+
+MOST_REPEATS = 10_000
 
 ENTRIES = 4_000_000  # coordinates and velocities over all instants that are stored by default
 FEWEST, MOST = 1000, 20_000
@@ -129,12 +133,12 @@ def work_precision(
         None if methods is None else _checked_methods(methods),
         reference,
         standard_outputs() if outputs is None else chosen_outputs(outputs),
-        None if duration is None else in_range("duration", duration, 0.0, math.inf, open_ends=True),
-        whole_number("repeats", repeats, 0),
+        None if duration is None else positive("duration", duration),
+        whole_number("repeats", repeats, 0, MOST_REPEATS),
         in_range("limit", limit, 0.0, math.inf, open_ends=True),
         None if instants is None else whole_number("instants", instants, 2),
         growth,
-        progress,
+        optional_flag("progress", progress),
     )
     variants = _variants(varied)
     studies: list[SceneStudy] = []
@@ -191,10 +195,7 @@ def _checked_methods(methods: Any) -> dict[str, tuple[Any, ...]]:
         raise ModelError(f"methods: {shown(methods)} was given, expected series of steppers by label")
     checked = {}
     for label, series in methods.items():
-        steppers = tuple(series) if isinstance(series, Sequence) else (series,)
-        if not steppers or any(isinstance(one, type) or not hasattr(one, "start") for one in steppers):
-            raise ModelError(f"methods[{label!r}]: {shown(series)} was given, expected a sequence of steppers")
-        checked[str(label)] = steppers
+        checked[str(label)] = series_of(f"methods[{shown(label)}]", series)
     return checked
 
 
@@ -255,7 +256,8 @@ def _used_outputs(
         if still:
             notes.append(f"{output.name}: {', '.join(still)[:200]} not compared, 0 throughout")
     if not used:
-        raise ModelError(f"outputs: none can be compared. {'; '.join(notes)[:400]}")
+        why = "; ".join(notes)[:300]
+        raise ModelError(f"outputs: none can be compared, expected one with values and a scale; {why}")
     return tuple(used), notes
 
 
@@ -264,15 +266,22 @@ def _builder(label: str, scene: Any, variant: Mapping[str, Any]) -> Callable[[],
     build = getattr(scene, "build", scene)
     if not callable(build):
         if variant:
-            raise ModelError(f"{next(iter(variant))}: {shown(label)} is no function whose parameters could be varied")
+            words = f"{shown(label)} is no function whose parameters could be varied, expected one"
+            raise ModelError(f"{next(iter(variant))}: {words}")
         return lambda: scene
     try:
         inspect.signature(build).bind(**variant)
     except TypeError as error:
-        raise ModelError(f"scenes[{label!r}]: the function cannot be called with {dict(variant)!r}: {error}") from error
+        words = f"cannot be called with {shown(dict(variant))}: {error}, expected a function that can, or a scene"
+        raise ModelError(f"scenes[{shown(label)}]: the function {words}") from error
 
     def made() -> Any:
-        result = build(**variant)
+        try:
+            result = build(**variant)
+        except LcpflexError:
+            raise
+        except Exception as error:
+            raise raised(f"scenes[{shown(label)}]", error, "a scene") from error
         return result.build() if hasattr(result, "build") and hasattr(result, "duration") else result
 
     return made
@@ -325,7 +334,7 @@ def _given_reference(request: _Request, label: str, conditions: Conditions) -> R
         return None
     if isinstance(given, Mapping):
         return analytic_reference(given, conditions.outputs, conditions.duration)
-    if isinstance(given, type) or not hasattr(given, "start"):
+    if not is_stepper(given):
         raise ModelError(f"reference: {shown(given)} was given, expected exact values by output, a stepper or None")
     return converged_reference(conditions, given)
 

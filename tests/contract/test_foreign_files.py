@@ -135,7 +135,7 @@ class TestForms:
         words = text.split()
         for count in range(0, len(words) - 1, 3):
             cut = text[: sum(len(w) + 1 for w in words[:count])]
-            with pytest.raises(ModelError, match=r"x\.dat: line \d+: .*expected") as refusal:
+            with pytest.raises(ModelError, match=r"x\.dat.: line \d+: .*expected") as refusal:
                 load_siconos_contacts(_file(tmp_path, cut.rsplit(maxsplit=1)[0] if cut.strip() else ""))
             assert len(str(refusal.value)) < 500
 

@@ -7,6 +7,7 @@ import io
 import re
 import resource
 import signal
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -18,7 +19,8 @@ import lcpflex as lf
 
 __all__ = ["Ending", "ending_of", "limited_memory"]
 
-SECONDS = 10.0
+SECONDS = 10.0  # of computing
+BUSY = 6.0  # times that, of a machine that others use, too
 LONGEST = 500  # characters of a message
 MEMORY = 3 * 2**30  # bytes beyond what the process has
 
@@ -37,10 +39,15 @@ class Ending:
 
 def ending_of(call: Callable[[], Any], argument: str, others: Iterable[str] = ()) -> Ending:
     """How ``call`` ends, in which ``argument`` is strange; a message may name one of ``others``."""
-    before = signal.signal(signal.SIGALRM, _alarm)
+    began = time.process_time(), time.monotonic()
+    before = signal.signal(signal.SIGALRM, lambda *_: _alarm(*began))
     signal.setitimer(signal.ITIMER_REAL, SECONDS)
     try:
-        with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
+        with (
+            warnings.catch_warnings(),
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(io.StringIO()),
+        ):
             warnings.simplefilter("error")
             warnings.simplefilter("ignore", lf.ModelWarning)
             result = call()
@@ -73,9 +80,17 @@ def _names(argument: str, words: list[str]) -> bool:
     return all(part in words for part in argument.casefold().split("_") if part)
 
 
-def _alarm(*_: Any) -> None:
-    if global_compiler_lock.is_locked():  # a kernel is compiled, once and for all: look again when that is over
-        signal.setitimer(signal.ITIMER_REAL, SECONDS)
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        yield
+
+
+def _alarm(computing: float, began: float) -> None:
+    """Raise TooLate, but look again later where other processes had the machine, or a kernel is compiled."""
+    spent, waited = time.process_time() - computing, time.monotonic() - began
+    if global_compiler_lock.is_locked() or (spent < SECONDS and waited < BUSY * SECONDS):
+        signal.setitimer(signal.ITIMER_REAL, 1.0)
         return
     raise TooLate
 

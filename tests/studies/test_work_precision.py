@@ -459,5 +459,5 @@ def needs_friction(friction) -> lf.Scene:
 def test_mistakes_within_a_builder_are_not_told_as_missing_parameters() -> None:
     with pytest.raises(ModelError, match=r"cannot be called with \{\}: missing a required argument: 'friction'"):
         work_precision(needs_friction, duration=0.1)
-    with pytest.raises(TypeError, match="unsupported operand"):
+    with pytest.raises(ModelError, match=r"the function raised TypeError: .*unsupported operand"):
         work_precision(needs_friction, duration=0.1, friction=[0.3])

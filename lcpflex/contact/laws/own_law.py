@@ -149,7 +149,9 @@ class OwnLaw(ElasticFace):
         found = ElasticFace._values(self, FORCE, out)
         wrong = given[~(abs(found - given) <= REACHED * given)]
         if wrong.size > 0:
-            raise ModelError(f"force: {float(wrong[0])!r} N was given, to which no indentation was found")
+            raise ModelError(
+                f"force: {float(wrong[0])!r} N was given, expected one that the law has at some indentation"
+            )
         return out
 
     def _complain(self) -> None:

@@ -11,6 +11,7 @@ from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.given import sequence_of
 
 __all__ = ["PowerFit", "fit_power_law"]
 
@@ -69,10 +70,10 @@ def fit_power_law(
     """
     if not isinstance(law, ElasticFace):
         raise ModelError(f"law: {shown(law)} was given, expected an elastic law, such as Johnson(pair)")
-    try:
-        low, high = load_range
-    except (TypeError, ValueError):
-        raise ModelError(f"load_range: {shown(load_range)} was given, expected two loads (low, high) in N") from None
+    loads = sequence_of("load_range", load_range, "two loads (low, high) in N")
+    if len(loads) != 2:
+        raise ModelError(f"load_range: {shown(load_range)} was given, expected two loads (low, high) in N")
+    low, high = loads
     low = in_range("load_range[0]", low, 0.0, math.inf)
     high = in_range("load_range[1]", high, low, math.inf, open_ends=True)
     if not isinstance(points, int | np.integer) or not 10 <= points <= 1e8:
