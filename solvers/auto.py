@@ -3,9 +3,9 @@
 A problem that resembles the last one is nearly always solved by the basis of the last one, at the cost of one linear
 solve. Failing that, symmetric problems go to principal pivoting, others to Lemke's algorithm. What neither solves goes
 down a chain in which each method can do what those before it cannot: the copositive form of friction (Lemke's
-guarantee), Newton's method, the linear program that proves that there is no solution, and last enumeration of all
-active sets. Each answer is judged on the original data, proofs in exact arithmetic; the route tells who gave it, and
-who failed before.
+guarantee), Newton's method, the linear program that proves that there is no solution, enumeration of all active sets,
+and for contacts Newton's method on perturbed data. Each answer is judged on the original data, proofs in exact
+arithmetic; the route tells who gave it, and who failed before.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lemke import Lemke, lemke
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.newton import MinMapNewton
+from lcpflex.solvers.perturbed import PERTURBED, perturbed_newton
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.principal_pivoting import PrincipalPivoting, principal_pivoting
 from lcpflex.solvers.problem import (
@@ -160,7 +161,9 @@ class Auto:
                 steps.append(("lemke on the copositive form", lambda: self._copositive(problem, lcp)))
             if swept is None:
                 steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess)))
-            found = _descend(lcp, found, [*steps, *self._last_steps(lcp)], self.tolerance)
+            steps += self._last_steps(lcp)
+            steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance)))
+            found = _descend(lcp, found, steps, self.tolerance)
         if found.status is Status.NOT_UNIQUE:
             found = problem.told_apart(lcp, found, self.tolerance)
         found = confirmed(problem, found)
