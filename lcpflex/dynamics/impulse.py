@@ -22,7 +22,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.model import Model
 from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import contact_units, in_units
-from lcpflex.solvers.certificate import guarded_residual, residual_parts, strict_residual
+from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
 from lcpflex.solvers.contact_forms import assemble_friction_lcp, split_friction_solution
 from lcpflex.solvers.lemke import lemke
 from lcpflex.solvers.problem import SOLVED
@@ -34,6 +34,7 @@ __all__ = [
     "METHOD",
     "REMEMBERED",
     "SOLUTION_KNOWN",
+    "WEDGED_KNOWN",
     "distribute",
     "measure",
     "pose",
@@ -44,7 +45,7 @@ __all__ = [
 
 METHOD, REMEMBERED, KNOWN = 0, 1, 2  # entries of Workspace.solving
 LEMKE, AUTO = 0, 1  # solving[METHOD]
-NOTHING_KNOWN, BASIS_KNOWN, SOLUTION_KNOWN = 0, 1, 2  # solving[KNOWN]
+NOTHING_KNOWN, BASIS_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2, 3  # solving[KNOWN]
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
 
@@ -97,7 +98,7 @@ def recall_basis(work: Workspace) -> None:
     n = work.step_size[1]
     n_tangent = work.step_size[2]
     count = work.solving[REMEMBERED]
-    if work.solving[KNOWN] == SOLUTION_KNOWN:
+    if work.solving[KNOWN] >= SOLUTION_KNOWN:
         return
     for i in range(work.step_size[3]):
         work.basis[i] = 0
@@ -167,11 +168,12 @@ def measure(work: Workspace) -> None:
 
 
 @kernel
-def judge(work: Workspace) -> None:
+def judge(work: Workspace, wedged: bool) -> None:
     """Both sizes of the residual of z, in the units of :func:`measure`, to ``work.certificate``.
 
     Relative to the terms that cancel in w, and to the free velocity alone, which counts as no less than 1e-3 of the
-    terms of which it is made: what is left of it below that may be rounding.
+    terms of which it is made: what is left of it below that may be rounding. wedged: by the terms alone, whatever they
+    leave of the free velocity.
     """
     n = work.step_size[1]
     own, tangent, terms = work.contact_units, work.tangent, work.terms
@@ -180,7 +182,11 @@ def judge(work: Workspace) -> None:
         load = max(load, FLOOR * own[k] * terms[k])
     for j in range(work.step_size[2]):
         load = max(load, FLOOR * own[tangent[j]] * terms[n + j])
-    work.certificate[0] = guarded_residual(worst, max(size, load), load)
+    if wedged:
+        worst = max(worst, ROUNDING * size)  # w is not known any better
+        work.certificate[0] = terms_residual(worst, max(size, load), load)
+    else:
+        work.certificate[0] = guarded_residual(worst, max(size, load), load)
     work.certificate[2] = strict_residual(worst, load)
 
 
@@ -189,16 +195,17 @@ def solve_lcp(work: Workspace) -> int:
     """Solve the posed LCP in units of its contacts; 0 where solved. Residuals and pivots go to ``work.certificate``.
 
     By Lemke's method, or as :class:`lcpflex.solvers.Auto` does (``solving[METHOD]``). What is known beforehand,
-    ``solving[KNOWN]``, counts once: nothing, the basis to start from in ``work.basis``, or the solution in ``work.z``.
+    ``solving[KNOWN]``, counts once: nothing, the basis to start from in ``work.basis``, the solution in ``work.z``, or
+    there the best that could be found of wedged bodies.
     """
     m = work.step_size[3]
     known = work.solving[KNOWN]
     work.solving[KNOWN] = NOTHING_KNOWN
     measure(work)
-    if known == SOLUTION_KNOWN:
+    if known >= SOLUTION_KNOWN:
         for i in range(m):
             work.z[i] /= work.units[i]
-        judge(work)
+        judge(work, known == WEDGED_KNOWN)
         if work.certificate[0] <= RESCUED:  # and the caller judges it by his own tolerance
             finish(work)
             return SOLVED
@@ -209,7 +216,7 @@ def solve_lcp(work: Workspace) -> int:
         status, pivots = auto(work.alike, work.load, m, work.z, work.tableau, work.basis, symmetric, warm)
     else:
         status, pivots = lemke(work.alike, work.load, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
-    judge(work)
+    judge(work, False)
     work.certificate[1] = pivots
     if work.certificate[0] <= TARGET:
         status = SOLVED

@@ -11,15 +11,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, measure, solve_lcp
+from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, WEDGED_KNOWN, measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import SolverError
 from lcpflex.linking import Hooks
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.lemke import Lemke
 from lcpflex.solvers.own import OwnSolver, as_solver, own_part
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
+from lcpflex.steppers.wedged import Wedged, parts
 
 __all__ = [
     "Watch",
@@ -94,11 +96,15 @@ def _put(work: Workspace, solution: Solution) -> None:
 
 
 class Rescue:
-    """The rest of the chain of Auto, for problems on which its compiled part failed. The step is then repeated."""
+    """The rest of the chain of Auto, for problems on which its compiled part failed. The step is then repeated.
+
+    Where that fails as well, the best answer will do if it is right by its terms: see :mod:`lcpflex.steppers.wedged`.
+    """
 
     def __init__(self, solver: LcpSolver, tolerance: float) -> None:
         self._solver, self._tolerance = as_solver(solver, tolerance), tolerance
         self._at, self._times = -1.0, 0
+        self._wedged = Wedged()
 
     @property
     def solver(self) -> LcpSolver:
@@ -122,17 +128,32 @@ class Rescue:
 
     def __call__(self, work: Workspace, at: float) -> bool:
         """Whether the problem posed in ``work`` at time ``at`` [s] was solved; the solution waits there."""
-        if type(self._solver) is not Auto:
+        if type(self._solver) not in (Auto, Lemke):
             return False
         self._times = self._times + 1 if at == self._at else 0
         self._at = at
         if self._times > MOST_RESCUES:
             return False
-        solution = self.solver.solve(posed_problem(work))
-        if not solution.residual <= self._tolerance:
+        points = [work.z[: int(work.step_size[3])].copy()]
+        if type(self._solver) is Auto:
+            solution = self.solver.solve(posed_problem(work))
+            # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
+            stands = self._times == 0 or guarded_residual(*parts(work, solution.z)) <= self._tolerance
+            if solution.residual <= self._tolerance and stands:
+                put_solution(work, solution)
+                return True
+            points.append(solution.z)
+        best = self._wedged.best(work, points, self._tolerance)
+        if best is None:
             return False
-        put_solution(work, solution)
+        self._wedged.note(work, at)
+        work.z[: len(best)] = best
+        work.solving[KNOWN] = WEDGED_KNOWN
         return True
+
+    def remarks(self, name: Callable[[int], str]) -> list[str]:
+        """The warning of problems that rounding did not let be solved any better; name: of a declared contact."""
+        return self._wedged.remarks(name)
 
 
 def put_solution(work: Workspace, solution: Solution) -> None:

@@ -69,9 +69,10 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_remarks import event_remarks, listed, shared_load
+from lcpflex.steppers.event_remarks import event_remarks, shared_load
 from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
+from lcpflex.steppers.named import listed
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
@@ -247,6 +248,7 @@ class EventDrivenRun:
             *event_remarks(self._memory, self.system.contact_name, self._proven, self._first_jam),
             *self._overlap(),
             *self._thresholds.remarks(self.system.contact_name),
+            *self._rescue.remarks(self.system.contact_name),
         ]
 
     def _overlap(self) -> list[str]:

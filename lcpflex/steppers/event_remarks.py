@@ -17,9 +17,7 @@ from lcpflex.steppers.event_memory import (
     EventMemory,
 )
 
-__all__ = ["event_remarks", "listed", "shared_load", "times"]
-
-LISTED = 6  # contacts that are named
+__all__ = ["event_remarks", "shared_load", "times"]
 
 
 def event_remarks(memory: EventMemory, name: Callable[[int], str], proven: bool, first_jam: str) -> list[str]:
@@ -74,9 +72,3 @@ def shared_load(memory: EventMemory, name: Callable[[int], str]) -> list[str]:
 def times(count: int) -> str:
     """A number of times, in words."""
     return "once" if count == 1 else f"{count} times"
-
-
-def listed(contacts: list[int], name: Callable[[int], str]) -> str:
-    """Contacts by their names, the first ones where they are many."""
-    more = f" and {len(contacts) - LISTED} more" if len(contacts) > LISTED else ""
-    return ("contacts " if len(contacts) > 1 else "contact ") + ", ".join(map(name, contacts[:LISTED])) + more

@@ -192,7 +192,8 @@ class GeneralizedAlphaScheme:
     def warn(self, steps: int) -> None:
         """Of steps in which Newton's method did not converge, and of those that might have gone another way."""
         unsettled = int(self._memory.number[UNSETTLED])
-        self.records.warnings[:] = self._several.remarks(self.work, self._system.contact_name)
+        name = self._system.contact_name
+        self.records.warnings[:] = [*self._several.remarks(self.work, name), *self._rescue.remarks(name)]
         if unsettled:
             self.records.warnings.append(
                 f"Newton's method on the smooth motion did not converge in {unsettled} of {steps} steps: "

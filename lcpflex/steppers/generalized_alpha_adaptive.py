@@ -341,8 +341,9 @@ class ControlledGeneralizedAlpha:
         return status
 
     def remarks(self) -> list[str]:
-        """Steps that might have gone another way."""
-        return self._several.remarks(self.work, self._system.contact_name)
+        """Steps that might have gone another way, or whose contact problem rounding leaves unsolved."""
+        name = self._system.contact_name
+        return [*self._several.remarks(self.work, name), *self._rescue.remarks(name)]
 
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content: a step that is under way goes on."""

@@ -200,7 +200,8 @@ class MasslessBoundaryScheme:
     def warn(self, steps: int) -> None:
         """Of what the start lost, and of steps that were divided."""
         outside = beyond_range(self._compliance, self._system.names)
-        self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps)]
+        wedged = self._rescue.remarks(self._system.contact_name)
+        self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps), *wedged]
 
     def _divided(self, steps: int) -> list[str]:
         split, finest = int(self._boundary.tally[SPLIT]), int(self._boundary.tally[FINEST])

@@ -148,6 +148,7 @@ class MoreauJeanScheme:
             *law_warnings(self._system.names, self.work.laws.memory),
             *self._instability(),
             *self._several.remarks(self.work, self._system.contact_name),
+            *self._rescue.remarks(self._system.contact_name),
         ]
 
     def _instability(self) -> list[str]:

@@ -180,6 +180,7 @@ class ControlledMoreauJean:
         return [
             *law_warnings(names, laws.memory),
             *self._several.remarks(self.work, self._system.contact_name),
+            *self._rescue.remarks(self._system.contact_name),
         ]
 
     def make_room(self, contacts: int) -> None:

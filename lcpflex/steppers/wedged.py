@@ -1,0 +1,71 @@
+"""Contact problems solved as well as rounding allows, and yet not to the tolerance: a run goes on, and says so.
+
+Between wedged bodies, and where masses differ by many orders, large forces cancel in small velocities. What rounding
+leaves of them may be more of the free velocity than a residual is allowed to be; no method then finds a better answer.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from lcpflex.compiled import FloatArray
+from lcpflex.dynamics.impulse import measure
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.solvers.certificate import ROUNDING, residual_parts, strict_residual, terms_residual
+from lcpflex.steppers.named import listed
+
+__all__ = ["Wedged", "parts"]
+
+
+def parts(work: Workspace, z: FloatArray) -> tuple[float, float, float]:
+    """Of the residual of z (m,) for the problem posed in ``work``: what is left, its terms, its load."""
+    m = int(work.step_size[3])
+    measure(work)
+    with np.errstate(all="ignore"):  # what is not finite is judged so
+        worst, size, load = residual_parts(work.alike, work.load, z[:m] / work.units[:m], m)
+    return float(worst), float(size), float(load)
+
+
+class Wedged:
+    """The answers that a run had to go on with: how many, since when, where, and how wrong."""
+
+    def __init__(self) -> None:
+        self.count, self.first, self.last = 0, math.nan, math.nan
+        self.laws: list[int] = []
+        self.strict, self.terms = 0.0, 0.0
+
+    def best(self, work: Workspace, points: list[FloatArray], tolerance: float) -> FloatArray | None:
+        """The best of some points z (m,) for the problem posed in ``work``; None if no one is right by its terms."""
+        chosen, least, terms = None, math.inf, 0.0
+        for z in points:
+            worst, size, load = parts(work, z)
+            worst = max(worst, ROUNDING * size)  # w is not known any better
+            strict = strict_residual(worst, load)
+            if terms_residual(worst, size, load) <= tolerance and strict < least:
+                chosen, least, terms = z, strict, worst / size
+        if chosen is not None:
+            self.strict, self.terms = max(self.strict, least), max(self.terms, terms)
+        return chosen
+
+    def note(self, work: Workspace, at: float) -> None:
+        """Count the problem in ``work``, of the step or instant that begins at time ``at`` [s]."""
+        if self.count == 0:
+            self.first = at
+            self.laws = sorted({int(law) for law in work.table.law[: int(work.step_size[1])]})
+        if at != self.last:
+            self.count, self.last = self.count + 1, at
+
+    def remarks(self, name: Callable[[int], str]) -> list[str]:
+        """The warning, if there were any."""
+        if not self.count:
+            return []
+        often = "one step" if self.count == 1 else f"{self.count:,} steps"
+        return [
+            f"in {often}, first at t = {self.first:.9g} s, the contact problem was solved as well as rounding allows "
+            f"(to {self.terms:.1e} of the terms that cancel in it), which leaves up to {self.strict:.1e} of the "
+            "velocity that its contacts would have without their forces: bodies are wedged, or their masses far apart "
+            f"({listed(self.laws, name)})"
+        ]
