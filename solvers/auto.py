@@ -30,7 +30,7 @@ from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lemke import Lemke, lemke
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.newton import MinMapNewton
-from lcpflex.solvers.perturbed import PERTURBED, perturbed_newton
+from lcpflex.solvers.perturbed import PERTURBED, TRIALS, perturbed_newton
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.principal_pivoting import PrincipalPivoting, principal_pivoting
 from lcpflex.solvers.problem import (
@@ -122,9 +122,13 @@ class Auto:
 
         guess: the solution of a similar problem; its basis is tried first, matched by contact where problems have keys.
         """
+        return self.attempt(problem, guess, TRIALS)
+
+    def attempt(self, problem: Lcp | PosedProblem, guess: Solution | None, trials: int) -> Solution:
+        """The same with at most so many trials on perturbed data: a run has no seconds for each of its steps."""
         check_guess(guess)
         if isinstance(problem, ContactProblem):
-            return self._contact(problem, guess)
+            return self._contact(problem, guess, trials)
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         first = self._first(problem, guess)
@@ -145,7 +149,7 @@ class Auto:
         steps: list[Step] = [("lemke", lambda: Lemke(self.tolerance).solve(problem))]
         return _descend(problem, found, steps, self.tolerance)
 
-    def _contact(self, problem: ContactProblem, guess: Solution | None) -> Solution:
+    def _contact(self, problem: ContactProblem, guess: Solution | None, trials: int) -> Solution:
         """Contact with friction: by contacts if there are many, else as one LCP and its copositive form."""
         keys = problem.unknown_keys
         swept = None
@@ -162,7 +166,7 @@ class Auto:
             if swept is None:
                 steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess)))
             steps += self._last_steps(lcp)
-            steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance)))
+            steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance, trials)))
             found = _descend(lcp, found, steps, self.tolerance)
         if found.status is Status.NOT_UNIQUE:
             found = problem.told_apart(lcp, found, self.tolerance)

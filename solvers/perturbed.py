@@ -14,7 +14,7 @@ from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.newton import MinMapNewton
 from lcpflex.solvers.problem import Lcp, Solution, accept
 
-__all__ = ["PERTURBED", "perturbed_newton"]
+__all__ = ["PERTURBED", "TRIALS", "perturbed_newton"]
 
 PERTURBED = "min-map Newton on perturbed data"
 TRIALS = 200
@@ -23,15 +23,15 @@ SIZES = (1e-6, 1e-8, 1e-10, 1e-12)  # of the perturbations, relative
 STEP = np.array([(5**0.5 - 1.0) / 2.0, 2**0.5 - 1.0])  # multiples of such numbers spread evenly in (0, 1)
 
 
-def perturbed_newton(problem: Lcp, d: FloatArray, tolerance: float) -> Solution:
-    """The best of up to TRIALS answers of Newton's method, each from the answer to data of its own; judged as all are.
+def perturbed_newton(problem: Lcp, d: FloatArray, tolerance: float, trials: int = TRIALS) -> Solution:
+    """The best of so many answers of Newton's method, each from the answer to data of its own; judged as all are.
 
     d (n,): units of the unknowns in which they are alike, such as those of ``ContactProblem.unknown_units``.
     """
     alike = Lcp(problem.M * d * d[:, None], problem.q * d)
     method = MinMapNewton(tolerance)
     best, iterations = accept(problem, np.zeros(problem.size), tolerance=tolerance, route=PERTURBED), 0
-    for trial in range(int(min(TRIALS, WORK / max(problem.size, 1) ** 3))):
+    for trial in range(int(min(trials, WORK / max(problem.size, 1) ** 3))):
         first = method.solve(_other(alike, trial))
         found = method.solve(alike, accept(alike, first.z, tolerance=tolerance))
         iterations += first.iterations + found.iterations

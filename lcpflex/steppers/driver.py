@@ -35,6 +35,7 @@ __all__ = [
 
 Watch = Callable[[Workspace], None]
 
+TRIALS = 10  # on perturbed data, for each problem: about as long as what has been tried before
 MOST_RESCUES = 100  # at one instant: a repeated step that comes to other problems each time would not end
 
 
@@ -136,7 +137,7 @@ class Rescue:
             return False
         points = [work.z[: int(work.step_size[3])].copy()]
         if type(self._solver) is Auto:
-            solution = self.solver.solve(posed_problem(work))
+            solution = self._solver.attempt(posed_problem(work), None, TRIALS)
             # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
             stands = self._times == 0 or guarded_residual(*parts(work, solution.z)) <= self._tolerance
             if solution.residual <= self._tolerance and stands:

@@ -53,7 +53,20 @@ PLAIN = {
 
 # Methods that the library calls, between its own parts.
 INTERNAL = {
-    *("ask", "check", "compiled", "indents", "judged", "keep", "label", "limits", "measured_in", "outside", "pieces"),
+    *(
+        "ask",
+        "attempt",
+        "check",
+        "compiled",
+        "indents",
+        "judged",
+        "keep",
+        "label",
+        "limits",
+        "measured_in",
+        "outside",
+        "pieces",
+    ),
     *("put", "settings", "start", "system", "told_apart"),
 }
 
