@@ -81,7 +81,7 @@ def own_units(problem, lcp):
     A = np.maximum(np.abs(lcp.M), np.abs(lcp.M.T))
     diagonal = np.diag(A)
     smallest, largest = diagonal.min(initial=np.inf), diagonal.max(initial=0.0)
-    if smallest > 1e-200 and largest <= 16.0 * smallest and largest < 1e200:
+    if smallest > 1e-200 and largest / 16.0 <= smallest and largest < 1e200:
         return np.ones(len(A))
     with np.errstate(all="ignore"):
         d = np.where(diagonal > 0.0, np.clip(1.0 / np.sqrt(diagonal), 1e-150, 1e150), 0.0)
