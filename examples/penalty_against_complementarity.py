@@ -25,8 +25,8 @@ from matplotlib.figure import Figure
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.compiled import FloatArray
 from lcpflex.gallery.flexible import aluminium_strip
+from lcpflex.jit.kernel import FloatArray
 
 IMPEDANCE, SPEED, TOUCH, STAY = 30.0, 10.0, 0.5, 2.0 / 3.0  # of the bar [N s/m], [m/s], and its contact: when, how long
 LATE = 1.6783470  # 2 (1 + x) exp(-x) = 1

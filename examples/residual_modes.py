@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 COUNTS = (4, 8, 12, 16, 24, 32)
 SHOWN = (4, 8, 16)

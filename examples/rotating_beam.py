@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.studies import small_vibrations
 
 PUBLISHED = {

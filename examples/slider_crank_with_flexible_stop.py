@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 CRANK, COUPLER, STOP, NOSE = 0.15, 0.5, 0.2, 0.008  # lengths and radius [m]
 START, TOUCH = 0.29, 0.1  # angles of the crank [rad]

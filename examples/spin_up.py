@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 RAMP = 15.0  # [s]
 LENGTH, BENDING, STRETCHING, LINE_MASS = 10.0, 1.4e4, 2.8e7, 1.2

@@ -24,7 +24,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 Factor = lf.laws.HysteresisFactor
 RADIUS, SPEED = 0.015, 1.0  # [m], [m/s] of each

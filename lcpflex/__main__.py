@@ -154,7 +154,7 @@ def _warmup(request: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from lcpflex.gallery import warmup_cases
-    from lcpflex.kernel_cache import lost
+    from lcpflex.jit.cache import lost
     from lcpflex.simulate import simulate
 
     start = perf_counter()

@@ -34,14 +34,14 @@ from lcpflex.dynamics.acceleration import (
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.given import numbers
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
 from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_memory import copy_entry
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
     from lcpflex.dynamics.workspace import Workspace
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene import Scene
     from lcpflex.steppers.system import System
     from lcpflex.user_system import UserSystem

@@ -20,15 +20,15 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.floating_frame import point_position, point_velocity
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.kinematics import contact_point, contact_rows
 from lcpflex.contact.near import near
 from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Axis, Loads, Model
-from lcpflex.packed import pack
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 from lcpflex.stated_error import CLAMPED

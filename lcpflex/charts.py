@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.chart_words import stepper_words, told_apart
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.summary import lost_in_contacts, scene_size, with_unit
 
 if TYPE_CHECKING:

@@ -11,16 +11,16 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Shortening
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.shapes import compile_contacts
 from lcpflex.contact_rules import by_rules
 from lcpflex.dynamics.time_functions import Materials, SignalTable, State
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.joints import Joint, Prismatic, Weld
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.missing_compliance import missing_compliance
 from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
-from lcpflex.packed import pack
 from lcpflex.placed import Placed, PlacedSurface
 from lcpflex.reduced_scene import reduced_scene
 from lcpflex.scene import Compiled, DeclaredContact, Layout, Parts

@@ -8,8 +8,8 @@ from enum import Enum
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["GROWTH", "Energies", "EnergyGrowth", "created", "energy_warnings", "is_of_energy"]
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.placed import Placed, PlacedSurface, listed
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.packed import Packed
+from lcpflex.jit.struct import Packed
 
 __all__ = ["Arrays", "Unkept", "freeze", "thaw"]
 

@@ -13,15 +13,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
 from lcpflex.dynamics.shortening import add_tangent
 from lcpflex.dynamics.start import violation
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 

@@ -28,7 +28,7 @@ from lcpflex.surface_interfaces import Acting, acting_on
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.placed import Placed
     from lcpflex.scene import DeclaredContact, Parts
 

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from lcpflex.compiled import FloatArray, IntArray
+    from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.scene import Compiled
 
 __all__ = ["ModalCoordinates", "modal_coordinates"]

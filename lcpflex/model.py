@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = [
     "Axis",

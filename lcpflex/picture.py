@@ -12,7 +12,7 @@ from lcpflex.result import world_places
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from lcpflex.compiled import FloatArray, IntArray
+    from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.result import Result
     from lcpflex.scene import Compiled
 

@@ -12,7 +12,7 @@ from lcpflex.summary import with_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.picture import View
     from lcpflex.result import Result
     from lcpflex.scene import Compiled

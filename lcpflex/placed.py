@@ -20,8 +20,8 @@ from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import absent, flag, sequence_of
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.reduction_order import ReductionOrder
     from lcpflex.slots import Slot
 

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
 from lcpflex.given import check_axes
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
 from lcpflex.written import whole_file

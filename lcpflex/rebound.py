@@ -19,7 +19,7 @@ import numpy as np
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibrations
 from lcpflex.dynamics.start import violation
-from lcpflex.packed import pack
+from lcpflex.jit.struct import pack
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 

@@ -9,7 +9,7 @@ from lcpflex.exchange import remade
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.reduction_order import ReductionOrder
     from lcpflex.scene import Scene
 

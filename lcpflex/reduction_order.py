@@ -24,7 +24,7 @@ from lcpflex.missing_compliance import deficits
 from lcpflex.surface_interfaces import Acting, acting_on
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.joints import Joint
     from lcpflex.loads import Load
     from lcpflex.placed import Placed

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.advice import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 

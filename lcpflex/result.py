@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.laws.creep import CREEP
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import absent, numbers
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model import OPEN, SLIP, STICK, Model
 

@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.clearances import Clearances
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.given import absent, flag, told_by
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model import Axis, Model, refrozen

@@ -18,8 +18,8 @@ from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
-    from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.placed import Place, Placed, PlacedSurface
 
 __all__ = ["Slot", "SlotParts", "curved_slot", "straight_slot"]

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.step_error import ORDER, Units
 

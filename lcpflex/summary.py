@@ -10,7 +10,7 @@ from lcpflex.modal_coordinates import modal_coordinates
 from lcpflex.stated_error import error_shares
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.result import ContactHistory, Result
 
 __all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]

@@ -21,8 +21,8 @@ from lcpflex.loads import Force, Load, Torque, TorsionSpring
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.placed_point import PlacedPoint
-    from lcpflex.compiled import FloatArray
     from lcpflex.contact.shapes import Surface
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene import DeclaredContact
 
 __all__ = ["Acting", "acting_on", "chosen_nodes_of", "normals_of"]

@@ -20,7 +20,7 @@ from lcpflex.given import numbers
 from lcpflex.model import bodiless_model
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.steppers.system import System
 
 __all__ = ["UserSystem"]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.guard import words_of
 from lcpflex.solvers.problem import Solution
 

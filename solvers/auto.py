@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, SolverError, shown
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
 from lcpflex.solvers.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.clock import expired, out_of_time

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["Units", "contact_units", "in_units", "lcp_units", "unknown_units"]
 

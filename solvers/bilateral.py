@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.boxes import CANCELLED
 
 __all__ = ["OUTSIDE", "eliminated", "sum_of"]

@@ -20,8 +20,8 @@ import numpy as np
 import scipy.sparse
 import scipy.sparse.linalg
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import grown, remaining
 from lcpflex.solvers.contact_sweeps import (

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.boxes import box_parts
 from lcpflex.solvers.certificate import all_finite, guarded_residual, is_symmetric, strict_residual

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.balance import EVEN
 from lcpflex.solvers.certificate import ROUNDING
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = [
     "all_finite",

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 import lcpflex.solvers
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.given import text
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import TimeLimit, check_time_limit

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.spatial import SpatialContactProblem
 

@@ -22,8 +22,8 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy.sparse
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.friction import ContactProblem

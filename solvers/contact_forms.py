@@ -10,7 +10,7 @@ Contact velocities (or accelerations) are v = G lambda + free, rows ordered [nor
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["assemble_copositive_lcp", "assemble_friction_lcp", "from_copositive", "split_friction_solution"]
 

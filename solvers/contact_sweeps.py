@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.pivoting import block_pivots
 from lcpflex.solvers.problem import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED

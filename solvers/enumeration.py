@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.certificate import GUARD, ROUNDING, residual_parts, strict_residual
 from lcpflex.solvers.exact_systems import fractions
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["ExactSystem", "Row", "boxed_rows", "contact_rows", "exact_rows", "relaxed_rows"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp, Status
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import limited, remaining
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.proofs import Proof, infeasibility

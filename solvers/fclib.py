@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, path_of
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.condensation import condensed, contact_problem, planar_rows
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.spatial import SpatialContactProblem

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, path_of
 from lcpflex.given import SHOWN, lines_of, sequence_of, text
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.written import whole_file

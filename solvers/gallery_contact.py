@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.example import Example
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.problem import Lcp, Status

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown

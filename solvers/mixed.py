@@ -18,9 +18,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import flag, numbers, point_of
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import one_of
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.newton import MinMapNewton
 from lcpflex.solvers.problem import Lcp, Solution, accept

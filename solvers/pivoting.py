@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.active_factor import backward
 from lcpflex.solvers.certificate import guarded_residual, row_parts
 

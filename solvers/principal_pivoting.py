@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge

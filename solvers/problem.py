@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
 from lcpflex.given import FLOAT, flag, point_of
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh

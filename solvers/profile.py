@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.given import check_axes
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import limited, remaining
 from lcpflex.solvers.guard import words_of
 

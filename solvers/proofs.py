@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.exact import Dictionary, Exhausted
 from lcpflex.solvers.exact_systems import ExactSystem, Row
 

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.given import flag, point_of
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.exact_systems import ExactSystem, relaxed_rows

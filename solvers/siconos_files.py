@@ -21,9 +21,9 @@ import re
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, path_of
 from lcpflex.given import SHOWN, lines_of
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.condensation import condensed, contact_problem
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.solvers.mixed import MixedLcp

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.status import Status
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["enter", "exchange", "flush", "leaving_row"]
 

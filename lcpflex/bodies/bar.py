@@ -33,8 +33,8 @@ from lcpflex.bodies.reduction import (
     vanish,
     with_residual,
 )
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Bar"]
 

@@ -26,8 +26,8 @@ from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.own_basis import joined, own_basis
 from lcpflex.bodies.reduction import count_of_modes
 from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 Basis: TypeAlias = tuple[FloatArray, FloatArray]
 

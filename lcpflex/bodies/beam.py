@@ -37,8 +37,8 @@ from lcpflex.bodies.reduction import (
     with_residual,
 )
 from lcpflex.bodies.stiffening import Stiffening, check_stiffening
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Beam"]
 

@@ -17,7 +17,7 @@ from lcpflex.bodies.body import Shortening
 from lcpflex.bodies.line_interfaces import LineLoads
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.stiffening import Stiffening
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["shortening_of", "with_axial_loads"]
 

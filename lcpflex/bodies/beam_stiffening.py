@@ -19,8 +19,8 @@ from lcpflex.bodies.line_interfaces import station
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.reduction import signed
 from lcpflex.bodies.stiffening import Stiffening
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Axis
 
 __all__ = ["Line", "axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]

@@ -21,10 +21,10 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import array_of, whole_number
 from lcpflex.given import mapping_of as named
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model import Axis
 
 __all__ = [

@@ -17,8 +17,8 @@ from lcpflex.bodies.excess_stiffness import excess_stiffness
 from lcpflex.bodies.finer_mesh import finer
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.mesh_surfaces import boundary_of, names_of
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["finite_elements_of"]
 

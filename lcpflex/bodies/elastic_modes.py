@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.bodies.planar_mesh import PlanarMesh
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

@@ -10,8 +10,8 @@ import numpy as np
 from lcpflex.bodies.element_integrals import shape_functions
 from lcpflex.bodies.mesh_surfaces import Boundary
 from lcpflex.bodies.planar_mesh import PlanarMesh
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["locator"]
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from lcpflex.bodies.element_integrals import Solid, shape_functions
 from lcpflex.bodies.planar_mesh import KINDS, PlanarMesh
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.bodies.element_integrals import shape_functions
 from lcpflex.bodies.planar_mesh import KINDS, PlanarMesh
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["finer"]
 

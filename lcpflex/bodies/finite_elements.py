@@ -23,8 +23,8 @@ from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint
 from lcpflex.bodies.mesh_material import material_at_nodes, material_weights
 from lcpflex.bodies.reduction import Damping, sampled, signed, skew, vanish, with_residual
 from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

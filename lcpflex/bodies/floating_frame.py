@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Bodies, Points
 
 

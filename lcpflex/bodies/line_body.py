@@ -11,9 +11,9 @@ import numpy as np
 
 from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.line_mesh import LineModes, interpolate
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import in_range
 from lcpflex.given import positive
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import frozen
 
 __all__ = ["FINE_ENOUGH", "check_positive", "coarser", "end_points", "line_mass", "line_moments", "locator", "strip"]

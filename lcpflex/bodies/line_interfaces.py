@@ -20,8 +20,8 @@ import numpy.typing as npt
 from lcpflex.bodies.interface import Interface
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.bodies.stiffening import place_of
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import in_range
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["LineLoads", "LineStatics", "line_loads", "residual_line", "residual_modes", "station", "taken"]
 

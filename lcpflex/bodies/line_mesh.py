@@ -12,7 +12,7 @@ import numpy as np
 
 from lcpflex.bodies.elastic_modes import free_modes
 from lcpflex.bodies.reduction import signed
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["LineModes", "bending_modes", "interpolate", "mixed_mass", "stretching_modes"]
 

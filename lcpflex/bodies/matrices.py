@@ -15,8 +15,8 @@ from lcpflex.bodies.finite_elements import FiniteElements, rigid_motions
 from lcpflex.bodies.interface import Interfaces
 from lcpflex.bodies.reduction import Damping
 from lcpflex.bodies.reductions import free_interface
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.given import LARGEST_TEXT
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["read_mesh"]
 

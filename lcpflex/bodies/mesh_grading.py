@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Zone", "named_again", "refined_to"]
 

@@ -17,8 +17,8 @@ from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.mesh_material import Nodes, displacement_rows, material_weights, neighbours
 from lcpflex.bodies.node_choice import chosen_nodes
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["MeshStatics", "interface_loads", "of_mesh"]
 

@@ -19,8 +19,8 @@ from lcpflex.bodies.node_choice import rows_of
 from lcpflex.bodies.reduction import Damping, Rayleigh, check_damping
 from lcpflex.bodies.stiffening import Stiffening, prestressed
 from lcpflex.bodies.stiffness_error import warn_if_too_stiff
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["Held", "reduced"]
 

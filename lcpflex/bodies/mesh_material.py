@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import MaterialPoint
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from lcpflex.bodies.finite_elements import FiniteElements

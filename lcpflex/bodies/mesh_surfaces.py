@@ -15,8 +15,8 @@ import numpy as np
 
 from lcpflex.bodies.body import named
 from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["Boundary", "Names", "boundary_of", "names_of"]
 

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.compiled import IntArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import sequence_of, unknown
+from lcpflex.jit.kernel import IntArray
 
 __all__ = ["Nodes", "chosen_nodes", "rows_of"]
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.bodies.elastic_modes import grams, judge, ritz
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

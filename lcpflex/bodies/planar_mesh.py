@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.body import array_of
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["KINDS", "Kind", "PlanarMesh", "planar_mesh"]
 

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Displacement, array_of, whole_number
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import numbers
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = [
     "Damping",

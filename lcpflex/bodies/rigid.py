@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown
 from lcpflex.given import positive
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Box", "Disc", "Polygon", "RigidBody"]
 

@@ -39,8 +39,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix

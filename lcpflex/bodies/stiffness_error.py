@@ -13,8 +13,8 @@ import numpy as np
 
 from lcpflex.bodies.elastic_modes import FreeMesh, ritz
 from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["TOLERATED", "stiffness_error", "warn_if_too_stiff"]
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model import frozen
 
 __all__ = ["ARC", "SEGMENT", "Feature", "blocks_of"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.floating_frame import local_place
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "near_block", "over"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from lcpflex.compiled import kernel
 from lcpflex.contact.detection import SEGMENT, ContactTable
+from lcpflex.jit.kernel import kernel
 
 __all__ = ["YIELDED", "yield_to_deeper"]
 

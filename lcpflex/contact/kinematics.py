@@ -20,9 +20,9 @@ from lcpflex.bodies.floating_frame import (
     point_motion,
     point_position,
 )
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.features import COINCIDENT, SEGMENT
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.kinematics import contact_rows
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Model
 
 __all__ = ["near", "normal_row"]

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["below_chain", "below_hole", "is_solid", "whole_section"]
 

@@ -17,10 +17,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Chain, MaterialPoint, Outline
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
 from lcpflex.contact.reach import below_chain, below_hole, is_solid, whole_section
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Contacts, PointTable, frozen
 
 __all__ = [

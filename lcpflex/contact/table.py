@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
-from lcpflex.packed import pack
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 
 __all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table"]
 

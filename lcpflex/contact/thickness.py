@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.features import ARC
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Contacts, Points
 
 __all__ = ["farthest", "law_thickness", "pass_thickness"]

@@ -20,7 +20,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import refresh
 from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
 from lcpflex.dynamics.delassus import (
@@ -43,8 +42,9 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 from lcpflex.solvers.friction import assemble_friction_lcp
 
 __all__ = [

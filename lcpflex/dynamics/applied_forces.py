@@ -11,8 +11,8 @@ from lcpflex.bodies.floating_frame import (
     point_position,
     point_velocity,
 )
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.load_means import force_value
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["applied_forces", "spring_energy"]

@@ -1,6 +1,6 @@
 """A user's function of time that numba has compiled, called from kernels by its address.
 
-As with force laws of users (:mod:`lcpflex.contact.laws.own_function`) no exception passes through a kernel: the value
+As with force laws of users (:mod:`lcpflex.jit.callback`) no exception passes through a kernel: the value
 is not a number from then on, and what happened comes out of :meth:`CompiledFunction.complaint`.
 """
 
@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.laws.own_function import is_compiled
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.callback import is_compiled
 from lcpflex.loads import Function, takes_state
 
 __all__ = ["DIFFERENCE_STEP", "CompiledFunction", "compiled_source"]

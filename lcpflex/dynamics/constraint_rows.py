@@ -25,8 +25,8 @@ from lcpflex.bodies.floating_frame import (
     point_position,
     point_velocity,
 )
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.dynamics.signal_values import signal_value
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["joint_residual", "joint_rows"]

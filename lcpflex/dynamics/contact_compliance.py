@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import refresh
 from lcpflex.contact.hollow import YIELDED, yield_to_deeper
 from lcpflex.contact.laws.elastic_kernels import (
@@ -26,8 +25,9 @@ from lcpflex.contact.laws.elastic_kernels import (
 )
 from lcpflex.contact.laws.layout import END, LIMIT, PARAMETERS, LawRow
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 
 __all__ = [
     "ALL",

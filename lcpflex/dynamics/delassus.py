@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [
     "apply_impulses",

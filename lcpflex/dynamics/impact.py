@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.delassus import joint_impulses
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["SEGMENTS", "energetic_segments", "lay_impulse", "shift_normals"]
 

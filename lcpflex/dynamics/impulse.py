@@ -9,7 +9,6 @@ Sources: Moreau 1988; Glocker & Studer 2005 (the LCP of planar Coulomb friction)
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.delassus import (
     cholesky,
     condense,
@@ -19,6 +18,7 @@ from lcpflex.dynamics.delassus import (
     row_velocity,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import contact_units, in_units

@@ -21,11 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.dynamics.delassus import cholesky_solve
 from lcpflex.dynamics.shortening import factorise_tangent, shortening_energy, shortening_forces, shortens
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Bodies, Loads
-from lcpflex.packed import pack
 
 __all__ = [
     "Arrow",

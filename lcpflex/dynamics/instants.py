@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import kernel
+from lcpflex.jit.kernel import kernel
 from lcpflex.model import Signals
 
 __all__ = ["at_stop", "longest_look", "time_left"]

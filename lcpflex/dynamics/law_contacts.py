@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.laws.elastic_kernels import indentation_of
 from lcpflex.dynamics.contact_memory import (
@@ -25,6 +24,7 @@ from lcpflex.dynamics.inertia import factorise
 from lcpflex.dynamics.law_friction import rub
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, look, mobility, push
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["begun", "law_forces", "law_forces_after", "law_horizon", "take_note"]

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.friction_kernels import friction_force
 from lcpflex.contact.laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
 from lcpflex.contact.laws.memory import ContactMemory
@@ -24,6 +23,7 @@ from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, mobility, push
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["balanced_friction", "compare_friction", "rub"]

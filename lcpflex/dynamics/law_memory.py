@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.detection import BY_LAW, ContactTable, contact_table
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import ContactMemory, contact_memory
 from lcpflex.contact.penalty import Penalty
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Contacts
-from lcpflex.packed import pack
 
 __all__ = ["LawContacts", "law_contacts"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect
 from lcpflex.contact.kinematics import contact_rows
 from lcpflex.dynamics.constraint_rows import joint_rows
@@ -10,6 +9,7 @@ from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, dot
 from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 __all__ = ["couple_joints", "factor_joints", "lay", "look", "mobility", "push"]

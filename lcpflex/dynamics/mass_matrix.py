@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Bodies, Model
 
 __all__ = ["held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]

@@ -6,13 +6,13 @@ multiply, solve_vector, solve_rows, contact and joint rows, energies.
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.kinematics import contact_bias, contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.inertia import elastic_forces, inertial_forces, solve_block, stored_energies
 from lcpflex.dynamics.inertia import factorise as factorise_bodies
 from lcpflex.dynamics.inertia import multiply as multiply_bodies
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 
 __all__ = [

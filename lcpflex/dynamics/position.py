@@ -15,11 +15,11 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
 

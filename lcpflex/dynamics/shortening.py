@@ -14,8 +14,8 @@ Sources: von Karman 1910 (strain); Simo & Hughes 1986 (assumed strains).
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.delassus import cholesky
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Bodies
 
 __all__ = ["add_tangent", "factorise_tangent", "shortening_energy", "shortening_forces", "shortens"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.laws.own_call import own_force
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Signals
 
 __all__ = ["signal_value"]

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.constraint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.time_functions import State
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
 from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
 from lcpflex.model import Model
-from lcpflex.packed import pack
 
 __all__ = ["Violation", "drive_rate", "project", "violation"]
 

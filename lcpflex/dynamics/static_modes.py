@@ -17,12 +17,12 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.features import SEGMENT
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Bodies, Contacts, Model, Points, frozen
-from lcpflex.packed import pack
 
 __all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rates", "with_static_modes"]
 

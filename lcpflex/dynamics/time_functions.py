@@ -12,7 +12,6 @@ import numpy as np
 
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.dynamics.compiled_function import (
     DIFFERENCE_STEP,
     MOTION,
@@ -22,6 +21,7 @@ from lcpflex.dynamics.compiled_function import (
     compiled_source,
 )
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
 from lcpflex.model import Model, Signals, frozen
 

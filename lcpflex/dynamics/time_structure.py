@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.loads import Function
 from lcpflex.model import Model, Signals, frozen
 

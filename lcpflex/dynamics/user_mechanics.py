@@ -9,13 +9,13 @@ from typing import Protocol
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact import detection, kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics import constraint_rows, mechanics
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.linking import Hooks
+from lcpflex.jit.dispatch import Hooks
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model import Model
 
 __all__ = ["Mechanics", "hooks"]

@@ -6,11 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.inertia import Arrow, arrow
 from lcpflex.dynamics.law_memory import LawContacts
-from lcpflex.packed import pack
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import pack
 from lcpflex.solvers.auto import auto_workspace
 
 __all__ = ["DOUBTFUL_CONTACTS", "Workspace", "workspace"]

@@ -20,8 +20,8 @@ from lcpflex.steppers.moreau_jean import MoreauJean
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
     from lcpflex.gallery.case import Case
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.result import Result
 
 __all__ = ["checks", "prestressed_error"]

@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.model import OPEN, SLIP
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.result import Result
 
 __all__ = [

@@ -12,7 +12,7 @@ from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.meshes import grid
 from lcpflex.bodies.reduction import Rayleigh
 from lcpflex.bodies.reductions import craig_bampton, sub_regional
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.joints import Revolute
 from lcpflex.scene import Scene
 

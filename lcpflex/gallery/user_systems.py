@@ -12,7 +12,7 @@ from lcpflex.gallery.case import Case
 from lcpflex.user_system import UserSystem
 
 if TYPE_CHECKING:
-    from lcpflex.compiled import FloatArray
+    from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["impacting_bar", "slider_crank", "woodpecker"]
 

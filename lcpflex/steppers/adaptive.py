@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
 from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.packed import pack
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape

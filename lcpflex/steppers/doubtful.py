@@ -7,8 +7,8 @@ it is of another kind than the one before: other sets, another sign of what is f
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["COUNT", "keep_doubtful"]
 

@@ -1,7 +1,7 @@
 """Choice between the two drivers of a step: compiled throughout, or its outer loop in Python.
 
 The loop is Python where a Python function must be called in it: a solver that is not a kernel, a callback, a user's
-own mechanics. Its source is the same (:func:`lcpflex.linking.link`).
+own mechanics. Its source is the same (:func:`lcpflex.jit.dispatch.link`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, WEDGED_KNOWN, measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import SolverError
-from lcpflex.linking import Hooks
+from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.friction import ContactProblem

@@ -7,8 +7,8 @@ far below what its gap resolves. The height is known without forces: v / 4 times
 
 from __future__ import annotations
 
-from lcpflex.compiled import kernel
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
 from lcpflex.model import Model
 from lcpflex.steppers.event_memory import REMEMBERED, STRUCK, TIME, EventMemory, EventSettings
 

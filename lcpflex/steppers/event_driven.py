@@ -17,7 +17,7 @@ from lcpflex.contact.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, shown
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
 from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration

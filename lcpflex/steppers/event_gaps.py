@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.floating_frame import point_angle, point_position
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.steppers.event_memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
 from lcpflex.steppers.event_root import asked, found, start, tell

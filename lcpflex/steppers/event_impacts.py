@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.impact_laws import ENERGETIC, NEWTON, POISSON
 from lcpflex.dynamics.acceleration import lay_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_normals
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.steppers.event_bounces import note_strike, too_low
 from lcpflex.steppers.event_memory import (

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import SET_VALUED
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
@@ -15,6 +14,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_memory import (

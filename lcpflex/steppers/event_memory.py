@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact import SEGMENTS
-from lcpflex.packed import pack
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.solvers.enumeration import enumeration_workspace
 from lcpflex.steppers.event_root import BRACKET
 from lcpflex.steppers.runge_kutta import STAGES

@@ -6,7 +6,7 @@ functions of very different cost.
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["BRACKET", "asked", "found", "start", "tell"]
 

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_contacts import begun, law_horizon
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.steppers.event_gaps import (
     CROSSED,

@@ -11,7 +11,6 @@
 
 from __future__ import annotations
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
@@ -26,6 +25,7 @@ from lcpflex.dynamics.acceleration import (
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution

@@ -26,11 +26,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.options import keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto

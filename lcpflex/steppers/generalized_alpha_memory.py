@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
-from lcpflex.packed import pack
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.system import System
 

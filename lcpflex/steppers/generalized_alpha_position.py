@@ -5,7 +5,6 @@ See :mod:`lcpflex.steppers.generalized_alpha` for the scheme.
 
 from __future__ import annotations
 
-from lcpflex.compiled import kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.acceleration import condense_rows
@@ -13,6 +12,7 @@ from lcpflex.dynamics.constraint_rows import joint_residual
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
 from lcpflex.model import Model
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
@@ -31,6 +30,7 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.solvers.friction import split_friction_solution
 from lcpflex.steppers.event_memory import copy_entry

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.acceleration import STICKING, condense_rows
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.impulse import distribute
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.contact.laws.memory import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.system import System
 

@@ -24,7 +24,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lcpflex.bodies.body import whole_number
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import ElasticLaw
 from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import contact_compliance
@@ -40,7 +39,8 @@ from lcpflex.dynamics.static_modes import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Model
 from lcpflex.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.contact_law import law_row
 from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, indentation_of
 from lcpflex.contact.laws.friction import SmoothedCoulomb
@@ -15,6 +14,7 @@ from lcpflex.contact.laws.layout import LIMIT, OWN, ElasticLaw, LawRow
 from lcpflex.dynamics.contact_compliance import ContactCompliance
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 
 __all__ = ["beyond_range", "checked_compliance", "compliance_rows", "expected_compliance", "out_of_range"]

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.contact_compliance import ContactCompliance
-from lcpflex.packed import pack
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
 
 __all__ = ["Boundary", "Settings", "boundary_of"]
 

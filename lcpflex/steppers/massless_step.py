@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
@@ -18,6 +17,7 @@ from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.massless_memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out

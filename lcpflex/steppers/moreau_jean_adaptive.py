@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.constraint_rows import joint_rows
@@ -28,6 +27,7 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints

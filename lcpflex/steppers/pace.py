@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.adaptive import FASTEST, SHORTEST, STEPS, STOPPED, TIME, Limits
 
 __all__ = ["Pace", "stopped_note"]

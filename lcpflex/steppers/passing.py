@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import bound
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.steppers.tape import FARTHEST, LEAST, PASSES, Tape
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["C", "STAGES", "add_errors", "copy_state", "error_norm", "interpolate", "stage_state", "step_factor"]
 

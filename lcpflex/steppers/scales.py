@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 
 __all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]

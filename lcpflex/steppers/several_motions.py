@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.friction import ContactProblem
 from lcpflex.steppers.doubtful import COUNT

@@ -7,13 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import Model
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.runge_kutta import (

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, Radau
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.contact.laws.memory import FREE
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.instants import time_left
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.scales import scales_of, usual_state
 from lcpflex.steppers.smooth_explicit import (
     ALL_OF_IT,

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import detect
 from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.laws.layout import LawRow
@@ -18,8 +17,9 @@ from lcpflex.dynamics.contact_memory import settle, unsettled
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lcpflex.contact.laws.layout import LawRow
-from lcpflex.linking import link
+from lcpflex.jit.dispatch import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records

@@ -13,7 +13,6 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.contact.detection import detect
 from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.kinematics import contact_point
@@ -32,6 +31,7 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model import SLIP, STICK, Model
 from lcpflex.steppers.smooth_memory import (
     CONTACT_DAMPING,

@@ -16,8 +16,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Model
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records

@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable
 from typing import Protocol
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits
 from lcpflex.steppers.driver import Rescue
 from lcpflex.steppers.pace import Pace, stopped_note

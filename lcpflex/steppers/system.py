@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.force_law import Law
 from lcpflex.contact.thickness import farthest, pass_thickness
@@ -15,9 +14,10 @@ from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts
 from lcpflex.dynamics.time_functions import Calls
 from lcpflex.dynamics.workspace import Workspace, workspace
-from lcpflex.linking import Hooks
+from lcpflex.jit.dispatch import Hooks
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 from lcpflex.steppers.tape import Tape, tape
 
 __all__ = ["System"]

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import OPEN, SLIP, STICK, Model
-from lcpflex.packed import pack
 
 __all__ = [
     "FARTHEST",

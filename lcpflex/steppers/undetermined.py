@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["least_impulses"]
 

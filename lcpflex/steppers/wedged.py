@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.impulse import measure
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.certificate import ROUNDING, residual_parts, strict_residual, terms_residual
 from lcpflex.steppers.named import listed
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from lcpflex.compiled import FloatArray, kernel
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.studies.outputs import Measured, Output, coarsened, scale_of_part
 
 __all__ = ["UNKNOWN", "EqualTimes", "apart_at_equal_times", "blur_at_equal_times", "difference_at_equal_times"]

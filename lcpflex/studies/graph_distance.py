@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import flag, numbers
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["graph_distance"]
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
 from lcpflex.given import sequence_of, text
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.studies.outcome import Outcome
 from lcpflex.studies.stability_map import axis_label
 

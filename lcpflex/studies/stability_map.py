@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.given import check_axes, unknown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.comparison import as_markdown
 from lcpflex.studies.given_functions import check_curves
 from lcpflex.studies.outcome import Outcome

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError, SolverError, in_range, shown
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -108,7 +108,7 @@ class _Turning:
     """The mechanics of a scene as seen from turning axes."""
 
     def __init__(self, compiled: Compiled, spin: float) -> None:
-        from lcpflex.packed import pack
+        from lcpflex.jit.struct import pack
 
         self._compiled = compiled
         self._model = pack(compiled.model)

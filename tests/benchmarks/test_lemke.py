@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lcpflex.compiled import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers import ContactProblem, Lcp
 from lcpflex.solvers.auto import auto, auto_workspace
 from lcpflex.solvers.certificate import natural_residual

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from lcpflex.bodies.body import MaterialPoint
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.shapes import Surface, compile_contacts
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model, PointTable, bodiless_model, frozen
-from lcpflex.packed import pack
 
 Declared = tuple[int, int, float, float, float]
 

@@ -17,7 +17,7 @@ import skfem
 import lcpflex as lf
 from lcpflex.contact import shapes
 from lcpflex.contact.detection import contact_table, detect
-from lcpflex.packed import pack
+from lcpflex.jit.struct import pack
 
 FAR = math.inf
 

@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.contact.detection import contact_table, detect
-from lcpflex.packed import pack
+from lcpflex.jit.struct import pack
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 

@@ -9,7 +9,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.contact.reach import whole_section
-from lcpflex.packed import pack
+from lcpflex.jit.struct import pack
 
 
 def test_whole_section_of_a_half():

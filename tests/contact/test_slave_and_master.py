@@ -13,7 +13,7 @@ from lcpflex.bodies.continuum import Continuum
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.contact.kinematics import contact_bias, contact_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.packed import pack
+from lcpflex.jit.struct import pack
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 CHOICES = ("both", "upper", "lower")

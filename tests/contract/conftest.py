@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import lcpflex.solvers
-from lcpflex.compiled import interpreted
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import interpreted
 from lcpflex.solvers import ContactProblem, Lcp, Status
 
 TOLERANCE = 1e-10

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lcpflex.compiled import FloatArray
 from lcpflex.dynamics.inertia import (
     Arrow,
     arrow,
@@ -16,6 +15,7 @@ from lcpflex.dynamics.inertia import (
     solve_block,
     stored_energies,
 )
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import Bodies, Loads, frozen
 
 RNG = np.random.default_rng(7)

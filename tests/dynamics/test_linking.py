@@ -14,12 +14,12 @@ import pytest
 
 import lcpflex
 import lcpflex as lf
-from lcpflex import linking
-from lcpflex.compiled import kernel
 from lcpflex.dynamics.impulse import solve_lcp
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.user_mechanics import hooks
-from lcpflex.linking import callees, link, reaching
+from lcpflex.jit import dispatch as linking
+from lcpflex.jit.dispatch import callees, link, reaching
+from lcpflex.jit.kernel import kernel
 from lcpflex.steppers import (
     event_loop,
     generalized_alpha,

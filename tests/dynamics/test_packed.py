@@ -8,8 +8,8 @@ import numba
 import numpy as np
 import pytest
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
-from lcpflex.packed import _type_of, pack
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import _type_of, pack
 
 
 class Inner(NamedTuple):

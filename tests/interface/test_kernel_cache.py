@@ -13,10 +13,11 @@ from typing import Any
 
 import pytest
 
-from lcpflex import cache_folders, kernel_cache
-from lcpflex.cache_folders import cache_folders as folders_of
-from lcpflex.cache_folders import is_private_file, unsafe
-from lcpflex.file_lock import FileLock
+from lcpflex.jit import cache as kernel_cache
+from lcpflex.jit import cache_folders
+from lcpflex.jit.cache_folders import cache_folders as folders_of
+from lcpflex.jit.cache_folders import is_private_file, unsafe
+from lcpflex.jit.file_lock import FileLock
 
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights of other users are not told by such bits here")
 
@@ -40,17 +41,17 @@ event.register("numba:compile", Count())
 import lcpflex as lf
 if os.environ.get("FULL"):
     import errno
-    from lcpflex.kernel_cache import KernelFile
+    from lcpflex.jit.cache import KernelFile
     def save(*given):
         raise OSError(errno.ENOSPC, "No space left on device")
     KernelFile.save = save
 if os.environ.get("NO_LOCKS"):
-    import errno, lcpflex.file_lock as file_lock
+    import errno, lcpflex.jit.file_lock as file_lock
     def locked(opened):
         raise OSError(errno.ENOLCK, "No locks available")
     file_lock._locked = locked
 if os.environ.get("PATIENCE"):
-    import lcpflex.kernel_cache as kernel_cache
+    import lcpflex.jit.cache as kernel_cache
     kernel_cache.PATIENCE = float(os.environ["PATIENCE"])
 if os.environ.get("AS"):
     import numba

@@ -17,8 +17,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery, meshes
+from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.packed import pack
 from lcpflex.scene import Compiled
 
 COPIES = {"pickled": lambda thing: pickle.loads(pickle.dumps(thing)), "copied": deepcopy}

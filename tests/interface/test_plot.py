@@ -18,8 +18,8 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.chart_words import stepper_words, told_apart
 from lcpflex.charts import shown_forces
-from lcpflex.compiled import FloatArray
 from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.result import Result
 
 

@@ -10,9 +10,9 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.jit.kernel import FloatArray
 
 G = 9.81
 SHARP: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-13}

@@ -11,12 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lcpflex as lf
-from lcpflex.compiled import interpreted
 from lcpflex.contact.laws.friction import BengisuAkay, BrownMcPhee, SmoothedCoulomb
 from lcpflex.contact.laws.friction_kernels import friction_force
 from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
 from lcpflex.dynamics import law_friction
 from lcpflex.dynamics.law_friction import balanced_friction
+from lcpflex.jit.kernel import interpreted
 
 MASS, SPRING, PULL, WEIGHT, MU, STATIC = 0.25, 5e3, 0.02, 20.0, 0.3, 0.5
 DROP = (STATIC - MU) * WEIGHT

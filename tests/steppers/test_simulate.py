@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.problem import Lcp, Solution, Status
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 G = 9.81
 STEPPERS = [

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import STICK
 
 __all__ = ["CREEP", "creeping", "crept"]

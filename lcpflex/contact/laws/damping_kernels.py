@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.elastic_kernels import elastic_stiffness, stored_energy
 from lcpflex.contact.laws.layout import (
     DAMPING,
@@ -21,6 +20,7 @@ from lcpflex.contact.laws.layout import (
     TSUJI,
     VISCOUS,
 )
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["damping_force", "damping_mass"]
 

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, OWN, PERSSON, POWER
 from lcpflex.contact.laws.own_call import own_force
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [
     "LAST_LOGARITHM",

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["ElasticFace"]
 

@@ -10,13 +10,13 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.cylinder_pair import CylinderPair
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import LIU, PERSSON, POWER
 from lcpflex.contact.laws.line_contact import check_pair
 from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.options import keep_number
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.layout import (
     AMBROSIO,
     ARCTANGENT,
@@ -21,6 +20,7 @@ from lcpflex.contact.laws.layout import (
     TANH,
     THRELFALL,
 )
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["bristle_rates", "friction_force", "friction_forces"]
 

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import numbers_of
 from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.options import keep_number
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]

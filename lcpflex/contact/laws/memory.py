@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray, IntArray, kernel
 from lcpflex.contact.laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import pack
 from lcpflex.model import Contacts
-from lcpflex.packed import pack
 
 __all__ = ["FREE", "PLACES", "ContactMemory", "contact_memory", "first_place", "place_of"]
 

@@ -12,7 +12,7 @@ import llvmlite.ir
 from numba.core import types
 from numba.extending import intrinsic
 
-from lcpflex.compiled import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel
 
 __all__ = ["own_force", "own_forces"]
 

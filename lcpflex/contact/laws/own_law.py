@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.elastic_loops import FORCE, INDENTATION
 from lcpflex.contact.laws.given import finite_numbers, numbers_of
 from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
-from lcpflex.contact.laws.own_function import OwnFunction
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import flag, sequence_of
+from lcpflex.jit.callback import OwnFunction
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["OwnLaw"]
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.given import sequence_of
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["PowerFit", "fit_power_law"]
 

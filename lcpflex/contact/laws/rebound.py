@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.compiled import FloatArray
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = [
     "damping_ratio",

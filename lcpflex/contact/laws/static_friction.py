@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compiled import FloatArray
 from lcpflex.contact.laws.given import finite_numbers
 from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.options import keep_number
 
 LARGEST = 10**8  # forces at a time

@@ -17,7 +17,7 @@ from typing import Any
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.core.compiler import CompileResult
 
-from lcpflex.cache_folders import (
+from lcpflex.jit.cache_folders import (
     PATH_VARIABLE,
     cache_folders,
     is_private_file,
@@ -26,7 +26,7 @@ from lcpflex.cache_folders import (
     unsafe,
     writable,
 )
-from lcpflex.file_lock import FileLock
+from lcpflex.jit.file_lock import FileLock
 
 __all__ = ["KernelCache", "attach", "lost"]
 

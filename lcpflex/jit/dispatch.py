@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, cast
 
-from lcpflex.compiled import interpreted
+from lcpflex.jit.kernel import interpreted
 
 __all__ = ["Hooks", "callees", "link", "reaching"]
 

@@ -1,7 +1,7 @@
 """The one decorator under which every numerical kernel is compiled.
 
 A kernel is a function of arrays and scalars in the subset of Python that numba compiles. It is
-compiled at its first call and kept on disk (:mod:`lcpflex.kernel_cache`). The cache of numba is keyed by the source
+compiled at its first call and kept on disk (:mod:`lcpflex.jit.cache`). The cache of numba is keyed by the source
 file of the function alone, so a change in another file that a kernel calls would go unseen; here the key is
 the content of that file and of all that it imports from the package, and an upgrade never runs stale code.
 """
@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 F = TypeVar("F", bound=Callable[..., Any])
 
-ROOT = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[1]  # the package
 
 
 @cache
@@ -71,9 +71,9 @@ def kernel(function: F) -> F:
     source = _source_of(function)
     if source is not None and not numba.config.DISABLE_JIT:
         try:
-            import lcpflex.kernel_cache  # so written, it is not among the sources that kernels depend on
+            import lcpflex.jit.cache  # so written, it is not among the sources that kernels depend on
 
-            lcpflex.kernel_cache.attach(dispatcher, function, lambda: _stamp(source))
+            lcpflex.jit.cache.attach(dispatcher, function, lambda: _stamp(source))
         except (ImportError, AttributeError):  # another numba inside
             pass
     return cast(F, dispatcher)

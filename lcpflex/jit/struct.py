@@ -27,7 +27,7 @@ class Packed:
         self._pack(type(values).__name__, dict(zip(values._fields, values, strict=True)))
 
     def _pack(self, label: str, values: dict[str, Any]) -> None:
-        from lcpflex.packed_type import PackedType
+        from lcpflex.jit.struct_type import PackedType
 
         self._label = label
         fields: list[tuple[str, Any]] = []

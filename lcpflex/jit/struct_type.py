@@ -1,4 +1,4 @@
-"""What numba must know of :class:`lcpflex.packed.Packed`: its type, how it comes in, how its attributes are loaded."""
+"""What numba must know of :class:`lcpflex.jit.struct.Packed`: its type, how it comes in, how attributes are loaded."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numba.core.imputils import lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import NativeValue, models, register_model, typeof_impl, unbox
 
-from lcpflex.packed import Packed
+from lcpflex.jit.struct import Packed
 
 __all__ = ["PackedType"]
 
