@@ -6,30 +6,30 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
-    "Bar": "bar",
-    "Beam": "beam",
-    "Body": "body",
-    "Box": "rigid",
-    "Chain": "body",
-    "Continuum": "continuum",
-    "Disc": "rigid",
-    "MaterialPoint": "body",
-    "Interface": "interface",
-    "Matrices": "matrices",
-    "Polygon": "rigid",
-    "Rayleigh": "reduction",
-    "Resolution": "body",
-    "RigidBody": "rigid",
-    "Round": "body",
-    "Rung": "body",
-    "Shortening": "body",
-    "SolidOfRevolution": "solid_of_revolution",
-    "Stiffening": "stiffening",
-    "craig_bampton": "reductions",
-    "free_interface": "reductions",
-    "residual_compliance": "reductions",
-    "sub_regional": "reductions",
-    "unreduced": "reductions",
+    "Bar": "lcpflex.bodies.bar",
+    "Beam": "lcpflex.bodies.beam",
+    "Body": "lcpflex.bodies.body",
+    "Box": "lcpflex.bodies.rigid",
+    "Chain": "lcpflex.bodies.body",
+    "Continuum": "lcpflex.bodies.continuum",
+    "Disc": "lcpflex.bodies.rigid",
+    "MaterialPoint": "lcpflex.bodies.body",
+    "Interface": "lcpflex.bodies.interface",
+    "Matrices": "lcpflex.bodies.matrices",
+    "Polygon": "lcpflex.bodies.rigid",
+    "Rayleigh": "lcpflex.bodies.reduction",
+    "Resolution": "lcpflex.bodies.body",
+    "RigidBody": "lcpflex.bodies.rigid",
+    "Round": "lcpflex.bodies.body",
+    "Rung": "lcpflex.bodies.body",
+    "Shortening": "lcpflex.bodies.body",
+    "SolidOfRevolution": "lcpflex.bodies.solid_of_revolution",
+    "Stiffening": "lcpflex.bodies.stiffening",
+    "craig_bampton": "lcpflex.bodies.reductions",
+    "free_interface": "lcpflex.bodies.reductions",
+    "residual_compliance": "lcpflex.bodies.reductions",
+    "sub_regional": "lcpflex.bodies.reductions",
+    "unreduced": "lcpflex.bodies.reductions",
 }
 
 __all__ = [
@@ -64,7 +64,7 @@ def __getattr__(name: str) -> Any:
     """Load a public name from its module at first use."""
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    value = getattr(import_module(_HOME[name]), name)
     globals()[name] = value
     return value
 

@@ -11,25 +11,25 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
-    "Criteria": "outcome",
-    "FidelityRun": "fidelity_report",
-    "NextRung": "fidelity_report",
-    "Outcome": "outcome",
-    "Output": "outputs",
-    "RightSize": "fidelity_report",
-    "StabilityMap": "stability_map",
-    "Verdict": "outcome",
-    "Vibrations": "vibrations",
-    "WorkPoint": "work_points",
-    "WorkPrecision": "work_points",
-    "acceleration_level": "acceleration_level",
-    "graph_distance": "graph_distance",
-    "outcome_legend": "stability_chart",
-    "right_size": "right_size",
-    "small_vibrations": "vibrations",
-    "stability": "stability",
-    "standard_methods": "standard_methods",
-    "work_precision": "work_precision",
+    "Criteria": "lcpflex.studies.outcome",
+    "FidelityRun": "lcpflex.studies.fidelity_report",
+    "NextRung": "lcpflex.studies.fidelity_report",
+    "Outcome": "lcpflex.studies.outcome",
+    "Output": "lcpflex.studies.outputs",
+    "RightSize": "lcpflex.studies.fidelity_report",
+    "StabilityMap": "lcpflex.studies.stability_map",
+    "Verdict": "lcpflex.studies.outcome",
+    "Vibrations": "lcpflex.studies.vibrations",
+    "WorkPoint": "lcpflex.studies.work_points",
+    "WorkPrecision": "lcpflex.studies.work_points",
+    "acceleration_level": "lcpflex.studies.acceleration_level",
+    "graph_distance": "lcpflex.studies.graph_distance",
+    "outcome_legend": "lcpflex.studies.stability_chart",
+    "right_size": "lcpflex.studies.right_size",
+    "small_vibrations": "lcpflex.studies.vibrations",
+    "stability": "lcpflex.studies.stability",
+    "standard_methods": "lcpflex.studies.standard_methods",
+    "work_precision": "lcpflex.studies.work_precision",
 }
 
 __all__ = [
@@ -61,7 +61,7 @@ def __getattr__(name: str) -> Any:
         from lcpflex.given import nearest
 
         raise AttributeError(f"module 'lcpflex.studies' has no attribute {name!r}{nearest(name, __all__)}")
-    value = getattr(import_module(f"lcpflex.studies.{_HOME[name]}"), name)
+    value = getattr(import_module(_HOME[name]), name)
     globals()[name] = value
     return value
 
