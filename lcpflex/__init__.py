@@ -183,7 +183,7 @@ def __dir__() -> list[str]:
 
 def _missing(module: str, name: str, known: list[str]) -> AttributeError:
     """The error of a name that is not there, with the one that was meant most likely."""
-    from lcpflex.given import nearest
+    from lcpflex.basics.arguments import nearest
 
     return AttributeError(f"module {module!r} has no attribute {name!r}{nearest(name, known)}")
 

@@ -19,7 +19,7 @@ from lcpflex.studies.commands_chart import add_chart
 from lcpflex.studies.commands_cross_check import add_cross_check
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.commands_stability import add_stability
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from lcpflex.gallery import Case

@@ -33,7 +33,7 @@ from lcpflex.dynamics.acceleration import (
 )
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range, shown
-from lcpflex.given import numbers
+from lcpflex.basics.arguments import numbers
 from lcpflex.jit.dispatch import link
 from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status

@@ -21,7 +21,7 @@ import numpy as np
 
 from lcpflex.bodies.body import Body
 from lcpflex.errors import ModelError, as_number, in_range, shown
-from lcpflex.given import flag
+from lcpflex.basics.arguments import flag
 
 if TYPE_CHECKING:
     from lcpflex.bodies.finite_elements import FiniteElements

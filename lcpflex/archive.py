@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, path_of, shown
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 __all__ = ["read", "write"]
 

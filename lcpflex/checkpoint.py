@@ -33,13 +33,13 @@ import numpy as np
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.frozen import Arrays, Unkept, freeze, thaw
 from lcpflex.run_stamp import described
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from types import FrameType
 
     from lcpflex.run_setup import Run, Setup
-    from lcpflex.stopwatch import Stopwatch
+    from lcpflex.basics.stopwatch import Stopwatch
 
 __all__ = ["Checkpoint", "Checkpoints", "read"]
 

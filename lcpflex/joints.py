@@ -18,7 +18,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
 from lcpflex.errors import ModelError, shown
 from lcpflex.loads import Motion, checked_motion
-from lcpflex.options import is_number, keep_number
+from lcpflex.basics.options import is_number, keep_number
 
 __all__ = [
     "Distance",

@@ -17,7 +17,7 @@ from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.contact import shapes
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import absent, flag, sequence_of
+from lcpflex.basics.arguments import absent, flag, sequence_of
 
 if TYPE_CHECKING:
     from lcpflex.contact.shapes import Surface

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
-from lcpflex.given import check_axes
+from lcpflex.basics.arguments import check_axes
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -12,7 +12,7 @@ import numpy as np
 from lcpflex.contact.laws.creep import CREEP
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import absent, numbers
+from lcpflex.basics.arguments import absent, numbers
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model import OPEN, SLIP, STICK, Model

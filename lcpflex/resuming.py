@@ -10,7 +10,7 @@ from lcpflex.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
 from lcpflex.frozen import Arrays
-from lcpflex.given import optional_flag
+from lcpflex.basics.arguments import optional_flag
 from lcpflex.run_setup import Options, Stepper, compiled_for, set_up
 from lcpflex.run_stamp import difference, functions_of, made, plain, scene_node, stepper_node
 from lcpflex.simulate import carry_out

@@ -7,7 +7,7 @@ from typing import Any
 
 from lcpflex.energy import EnergyGrowth
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import flag, optional_flag
+from lcpflex.basics.arguments import flag, optional_flag
 from lcpflex.recorder import RecordProblems
 
 __all__ = ["checked_request"]

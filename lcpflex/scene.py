@@ -16,7 +16,7 @@ from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.clearances import Clearances
 from lcpflex.contact.force_law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
-from lcpflex.given import absent, flag, told_by
+from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring

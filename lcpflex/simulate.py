@@ -25,7 +25,7 @@ from lcpflex.run_request import checked_request
 from lcpflex.run_setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.stated_error import stated_errors
 from lcpflex.steppers.law_run import friction_warnings
-from lcpflex.stopwatch import Stopwatch
+from lcpflex.basics.stopwatch import Stopwatch
 from lcpflex.unseen_loads import unseen_loads
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers
+from lcpflex.basics.arguments import numbers
 from lcpflex.model import bodiless_model
 
 if TYPE_CHECKING:

@@ -114,7 +114,7 @@ def __getattr__(name: str) -> Any:
     """Load a solver at its first use, so that importing the package costs nothing."""
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
-    from lcpflex.given import nearest
+    from lcpflex.basics.arguments import nearest
 
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import numbers
+from lcpflex.basics.arguments import numbers
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["as_array", "check_finite", "finite_array", "nothing"]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers, whole_number
+from lcpflex.basics.arguments import numbers, whole_number
 from lcpflex.solvers.proofs import Proof
 from lcpflex.solvers.status import Status
 

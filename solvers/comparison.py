@@ -17,7 +17,7 @@ import numpy as np
 
 import lcpflex.solvers
 from lcpflex.errors import ModelError
-from lcpflex.given import text
+from lcpflex.basics.arguments import text
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem, posed
 from lcpflex.solvers.certificate import is_symmetric

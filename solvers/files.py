@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, path_of
-from lcpflex.given import SHOWN, lines_of, sequence_of, text
+from lcpflex.basics.arguments import SHOWN, lines_of, sequence_of, text
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.stored import MARKS, AnyProblem, arrays_of, problem_of
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 __all__ = ["Recorded", "load_problems", "load_text_lcp", "save_problems"]
 

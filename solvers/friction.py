@@ -15,7 +15,7 @@ import numpy.typing as npt
 import scipy.sparse
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import flag, point_of
+from lcpflex.basics.arguments import flag, point_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array

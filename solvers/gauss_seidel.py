@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, as_number, shown
-from lcpflex.options import is_number
+from lcpflex.basics.options import is_number
 
 __all__ = ["check_limit", "check_tolerance", "keep_settings"]
 

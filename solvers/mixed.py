@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import flag, numbers, point_of
+from lcpflex.basics.arguments import flag, numbers, point_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite

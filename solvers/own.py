@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import one_of
+from lcpflex.basics.arguments import one_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.arguments import check_guess, posed

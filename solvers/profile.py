@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError
-from lcpflex.given import check_axes
+from lcpflex.basics.arguments import check_axes
 from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import scipy.sparse
 
 from lcpflex.errors import ModelError
-from lcpflex.given import flag, point_of
+from lcpflex.basics.arguments import flag, point_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import called, flag
+from lcpflex.basics.arguments import called, flag
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers import comparison as one
 from lcpflex.solvers.arguments import check_options, check_problem

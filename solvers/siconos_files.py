@@ -22,7 +22,7 @@ import re
 import numpy as np
 
 from lcpflex.errors import ModelError, path_of
-from lcpflex.given import SHOWN, lines_of
+from lcpflex.basics.arguments import SHOWN, lines_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.condensation import condensed, contact_problem
 from lcpflex.solvers.friction import ContactProblem

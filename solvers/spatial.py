@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import point_of
+from lcpflex.basics.arguments import point_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.friction import keys_of

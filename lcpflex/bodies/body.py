@@ -22,8 +22,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import array_of, whole_number
-from lcpflex.given import mapping_of as named
+from lcpflex.basics.arguments import array_of, whole_number
+from lcpflex.basics.arguments import mapping_of as named
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model import Axis
 

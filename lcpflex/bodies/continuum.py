@@ -21,7 +21,7 @@ from lcpflex.bodies.reductions import free_interface
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.bodies.stiffness_error import stiffness_error
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import positive
+from lcpflex.basics.arguments import positive
 
 __all__ = ["Continuum"]
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import flag, sequence_of
+from lcpflex.basics.arguments import flag, sequence_of
 
 __all__ = ["Interface", "Interfaces", "interfaces_of"]
 

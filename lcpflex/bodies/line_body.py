@@ -12,7 +12,7 @@ import numpy as np
 from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.errors import in_range
-from lcpflex.given import positive
+from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model import frozen
 

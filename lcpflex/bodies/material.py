@@ -7,7 +7,7 @@ import warnings
 from typing import Any
 
 from lcpflex.errors import ModelWarning, in_range
-from lcpflex.given import positive
+from lcpflex.basics.arguments import positive
 
 __all__ = ["check_material"]
 

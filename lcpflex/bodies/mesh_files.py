@@ -18,7 +18,7 @@ import numpy as np
 
 from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.errors import ModelError, path_of, shown
-from lcpflex.given import LARGEST_TEXT
+from lcpflex.basics.arguments import LARGEST_TEXT
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["read_mesh"]

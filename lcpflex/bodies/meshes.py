@@ -21,7 +21,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.mesh_grading import ELEMENTS, Zone, named_again, refined_to
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import flag, numbers, positive
+from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]

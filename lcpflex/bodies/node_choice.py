@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import sequence_of, unknown
+from lcpflex.basics.arguments import sequence_of, unknown
 from lcpflex.jit.kernel import IntArray
 
 __all__ = ["Nodes", "chosen_nodes", "rows_of"]

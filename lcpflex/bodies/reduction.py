@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Displacement, array_of, whole_number
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers
+from lcpflex.basics.arguments import numbers
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = [

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import positive
+from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Box", "Disc", "Polygon", "RigidBody"]

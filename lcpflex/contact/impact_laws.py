@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
-from lcpflex.options import keep_flag
+from lcpflex.basics.options import keep_flag
 
 __all__ = ["ENERGETIC", "NEWTON", "POISSON", "Energetic", "ImpactLaw", "Newton", "Poisson"]
 

@@ -17,7 +17,7 @@ from lcpflex.contact.laws.layout import (
     TANH,
     LawRow,
 )
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = ["Penalty"]
 

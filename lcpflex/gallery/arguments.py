@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import whole_number
+from lcpflex.basics.arguments import whole_number
 
 __all__ = ["checked"]
 

@@ -26,7 +26,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model import Model
-from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
+from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 from lcpflex.steppers.tape import Tape

@@ -18,7 +18,7 @@ from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
-from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
+from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.own import as_solver

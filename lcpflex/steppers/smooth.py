@@ -20,7 +20,7 @@ from lcpflex.contact.force_law import Law
 from lcpflex.contact.laws.contact_law import ContactLaw
 from lcpflex.contact.laws.layout import LawRow
 from lcpflex.errors import ModelError, shown
-from lcpflex.options import keep_at_least, keep_number, keep_number_or_none
+from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.own_laws import with_own_laws
 from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.smooth_explicit import SmoothSettings

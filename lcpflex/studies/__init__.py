@@ -58,7 +58,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Load a public name from its module at first use."""
     if name not in _HOME:
-        from lcpflex.given import nearest
+        from lcpflex.basics.arguments import nearest
 
         raise AttributeError(f"module 'lcpflex.studies' has no attribute {name!r}{nearest(name, __all__)}")
     value = getattr(import_module(_HOME[name]), name)

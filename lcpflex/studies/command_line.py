@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from lcpflex.errors import LcpflexError, ModelError, nearest, shown, writable_path
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

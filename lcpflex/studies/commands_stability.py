@@ -17,7 +17,7 @@ from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
 from lcpflex.studies.command_line import check_picture, in_file, load_named, outputs_named
 from lcpflex.studies.outcome import Criteria
 from lcpflex.studies.outputs import known_outputs
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 __all__ = ["add_stability"]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.errors import writable_path
 from lcpflex.studies.trial import brief
 from lcpflex.summary import with_unit
-from lcpflex.written import whole_file
+from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.exchange import settled
-from lcpflex.given import raised, sequence_of
+from lcpflex.basics.arguments import raised, sequence_of
 from lcpflex.scene import Scene
 from lcpflex.studies.outputs import (
     MOST,

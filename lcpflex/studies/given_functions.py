@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.given import mapping_of, numbers, sequence_of
+from lcpflex.basics.arguments import mapping_of, numbers, sequence_of
 
 __all__ = ["check_call", "check_curves", "checked_axes", "instance_of", "is_stepper", "series_of"]
 

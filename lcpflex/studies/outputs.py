@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import numbers, sequence_of, text
+from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.studies.graph_distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse

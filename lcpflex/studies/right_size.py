@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
-from lcpflex.given import flag, optional_flag, positive, raised
+from lcpflex.basics.arguments import flag, optional_flag, positive, raised
 from lcpflex.studies.fidelity_estimate import left_at, trend_of
 from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.fidelity_scenes import FULL, Ladders, State, comparable, of_scene

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
-from lcpflex.given import WrongFunction, called, mapping_of, optional_flag, raised
+from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.result import Result
 from lcpflex.simulate import simulate
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError
-from lcpflex.given import sequence_of, text
+from lcpflex.basics.arguments import sequence_of, text
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.studies.outcome import Outcome
 from lcpflex.studies.stability_map import axis_label

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lcpflex.given import positive
+from lcpflex.basics.arguments import positive
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven import EventDriven
 from lcpflex.steppers.generalized_alpha import GeneralizedAlpha

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.bodies.body import whole_number
 from lcpflex.energy import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
-from lcpflex.given import optional_flag, positive, raised
+from lcpflex.basics.arguments import optional_flag, positive, raised
 from lcpflex.studies.equal_times import apart_at_equal_times, blur_at_equal_times
 from lcpflex.studies.given_functions import is_stepper, series_of
 from lcpflex.studies.outputs import (

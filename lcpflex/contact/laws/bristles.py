@@ -25,7 +25,7 @@ from lcpflex.contact.laws.static_friction import (
     slip_of,
     static_coefficient,
 )
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = ["Bristle", "LuGre"]
 

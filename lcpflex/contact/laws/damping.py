@@ -25,7 +25,7 @@ from lcpflex.contact.laws.layout import (
 )
 from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
 from lcpflex.errors import ModelError
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
 

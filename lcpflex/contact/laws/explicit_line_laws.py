@@ -17,7 +17,7 @@ from lcpflex.contact.laws.layout import LIU, PERSSON, POWER
 from lcpflex.contact.laws.line_contact import check_pair
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
 

@@ -37,7 +37,7 @@ from lcpflex.contact.laws.static_friction import (
     static_coefficient,
 )
 from lcpflex.errors import ModelError, shown
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = [
     "Ambrosio",

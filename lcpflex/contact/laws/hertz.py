@@ -10,7 +10,7 @@ from lcpflex.contact.laws.layout import POWER
 from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
 from lcpflex.errors import ModelError, in_range
-from lcpflex.options import keep_flag, keep_number
+from lcpflex.basics.options import keep_flag, keep_number
 
 __all__ = ["Hertz"]
 

@@ -16,7 +16,7 @@ from lcpflex.contact.laws.layout import HYSTERESIS, POWER, ElasticLaw
 from lcpflex.contact.laws.rebound import exact_factor, rebound_of_factor
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
 

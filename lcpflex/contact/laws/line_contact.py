@@ -23,7 +23,7 @@ from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import LOGARITHMIC
 from lcpflex.errors import ModelError, ModelWarning, shown
-from lcpflex.options import keep_flag, keep_number
+from lcpflex.basics.options import keep_flag, keep_number
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
 

@@ -16,7 +16,7 @@ from lcpflex.contact.laws.given import finite_numbers, numbers_of
 from lcpflex.contact.laws.layout import OWN
 from lcpflex.contact.laws.own_call import own_forces
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import flag, sequence_of
+from lcpflex.basics.arguments import flag, sequence_of
 from lcpflex.jit.callback import OwnFunction
 from lcpflex.jit.kernel import FloatArray
 

@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.given import sequence_of
+from lcpflex.basics.arguments import sequence_of
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["PowerFit", "fit_power_law"]

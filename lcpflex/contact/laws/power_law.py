@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from lcpflex.contact.laws.elastic_law import ElasticFace
 from lcpflex.contact.laws.layout import POWER
 from lcpflex.errors import in_range
-from lcpflex.given import flag
+from lcpflex.basics.arguments import flag
 
 __all__ = ["PowerLaw"]
 

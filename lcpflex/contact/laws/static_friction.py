@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.contact.laws.given import finite_numbers
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.options import keep_number
+from lcpflex.basics.options import keep_number
 
 LARGEST = 10**8  # forces at a time
 

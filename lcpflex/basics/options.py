@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, as_number, in_range, shown
-from lcpflex.given import flag
+from lcpflex.basics.arguments import flag
 
 __all__ = ["at_least", "is_number", "keep_at_least", "keep_flag", "keep_number", "keep_number_or_none"]
 
@@ -62,5 +62,5 @@ def keep_at_least(owner: Any, name: str, low: float, expected: str, *, open_end:
 
 
 def keep_flag(owner: Any, name: str, *, label: str | None = None) -> None:
-    """Keep attribute ``name`` of a frozen dataclass as a bool; see :func:`lcpflex.given.flag`."""
+    """Keep attribute ``name`` of a frozen dataclass as a bool; see :func:`lcpflex.basics.arguments.flag`."""
     object.__setattr__(owner, name, flag(label or name, getattr(owner, name)))
