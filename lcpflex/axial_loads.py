@@ -28,7 +28,7 @@ from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Axis, Loads, Model
+from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 from lcpflex.stated_error import CLAMPED

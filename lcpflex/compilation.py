@@ -20,7 +20,7 @@ from lcpflex.jit.struct import pack
 from lcpflex.joints import Joint, Prismatic, Weld
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.missing_compliance import missing_compliance
-from lcpflex.model import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
+from lcpflex.model.arrays import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
 from lcpflex.placed import Placed, PlacedSurface
 from lcpflex.reduced_scene import reduced_scene
 from lcpflex.scene import Compiled, DeclaredContact, Layout, Parts

@@ -21,7 +21,7 @@ from lcpflex.dynamics.shortening import add_tangent
 from lcpflex.dynamics.start import violation
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.result import Result
 from lcpflex.scene import Compiled
 

@@ -15,7 +15,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
-from lcpflex.model import OPEN, SLIP, STICK, Model
+from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,7 +114,7 @@ class ContactHistory:
 class Result:
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
-    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model`: per body x, y, angle and its modal coordinates.
+    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal coordinates.
 
     Where contacts share a load in more than one way, the forces of an instant are the least that give the motion; an
     event-driven run keeps only as many redundant supports as carry it. Impulses are those that the solver found.

@@ -20,7 +20,7 @@ from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.joints import Joint
 from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
-from lcpflex.model import Axis, Model, refrozen
+from lcpflex.model.arrays import Axis, Model, refrozen
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:

@@ -22,7 +22,7 @@ from lcpflex.steppers.run import Records
 from lcpflex.steppers.step_error import ORDER, Units
 
 if TYPE_CHECKING:
-    from lcpflex.model import Model
+    from lcpflex.model.arrays import Model
     from lcpflex.result import Result
 
 __all__ = ["error_shares", "stated_errors"]

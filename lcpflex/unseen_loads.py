@@ -17,7 +17,7 @@ from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.result import Result, material_shapes, world_places
 from lcpflex.scene import Compiled
 

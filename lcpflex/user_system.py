@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers
-from lcpflex.model import bodiless_model
+from lcpflex.model.arrays import bodiless_model
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray

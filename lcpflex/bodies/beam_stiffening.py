@@ -21,7 +21,7 @@ from lcpflex.bodies.reduction import signed
 from lcpflex.bodies.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Axis
+from lcpflex.model.arrays import Axis
 
 __all__ = ["Line", "axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
 

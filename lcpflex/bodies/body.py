@@ -25,7 +25,7 @@ from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import array_of, whole_number
 from lcpflex.basics.arguments import mapping_of as named
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model import Axis
+from lcpflex.model.arrays import Axis
 
 __all__ = [
     "Body",

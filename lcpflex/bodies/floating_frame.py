@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Bodies, Points
+from lcpflex.model.arrays import Bodies, Points
 
 
 @kernel

@@ -14,7 +14,7 @@ from lcpflex.bodies.line_mesh import LineModes, interpolate
 from lcpflex.errors import in_range
 from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import frozen
+from lcpflex.model.arrays import frozen
 
 __all__ = ["FINE_ENOUGH", "check_positive", "coarser", "end_points", "line_mass", "line_moments", "locator", "strip"]
 

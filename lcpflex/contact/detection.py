@@ -18,7 +18,7 @@ from lcpflex.bodies.floating_frame import local_place, point_position
 from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
 from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model import frozen
+from lcpflex.model.arrays import frozen
 
 __all__ = ["ARC", "SEGMENT", "Feature", "blocks_of"]
 

@@ -6,7 +6,7 @@ import math
 
 from lcpflex.bodies.floating_frame import local_place
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "near_block", "over"]
 

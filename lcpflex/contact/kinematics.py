@@ -23,7 +23,7 @@ from lcpflex.bodies.floating_frame import (
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.features import COINCIDENT, SEGMENT
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 
 @kernel

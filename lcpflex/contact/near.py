@@ -7,7 +7,7 @@ import numpy as np
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.kinematics import contact_rows
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["near", "normal_row"]
 

@@ -21,7 +21,7 @@ from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
 from lcpflex.contact.reach import below_chain, below_hole, is_solid, whole_section
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Contacts, PointTable, frozen
+from lcpflex.model.arrays import Contacts, PointTable, frozen
 
 __all__ = [
     "Kind",

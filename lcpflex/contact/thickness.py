@@ -12,7 +12,7 @@ import numpy as np
 
 from lcpflex.contact.features import ARC
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Contacts, Points
+from lcpflex.model.arrays import Contacts, Points
 
 __all__ = ["farthest", "law_thickness", "pass_thickness"]
 

@@ -44,7 +44,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
 
 __all__ = [

@@ -13,7 +13,7 @@ from lcpflex.bodies.floating_frame import (
 )
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["applied_forces", "spring_energy"]
 

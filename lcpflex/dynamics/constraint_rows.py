@@ -27,7 +27,7 @@ from lcpflex.bodies.floating_frame import (
 )
 from lcpflex.dynamics.signal_values import signal_value
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["joint_residual", "joint_rows"]
 

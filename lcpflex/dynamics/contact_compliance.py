@@ -27,7 +27,7 @@ from lcpflex.contact.laws.layout import END, LIMIT, PARAMETERS, LawRow
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = [
     "ALL",

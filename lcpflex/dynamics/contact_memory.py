@@ -17,7 +17,7 @@ from lcpflex.contact.laws.elastic_kernels import stored_energy
 from lcpflex.contact.laws.memory import FREE, PLACES, ContactMemory, first_place, place_of
 from lcpflex.contact.laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["pair_energy", "pair_force", "pair_place", "pair_stiffness", "settle", "unsettled"]
 

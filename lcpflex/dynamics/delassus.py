@@ -1,6 +1,6 @@
 """Contact matrices in velocity space: the Delassus operator with bilateral joints condensed.
 
-Rows r of W^T and of the joint Jacobian are stored by body block (see :mod:`lcpflex.model`). With the
+Rows r of W^T and of the joint Jacobian are stored by body block (see :mod:`lcpflex.model.arrays`). With the
 factorised matrix A of the step (the mass matrix, or M + theta h C + (theta h)^2 K),
 
     G = W^T A^-1 W,   condensed over the joints J:   G_c = G_WW - G_WJ G_JJ^-1 G_JW

@@ -19,7 +19,7 @@ from lcpflex.dynamics.delassus import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import contact_units, in_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual

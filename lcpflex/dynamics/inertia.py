@@ -25,7 +25,7 @@ from lcpflex.dynamics.delassus import cholesky_solve
 from lcpflex.dynamics.shortening import factorise_tangent, shortening_energy, shortening_forces, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Bodies, Loads
+from lcpflex.model.arrays import Bodies, Loads
 
 __all__ = [
     "Arrow",

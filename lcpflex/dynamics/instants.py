@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.jit.kernel import kernel
-from lcpflex.model import Signals
+from lcpflex.model.arrays import Signals
 
 __all__ = ["at_stop", "longest_look", "time_left"]
 

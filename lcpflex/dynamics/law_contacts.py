@@ -25,7 +25,7 @@ from lcpflex.dynamics.law_friction import rub
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, look, mobility, push
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["begun", "law_forces", "law_forces_after", "law_horizon", "take_note"]
 

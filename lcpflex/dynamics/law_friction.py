@@ -24,7 +24,7 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, mobility, push
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["balanced_friction", "compare_friction", "rub"]
 

@@ -13,7 +13,7 @@ from lcpflex.contact.laws.memory import ContactMemory, contact_memory
 from lcpflex.contact.penalty import Penalty
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Contacts
+from lcpflex.model.arrays import Contacts
 
 __all__ = ["LawContacts", "law_contacts"]
 

@@ -10,7 +10,7 @@ from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["couple_joints", "factor_joints", "lay", "look", "mobility", "push"]
 

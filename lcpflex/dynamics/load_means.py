@@ -9,7 +9,7 @@ import math
 
 from lcpflex.dynamics.signal_values import signal_value
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Signals
+from lcpflex.model.arrays import Signals
 
 __all__ = ["force_value"]
 

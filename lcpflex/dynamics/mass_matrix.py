@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Bodies, Model
+from lcpflex.model.arrays import Bodies, Model
 
 __all__ = ["held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
 

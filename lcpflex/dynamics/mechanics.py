@@ -13,7 +13,7 @@ from lcpflex.dynamics.inertia import factorise as factorise_bodies
 from lcpflex.dynamics.inertia import multiply as multiply_bodies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = [
     "contact_biases",

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from lcpflex.dynamics.delassus import cholesky
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Bodies
+from lcpflex.model.arrays import Bodies
 
 __all__ = ["add_tangent", "factorise_tangent", "shortening_energy", "shortening_forces", "shortens"]
 

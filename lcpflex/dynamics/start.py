@@ -13,7 +13,7 @@ from lcpflex.dynamics.time_functions import State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["Violation", "drive_rate", "project", "violation"]
 

@@ -22,7 +22,7 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Bodies, Contacts, Model, Points, frozen
+from lcpflex.model.arrays import Bodies, Contacts, Model, Points, frozen
 
 __all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rates", "with_static_modes"]
 

@@ -23,7 +23,7 @@ from lcpflex.dynamics.compiled_function import (
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
-from lcpflex.model import Model, Signals, frozen
+from lcpflex.model.arrays import Model, Signals, frozen
 
 __all__ = [
     "DIFFERENCE_STEP",
@@ -80,7 +80,7 @@ class Materials:
 class State:
     """The state that a Python force is asked at; nothing in it may be changed.
 
-    Places and velocities are in world axes [m], [m/s]; q and u are laid out as told in :mod:`lcpflex.model`.
+    Places and velocities are in world axes [m], [m/s]; q and u are laid out as told in :mod:`lcpflex.model.arrays`.
     """
 
     time: float  # [s]

@@ -16,7 +16,7 @@ from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 
 __all__ = ["Mechanics", "hooks"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.model import OPEN, SLIP
+from lcpflex.model.arrays import OPEN, SLIP
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray

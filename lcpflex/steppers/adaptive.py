@@ -25,7 +25,7 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System

@@ -12,7 +12,7 @@ from lcpflex.bodies.floating_frame import point_angle, point_position
 from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
 from lcpflex.steppers.event_root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import interpolate

@@ -15,7 +15,7 @@ from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_norma
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_bounces import note_strike, too_low
 from lcpflex.steppers.event_memory import (
     ALONE,

@@ -15,7 +15,7 @@ from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import SLIP, STICK, Model
+from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_memory import (
     CAUSE,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lcpflex.model import OPEN, STICK
+from lcpflex.model.arrays import OPEN, STICK
 from lcpflex.steppers.event_memory import (
     CUTS,
     FIRST_JAM,

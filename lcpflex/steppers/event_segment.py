@@ -14,7 +14,7 @@ from lcpflex.dynamics.law_contacts import begun, law_horizon
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_gaps import (
     CROSSED,
     NARROW,

@@ -26,7 +26,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.impulse import measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import OPEN, SLIP, STICK, Model
+from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution
 from lcpflex.steppers.event_impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED

@@ -15,7 +15,7 @@ from lcpflex.dynamics.instants import at_stop
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
     DEEPEST,

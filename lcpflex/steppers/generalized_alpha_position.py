@@ -13,7 +13,7 @@ from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_memory import copy_entry
 from lcpflex.steppers.generalized_alpha_memory import (
     FOUND,

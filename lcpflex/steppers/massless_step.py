@@ -18,7 +18,7 @@ from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, f
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import SLIP, STICK, Model
+from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.massless_memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints

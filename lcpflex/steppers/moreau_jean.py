@@ -24,7 +24,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.own import as_solver

@@ -28,7 +28,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import SLIP, STICK, Model
+from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED

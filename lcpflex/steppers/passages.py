@@ -11,7 +11,7 @@ from lcpflex.contact.detection import ContactTable, detect, refresh
 from lcpflex.contact.features import SEGMENT
 from lcpflex.contact.thickness import law_thickness, pass_thickness
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_gaps import SPAN_TOLERANCE, foot_margin
 from lcpflex.steppers.tape import Tape
 

@@ -9,7 +9,7 @@ import math
 
 from lcpflex.contact.detection import bound
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.tape import FARTHEST, LEAST, PASSES, Tape
 
 __all__ = ["PASSED", "may_pass", "set_out", "set_out_freely"]

@@ -11,7 +11,7 @@ from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_veloci
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import auto
 from lcpflex.steppers.tape import Tape
 

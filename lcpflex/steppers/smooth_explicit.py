@@ -14,7 +14,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.runge_kutta import (
     STAGES,

@@ -19,7 +19,7 @@ from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 

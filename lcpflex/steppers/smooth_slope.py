@@ -32,7 +32,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import SLIP, STICK, Model
+from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.smooth_memory import (
     CONTACT_DAMPING,
     DAMPING,

@@ -18,7 +18,7 @@ import numpy as np
 
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records
 

@@ -17,7 +17,7 @@ from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.tape import Tape, tape
 
 __all__ = ["System"]

@@ -17,7 +17,7 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import OPEN, SLIP, STICK, Model
+from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
 __all__ = [
     "FARTHEST",

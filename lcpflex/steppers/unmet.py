@@ -13,7 +13,7 @@ from lcpflex.contact.kinematics import gap_rate
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.steppers.adaptive import Backup
 from lcpflex.steppers.event_gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
 from lcpflex.steppers.tape import FARTHEST, Tape

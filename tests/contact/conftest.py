@@ -13,7 +13,7 @@ from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.shapes import Surface, compile_contacts
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model, PointTable, bodiless_model, frozen
+from lcpflex.model.arrays import Model, PointTable, bodiless_model, frozen
 
 Declared = tuple[int, int, float, float, float]
 

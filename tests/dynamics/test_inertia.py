@@ -16,7 +16,7 @@ from lcpflex.dynamics.inertia import (
     stored_energies,
 )
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import Bodies, Loads, frozen
+from lcpflex.model.arrays import Bodies, Loads, frozen
 
 RNG = np.random.default_rng(7)
 

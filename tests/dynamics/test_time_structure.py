@@ -13,7 +13,7 @@ from lcpflex.dynamics.instants import at_stop, time_left
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.dynamics.time_functions import SignalTable, State
 from lcpflex.dynamics.time_structure import bends, probed, with_instants
-from lcpflex.model import Signals
+from lcpflex.model.arrays import Signals
 
 NOTHING = np.zeros((0, 3))
 

@@ -18,7 +18,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery, meshes
 from lcpflex.jit.struct import pack
-from lcpflex.model import Model
+from lcpflex.model.arrays import Model
 from lcpflex.scene import Compiled
 
 COPIES = {"pickled": lambda thing: pickle.loads(pickle.dumps(thing)), "copied": deepcopy}

@@ -27,7 +27,7 @@ from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
 from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.errors import ModelError
-from lcpflex.model import SLIP, STICK
+from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 MU, STATIC = 0.3, 0.45

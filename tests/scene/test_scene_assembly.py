@@ -59,7 +59,7 @@ def test_compiling_twice_gives_the_same_arrays_and_leaves_the_scene_alone():
 
 
 def test_arrays_have_the_types_of_every_other_model():
-    from lcpflex.model import bodiless_model
+    from lcpflex.model.arrays import bodiless_model
 
     scene, _, _ = rods()
     for group, reference in zip(scene.compiled().model, bodiless_model(1, 0, [], [], []), strict=True):

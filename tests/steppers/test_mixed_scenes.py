@@ -20,7 +20,7 @@ from lcpflex.contact.laws.own_law import OwnLaw
 from lcpflex.contact.laws.power_law import PowerLaw
 from lcpflex.contact.penalty import Penalty
 from lcpflex.errors import ModelError, StepError
-from lcpflex.model import OPEN
+from lcpflex.model.arrays import OPEN
 
 HALF = ContactLaw(PowerLaw(2e6), HysteresisDamping(0.5))
 SOFT = Penalty(stiffness=1e5, damping=0.2)

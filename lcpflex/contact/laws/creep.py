@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from lcpflex.contact.laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model import STICK
+from lcpflex.model.arrays import STICK
 
 __all__ = ["CREEP", "creeping", "crept"]
 

@@ -14,7 +14,7 @@ import numpy as np
 from lcpflex.contact.laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model import Contacts
+from lcpflex.model.arrays import Contacts
 
 __all__ = ["FREE", "PLACES", "ContactMemory", "contact_memory", "first_place", "place_of"]
 
