@@ -69,8 +69,8 @@ _HOME = {
     "ExplicitRungeKutta": "lcpflex.steppers.smooth",
     "Stiff": "lcpflex.steppers.smooth",
     "Verlet": "lcpflex.steppers.smooth",
-    "ContactLaw": "lcpflex.contact.laws.contact_law",
-    "Penalty": "lcpflex.contact.penalty",
+    "ContactLaw": "lcpflex.force_laws.contact_law",
+    "Penalty": "lcpflex.force_laws.penalty",
     "admissible_accelerations": "lcpflex.accelerations",
     "Energetic": "lcpflex.contact.impact_laws",
     "Poisson": "lcpflex.contact.impact_laws",
@@ -223,8 +223,8 @@ if TYPE_CHECKING:
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
     from lcpflex.bodies.stiffening import Stiffening
     from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
-    from lcpflex.contact.laws.contact_law import ContactLaw
-    from lcpflex.contact.penalty import Penalty
+    from lcpflex.force_laws.contact_law import ContactLaw
+    from lcpflex.force_laws.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld

@@ -8,12 +8,12 @@ from functools import partial, reduce
 from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.contact.laws.own_law import OwnLaw
+from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.errors import ModelError
 from lcpflex.loads import Force, Function, Load
 
 if TYPE_CHECKING:
-    from lcpflex.contact.force_law import Law
+    from lcpflex.force_laws.law import Law
     from lcpflex.joints import Joint
     from lcpflex.scene import Parts
 

@@ -16,7 +16,7 @@ from lcpflex.slots import Slot, SlotParts
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.placed_point import PlacedPoint
-    from lcpflex.contact.force_law import Law
+    from lcpflex.force_laws.law import Law
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene import Scene
 

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.contact.laws.elastic_kernels import elastic_stiffness
+from lcpflex.force_laws.elastic.kernels import elastic_stiffness
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space

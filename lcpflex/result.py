@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.contact.laws.creep import CREEP
+from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.energy import Energies
 from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import absent, numbers

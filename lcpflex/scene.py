@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.clearances import Clearances
-from lcpflex.contact.force_law import Law
+from lcpflex.force_laws.law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.jit.kernel import FloatArray, IntArray

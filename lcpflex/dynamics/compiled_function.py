@@ -63,7 +63,7 @@ class CompiledFunction:
 
     @property
     def address(self) -> int:
-        """As :func:`lcpflex.contact.laws.own_call.own_force` takes it."""
+        """As :func:`lcpflex.force_laws.user_call.own_force` takes it."""
         return int(self._words.ctypes.data)
 
     def begin(self) -> None:

@@ -17,13 +17,13 @@ import numpy as np
 
 from lcpflex.contact.detection import refresh
 from lcpflex.contact.hollow import YIELDED, yield_to_deeper
-from lcpflex.contact.laws.elastic_kernels import (
+from lcpflex.force_laws.elastic.kernels import (
     elastic_force,
     elastic_stiffness,
     indentation_at,
     stored_energy,
 )
-from lcpflex.contact.laws.layout import END, LIMIT, PARAMETERS, LawRow
+from lcpflex.force_laws.layout import END, LIMIT, PARAMETERS, LawRow
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
@@ -52,7 +52,7 @@ class ContactCompliance(NamedTuple):
 
     some: IntArray  # (1,) 0: none has, 1: some, ALL
     soft: IntArray  # (laws,) whether it has one
-    kinds: IntArray  # (laws, 4), see lcpflex.contact.laws.layout
+    kinds: IntArray  # (laws, 4), see lcpflex.force_laws.layout
     parameters: FloatArray  # (laws, PARAMETERS)
     stop: FloatArray  # (laws,) indentation beyond which a run must not go on [m]
     least: FloatArray  # (laws,) force that does not matter, only those smaller by ACCURATE need not be right [N]

@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import ContactTable
-from lcpflex.contact.laws.elastic_kernels import stored_energy
-from lcpflex.contact.laws.memory import FREE, PLACES, ContactMemory, first_place, place_of
-from lcpflex.contact.laws.normal_kernels import contact_energy, contact_stiffness, normal_force
+from lcpflex.force_laws.elastic.kernels import stored_energy
+from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place, place_of
+from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 

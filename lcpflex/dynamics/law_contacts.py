@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.hollow import yield_to_deeper
-from lcpflex.contact.laws.elastic_kernels import indentation_of
+from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.dynamics.contact_memory import (
     pair_energy,
     pair_force,

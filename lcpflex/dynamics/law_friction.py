@@ -15,9 +15,9 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.laws.friction_kernels import friction_force
-from lcpflex.contact.laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
-from lcpflex.contact.laws.memory import ContactMemory
+from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
+from lcpflex.force_laws.history import ContactMemory
 from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
 from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.laws.own_call import own_force
+from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Signals
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery import measures
 from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.flexible import cases as flexible_cases

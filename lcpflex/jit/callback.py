@@ -52,7 +52,7 @@ class OwnFunction:
 
     @property
     def address(self) -> int:
-        """As :func:`lcpflex.contact.laws.own_call.own_force` takes it."""
+        """As :func:`lcpflex.force_laws.user_call.own_force` takes it."""
         return int(self._words.ctypes.data)
 
     def begin(self) -> None:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.contact.laws.layout import DAMPING_KIND, LIMIT, PERMANENT
-from lcpflex.contact.laws.memory import ContactMemory
+from lcpflex.force_laws.layout import DAMPING_KIND, LIMIT, PERMANENT
+from lcpflex.force_laws.history import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown

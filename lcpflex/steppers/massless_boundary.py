@@ -24,7 +24,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from lcpflex.bodies.body import whole_number
-from lcpflex.contact.laws.layout import ElasticLaw
+from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import contact_compliance
 from lcpflex.dynamics.impulse import METHOD

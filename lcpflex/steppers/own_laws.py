@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.contact.laws.layout import LawRow, UserLaw
+from lcpflex.force_laws.layout import LawRow, UserLaw
 from lcpflex.dynamics.compiled_function import CompiledFunction
 
 __all__ = ["with_own_functions", "with_own_laws"]

@@ -4,7 +4,7 @@
 
 No complementarity, no impacts, no events: any method for ordinary differential equations serves, with a step that the
 stiffness of the contacts limits (explicit) or not (implicit). The result depends on the stiffness, and approaches that
-of rigid contact as it grows; friction creeps instead of sticking (:mod:`lcpflex.contact.penalty`).
+of rigid contact as it grows; friction creeps instead of sticking (:mod:`lcpflex.force_laws.penalty`).
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.force_law import Law
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.layout import LawRow
+from lcpflex.force_laws.law import Law
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.errors import ModelError, shown
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.own_laws import with_own_laws

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity

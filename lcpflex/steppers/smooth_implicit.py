@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, Radau
 
-from lcpflex.contact.laws.layout import LawRow
-from lcpflex.contact.laws.memory import FREE
+from lcpflex.force_laws.layout import LawRow
+from lcpflex.force_laws.history import FREE
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.instants import time_left
 from lcpflex.jit.dispatch import link

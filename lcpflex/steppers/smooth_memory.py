@@ -9,8 +9,8 @@ import numpy as np
 
 from lcpflex.contact.detection import detect
 from lcpflex.contact.hollow import yield_to_deeper
-from lcpflex.contact.laws.layout import LawRow
-from lcpflex.contact.laws.memory import PLACES, ContactMemory, contact_memory
+from lcpflex.force_laws.layout import LawRow
+from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
 from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import settle, unsettled

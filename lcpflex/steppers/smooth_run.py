@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.contact.laws.layout import LawRow
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.passing import PASSED

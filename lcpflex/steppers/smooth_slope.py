@@ -2,7 +2,7 @@
 
     M udot = h + J^T lambda_J + W_N lambda_N(q, u) + W_T lambda_T(q, u),   J udot + b = 0
 
-Contact forces are functions of the state (:mod:`lcpflex.contact.penalty`); only joints have unknown ones. The vector y
+Contact forces are functions of the state (:mod:`lcpflex.force_laws.penalty`); only joints have unknown ones. The vector y
 holds q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of loads and
 drives [J], and the normal and tangential impulse of each declared contact [N s].
 """
@@ -16,8 +16,8 @@ import numpy as np
 from lcpflex.contact.detection import detect
 from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.kinematics import contact_point
-from lcpflex.contact.laws.elastic_kernels import indentation_of
-from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
+from lcpflex.force_laws.elastic.kernels import indentation_of
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.dynamics.constraint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import pair_energy, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, dot, joint_impulses, row_velocity

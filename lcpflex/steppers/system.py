@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
-from lcpflex.contact.force_law import Law
+from lcpflex.force_laws.law import Law
 from lcpflex.contact.thickness import farthest, pass_thickness
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts

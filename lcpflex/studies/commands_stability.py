@@ -193,7 +193,7 @@ def _massless_boundary(step: float, dynamic_modes: float | None = None) -> Any:
 
 
 def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
-    from lcpflex.contact.penalty import Penalty
+    from lcpflex.force_laws.penalty import Penalty
     from lcpflex.steppers.smooth import Smooth, Verlet
 
     return Smooth(Penalty(stiffness=stiffness, damping=damping), integrator=Verlet(step))

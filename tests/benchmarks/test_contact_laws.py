@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy.special import lambertw
 
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.elastic_law import ElasticFace
-from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.law import ElasticFace
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 
 MANY = 1_000_000
 MOST_SECONDS = 0.2  # least of the rounds: the promise is one of seconds, for all laws of a closed form

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.hysteresis import HysteresisDamping
-from lcpflex.contact.laws.own_law import OwnLaw
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.steppers.smooth import Smooth, Verlet
 
 K, E = 1e6, 0.6

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import lcpflex as lf
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 STEP = 1e-5

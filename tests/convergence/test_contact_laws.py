@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.hysteresis import HysteresisDamping
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 
 GAPS = (0.01, 0.0107, 0.0123, 0.0151)  # where a touch falls within a step is of chance: mean over some
 

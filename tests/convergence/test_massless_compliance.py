@@ -10,10 +10,10 @@ import numpy.typing as npt
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.stops import sphere_on_rod
 from lcpflex.steppers.massless_boundary import MasslessBoundary
 

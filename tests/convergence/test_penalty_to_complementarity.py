@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.flexible import aluminium_strip
 
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-13)

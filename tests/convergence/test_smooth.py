@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 Vector = npt.NDArray[np.float64]

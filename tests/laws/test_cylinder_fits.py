@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder
-from lcpflex.contact.laws.line_contact import Esdu78035, Goldsmith, Johnson, Radzimovsky
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_fit import fit_power_law
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder
+from lcpflex.force_laws.elastic.line_contact import Esdu78035, Goldsmith, Johnson, Radzimovsky
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_fit import fit_power_law
 from lcpflex.errors import ModelError, ModelWarning
 
 MM = 1e-3
@@ -104,7 +104,7 @@ def test_loads_of_the_tables_leave_the_range_of_the_end_cap():
 
 
 def test_a_power_law_is_fitted_by_itself():
-    from lcpflex.contact.laws.power_law import PowerLaw
+    from lcpflex.force_laws.elastic.power_law import PowerLaw
 
     fit = fit_power_law(PowerLaw(3e8, 1.3), (10.0, 500.0))
     assert fit.stiffness == pytest.approx(3e8, rel=1e-11)

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.damping import (
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
     KuwabaraKono,
@@ -23,13 +23,13 @@ from lcpflex.contact.laws.damping import (
     Ristow,
     Tsuji,
 )
-from lcpflex.contact.laws.hysteresis import HysteresisDamping, HysteresisFactor
-from lcpflex.contact.laws.layout import DAMPING
-from lcpflex.contact.laws.line_contact import Johnson
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.normal_kernels import contact_energy, contact_stiffness, normal_force
-from lcpflex.contact.laws.power_law import PowerLaw
-from lcpflex.contact.laws.restitution import prescribed_restitution, restitution_of
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
+from lcpflex.force_laws.layout import DAMPING
+from lcpflex.force_laws.elastic.line_contact import Johnson
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
+from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
 from lcpflex.errors import ModelError
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
 

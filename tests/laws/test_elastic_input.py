@@ -8,13 +8,13 @@ import warnings
 import numpy as np
 import pytest
 
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_fit import fit_power_law
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_fit import fit_power_law
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.errors import ModelError, ModelWarning
 
 STEEL = Material(207e9, 0.3)

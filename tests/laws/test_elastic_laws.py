@@ -10,21 +10,21 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma, lambertw
 
-from lcpflex.contact.laws.contact_law import law_row
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.elastic_kernels import (
+from lcpflex.force_laws.contact_law import law_row
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.kernels import (
     elastic_force,
     elastic_stiffness,
     indentation_at,
     indentation_of,
     stored_energy,
 )
-from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-from lcpflex.contact.laws.friction import SmoothedCoulomb
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+from lcpflex.force_laws.friction.laws import SmoothedCoulomb
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 
 MM = 1e-3
 STEEL = Material(207e9, 0.3)

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 
 RADII = st.floats(1e-4, 0.9)
 MODULI = st.floats(1e6, 1e12)

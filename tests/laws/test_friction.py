@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.creep import CREEP
-from lcpflex.contact.laws.friction import (
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.friction.creep import CREEP
+from lcpflex.force_laws.friction.laws import (
     Ambrosio,
     ArctangentCoulomb,
     BengisuAkay,
@@ -23,9 +23,9 @@ from lcpflex.contact.laws.friction import (
     SmoothedCoulomb,
     Threlfall,
 )
-from lcpflex.contact.laws.friction_kernels import bristle_rates, friction_force
-from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
+from lcpflex.force_laws.layout import FRICTION, PARAMETERS
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.errors import ModelError
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.friction import LuGre
-from lcpflex.contact.laws.hysteresis import HysteresisDamping
-from lcpflex.contact.laws.normal_kernels import normal_force
-from lcpflex.contact.laws.own_law import OwnLaw
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.friction.laws import LuGre
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.normal_kernels import normal_force
+from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 K, E = 1e7, 0.6

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from lcpflex.contact.laws.damping import (
+from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
     KuwabaraKono,
@@ -19,9 +19,9 @@ from lcpflex.contact.laws.damping import (
     Ristow,
     Tsuji,
 )
-from lcpflex.contact.laws.hysteresis import HysteresisFactor
-from lcpflex.contact.laws.rebound import exact_factor, rebound_of_drag, rebound_of_factor, rebound_of_ratio
-from lcpflex.contact.laws.restitution import prescribed_restitution, restitution_of
+from lcpflex.force_laws.damping.hysteresis import HysteresisFactor
+from lcpflex.force_laws.damping.rebound import exact_factor, rebound_of_drag, rebound_of_factor, rebound_of_ratio
+from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
 from lcpflex.errors import ModelError
 
 F = HysteresisFactor

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.hysteresis import HysteresisDamping
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 
 
 def logarithmic(low: float, high: float) -> st.SearchStrategy[float]:

@@ -3,8 +3,8 @@
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.errors import ModelError
 
 LAW = Penalty(stiffness=1e5, exponent=1.5)

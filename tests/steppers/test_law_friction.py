@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lcpflex as lf
-from lcpflex.contact.laws.friction import BengisuAkay, BrownMcPhee, SmoothedCoulomb
-from lcpflex.contact.laws.friction_kernels import friction_force
-from lcpflex.contact.laws.layout import FRICTION, PARAMETERS
+from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
+from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.dynamics import law_friction
 from lcpflex.dynamics.law_friction import balanced_friction
 from lcpflex.jit.kernel import interpreted

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.line_contact import Johnson
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.own_law import OwnLaw
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.line_contact import Johnson
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.bars import LENGTH, MODULUS
 from lcpflex.gallery.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution

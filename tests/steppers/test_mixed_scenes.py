@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.contact.force_law import Law
-from lcpflex.contact.laws.bristles import LuGre
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.laws.damping import PermanentIndentation, Tsuji
-from lcpflex.contact.laws.hertz import Hertz
-from lcpflex.contact.laws.hysteresis import HysteresisDamping
-from lcpflex.contact.laws.materials import Material
-from lcpflex.contact.laws.own_law import OwnLaw
-from lcpflex.contact.laws.power_law import PowerLaw
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.law import Law
+from lcpflex.force_laws.friction.bristles import LuGre
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.dissipative import PermanentIndentation, Tsuji
+from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.errors import ModelError, StepError
 from lcpflex.model.arrays import OPEN
 

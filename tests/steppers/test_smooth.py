@@ -12,8 +12,8 @@ from scipy.integrate import BDF
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.laws.creep import CREEP
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.friction.creep import CREEP
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 FINE = ExplicitRungeKutta(rtol=1e-11, atol=1e-13)

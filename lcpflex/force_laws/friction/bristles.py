@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.laws.layout import BRISTLE, LUGRE
-from lcpflex.contact.laws.static_friction import (
+from lcpflex.force_laws.layout import BRISTLE, LUGRE
+from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
     keep_static_friction,

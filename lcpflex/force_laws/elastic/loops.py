@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, indentation_at, stored_energy
+from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, indentation_at, stored_energy
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["ENERGY", "FORCE", "INDENTATION", "STIFFNESS", "evaluate"]

@@ -18,10 +18,10 @@ import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
-from lcpflex.contact.laws.cylinder_pair import CylinderPair
-from lcpflex.contact.laws.elastic_kernels import LAST_LOGARITHM
-from lcpflex.contact.laws.elastic_law import ElasticFace
-from lcpflex.contact.laws.layout import LOGARITHMIC
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.kernels import LAST_LOGARITHM
+from lcpflex.force_laws.elastic.law import ElasticFace
+from lcpflex.force_laws.layout import LOGARITHMIC
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.basics.options import keep_flag, keep_number
 

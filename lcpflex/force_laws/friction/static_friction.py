@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.contact.laws.given import finite_numbers
+from lcpflex.force_laws.arguments import finite_numbers
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.basics.options import keep_number

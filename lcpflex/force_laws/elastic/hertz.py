@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from lcpflex.contact.laws.elastic_law import ElasticFace
-from lcpflex.contact.laws.layout import POWER
-from lcpflex.contact.laws.materials import Material, check_materials, check_units, contact_modulus
-from lcpflex.contact.laws.round_surfaces import Shaped, radii_between
+from lcpflex.force_laws.elastic.law import ElasticFace
+from lcpflex.force_laws.layout import POWER
+from lcpflex.force_laws.elastic.materials import Material, check_materials, check_units, contact_modulus
+from lcpflex.force_laws.elastic.round_surfaces import Shaped, radii_between
 from lcpflex.errors import ModelError, in_range
 from lcpflex.basics.options import keep_flag, keep_number
 

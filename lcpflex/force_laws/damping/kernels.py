@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.laws.elastic_kernels import elastic_stiffness, stored_energy
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.elastic.kernels import elastic_stiffness, stored_energy
+from lcpflex.force_laws.layout import (
     DAMPING,
     DAMPING_KIND,
     HYSTERESIS,

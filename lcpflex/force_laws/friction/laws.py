@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.laws.bristles import Bristle, LuGre
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.friction.bristles import Bristle, LuGre
+from lcpflex.force_laws.layout import (
     AMBROSIO,
     ARCTANGENT,
     BENGISU_AKAY,
@@ -29,7 +29,7 @@ from lcpflex.contact.laws.layout import (
     TANH,
     THRELFALL,
 )
-from lcpflex.contact.laws.static_friction import (
+from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
     keep_static_friction,
@@ -86,7 +86,7 @@ class MemorylessFriction:
         ModelError
             For what is no finite number, a negative normal force or coefficient, and mu_s < mu.
         """
-        from lcpflex.contact.laws.friction_kernels import friction_forces  # a scene is built without compiling
+        from lcpflex.force_laws.friction.kernels import friction_forces  # a scene is built without compiling
 
         given = slip_of(slip, normal, mu)
         shape = common_shape(given)

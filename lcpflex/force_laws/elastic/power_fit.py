@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.contact.laws.elastic_law import ElasticFace
-from lcpflex.contact.laws.power_law import PowerLaw
+from lcpflex.force_laws.elastic.law import ElasticFace
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import sequence_of
 from lcpflex.jit.kernel import FloatArray

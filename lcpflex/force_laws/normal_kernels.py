@@ -9,10 +9,10 @@ which gives back e^2 of the work done on the way in, whatever the elastic law F.
 
 from __future__ import annotations
 
-from lcpflex.contact.laws.damping_kernels import damping_force
-from lcpflex.contact.laws.elastic_kernels import elastic_force, elastic_stiffness, stored_energy
-from lcpflex.contact.laws.layout import ADDRESS, DAMPING, DAMPING_KIND, ELASTIC, ELASTIC_KIND, GUARD, OWN, PERMANENT
-from lcpflex.contact.laws.own_call import own_force
+from lcpflex.force_laws.damping.kernels import damping_force
+from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, stored_energy
+from lcpflex.force_laws.layout import ADDRESS, DAMPING, DAMPING_KIND, ELASTIC, ELASTIC_KIND, GUARD, OWN, PERMANENT
+from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["contact_energy", "contact_stiffness", "normal_force"]

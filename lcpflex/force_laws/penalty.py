@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.layout import (
     DAMPING,
     ELASTIC,
     END,

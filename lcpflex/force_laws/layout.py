@@ -84,7 +84,7 @@ class LawRow:
 
 
 class ElasticLaw(Protocol):
-    """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.contact.laws.elastic_law`."""
+    """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.force_laws.elastic.law`."""
 
     @property
     def kind(self) -> int:

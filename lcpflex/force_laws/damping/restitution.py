@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.contact.laws.damping import (
+from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
     KuwabaraKono,
@@ -15,8 +15,8 @@ from lcpflex.contact.laws.damping import (
     Ristow,
     Tsuji,
 )
-from lcpflex.contact.laws.given import numbers_of
-from lcpflex.contact.laws.hysteresis import HysteresisFactor
+from lcpflex.force_laws.arguments import numbers_of
+from lcpflex.force_laws.damping.hysteresis import HysteresisFactor
 from lcpflex.errors import ModelError, shown
 
 __all__ = ["DissipativeLaw", "prescribed_restitution", "restitution_of"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from lcpflex.contact.laws.elastic_law import ElasticFace
-from lcpflex.contact.laws.layout import POWER
+from lcpflex.force_laws.elastic.law import ElasticFace
+from lcpflex.force_laws.layout import POWER
 from lcpflex.errors import in_range
 from lcpflex.basics.arguments import flag
 

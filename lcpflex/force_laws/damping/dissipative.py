@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.contact.laws.given import finite_numbers
-from lcpflex.contact.laws.hysteresis import check_linear, fractions
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.arguments import finite_numbers
+from lcpflex.force_laws.damping.hysteresis import check_linear, fractions
+from lcpflex.force_laws.layout import (
     JANKOWSKI,
     KUWABARA_KONO,
     PERMANENT,
@@ -23,7 +23,7 @@ from lcpflex.contact.laws.layout import (
     VISCOUS,
     ElasticLaw,
 )
-from lcpflex.contact.laws.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
+from lcpflex.force_laws.damping.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
 from lcpflex.errors import ModelError
 from lcpflex.basics.options import keep_number
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from lcpflex.contact.laws.friction import SmoothedCoulomb
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.friction.laws import SmoothedCoulomb
+from lcpflex.force_laws.layout import (
     DAMPING,
     ELASTIC,
     END,

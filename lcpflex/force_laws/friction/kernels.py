@@ -1,14 +1,14 @@
 """Friction of continuous contact: the tangential force of a slip velocity, a normal force and states of its own.
 
 All constants are per unit of normal force, so that friction begins and ends with the contact. Parameters of a law in
-``p`` from FRICTION on are in the order of ``parameters`` of its class in :mod:`lcpflex.contact.laws.friction`.
+``p`` from FRICTION on are in the order of ``parameters`` of its class in :mod:`lcpflex.force_laws.friction.laws`.
 """
 
 from __future__ import annotations
 
 import math
 
-from lcpflex.contact.laws.layout import (
+from lcpflex.force_laws.layout import (
     AMBROSIO,
     ARCTANGENT,
     BENGISU_AKAY,

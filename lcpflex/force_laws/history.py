@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.contact.laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
+from lcpflex.force_laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Contacts

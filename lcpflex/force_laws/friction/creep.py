@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
+from lcpflex.force_laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import STICK
 
@@ -55,7 +55,7 @@ def _path(row: LawRow, mu: float, times: FloatArray, state: npt.NDArray[Any], fo
 
 def _slip(row: LawRow, mu: float, force: FloatArray) -> FloatArray:
     """Slip speeds [m/s] up to the slip speed of the law, by bisection."""
-    from lcpflex.contact.laws.friction_kernels import friction_forces
+    from lcpflex.force_laws.friction.kernels import friction_forces
 
     kinds, p = np.array(row.kinds), np.array(row.parameters)
     normal, wanted = np.ascontiguousarray(force[:, 0]), np.abs(force[:, 1])

@@ -1,6 +1,6 @@
 """Elastic part of contact laws: force, stiffness and stored energy of an indentation, and their inverses.
 
-``kinds`` and ``p`` are the row of a law, see :mod:`lcpflex.contact.laws.layout`. Beyond ``p[END]`` a law goes on along
+``kinds`` and ``p`` are the row of a law, see :mod:`lcpflex.force_laws.layout`. Beyond ``p[END]`` a law goes on along
 its tangent there: trial states of a step may lie beyond, accepted ones not.
 """
 
@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from lcpflex.contact.laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, OWN, PERSSON, POWER
-from lcpflex.contact.laws.own_call import own_force
+from lcpflex.force_laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, OWN, PERSSON, POWER
+from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [

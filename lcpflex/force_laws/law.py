@@ -1,7 +1,7 @@
 """What counts as a continuous force law of a contact."""
 
-from lcpflex.contact.laws.contact_law import ContactLaw
-from lcpflex.contact.penalty import Penalty
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.penalty import Penalty
 
 __all__ = ["Law"]
 
