@@ -25,17 +25,17 @@ __version__ = "0.1.0"
 _HOME = {
     "Bar": "lcpflex.bodies.bar",
     "Beam": "lcpflex.bodies.beam",
-    "Rayleigh": "lcpflex.bodies.reduction",
-    "Interface": "lcpflex.bodies.interface",
+    "Rayleigh": "lcpflex.bodies.reduction.damping",
+    "Interface": "lcpflex.bodies.reduction.interface",
     "Matrices": "lcpflex.bodies.matrices",
     "Continuum": "lcpflex.bodies.continuum",
     "SolidOfRevolution": "lcpflex.bodies.solid_of_revolution",
-    "Stiffening": "lcpflex.bodies.stiffening",
-    "craig_bampton": "lcpflex.bodies.reductions",
-    "free_interface": "lcpflex.bodies.reductions",
-    "residual_compliance": "lcpflex.bodies.reductions",
-    "sub_regional": "lcpflex.bodies.reductions",
-    "unreduced": "lcpflex.bodies.reductions",
+    "Stiffening": "lcpflex.bodies.reduction.stiffening",
+    "craig_bampton": "lcpflex.bodies.reduction.component_modes",
+    "free_interface": "lcpflex.bodies.reduction.component_modes",
+    "residual_compliance": "lcpflex.bodies.reduction.component_modes",
+    "sub_regional": "lcpflex.bodies.reduction.component_modes",
+    "unreduced": "lcpflex.bodies.reduction.component_modes",
     "Box": "lcpflex.bodies.rigid",
     "Disc": "lcpflex.bodies.rigid",
     "Polygon": "lcpflex.bodies.rigid",
@@ -82,7 +82,7 @@ _HOME = {
     "Lemke": "lcpflex.solvers.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
     "LcpflexError": "lcpflex.errors",
-    "matrices_from_files": "lcpflex.bodies.matrix_files",
+    "matrices_from_files": "lcpflex.bodies.fem.matrix_files",
     "ModelError": "lcpflex.errors",
     "ModelWarning": "lcpflex.errors",
     "SolverError": "lcpflex.errors",
@@ -92,7 +92,7 @@ _PACKAGES = {  # loaded when they are first named
     "advice": "lcpflex.advice",
     "gallery": "lcpflex.gallery",
     "laws": "lcpflex.contact.laws",
-    "meshes": "lcpflex.bodies.meshes",
+    "meshes": "lcpflex.bodies.fem.meshes",
     "solvers": "lcpflex.solvers",
     "studies": "lcpflex.studies",
 }
@@ -208,11 +208,11 @@ if TYPE_CHECKING:
     from lcpflex.bodies.bar import Bar
     from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.interface import Interface
+    from lcpflex.bodies.reduction.interface import Interface
     from lcpflex.bodies.matrices import Matrices
-    from lcpflex.bodies.matrix_files import matrices_from_files
-    from lcpflex.bodies.reduction import Rayleigh
-    from lcpflex.bodies.reductions import (
+    from lcpflex.bodies.fem.matrix_files import matrices_from_files
+    from lcpflex.bodies.reduction.damping import Rayleigh
+    from lcpflex.bodies.reduction.component_modes import (
         craig_bampton,
         free_interface,
         residual_compliance,
@@ -221,7 +221,7 @@ if TYPE_CHECKING:
     )
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-    from lcpflex.bodies.stiffening import Stiffening
+    from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty

@@ -24,7 +24,7 @@ from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.basics.arguments import flag
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.finite_elements import FiniteElements
+    from lcpflex.bodies.fem.finite_elements import FiniteElements
 
 __all__ = [
     "PAIRS",

@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.floating_frame import point_position, point_velocity
+from lcpflex.kinematics.points import point_position, point_velocity
 from lcpflex.contact.kinematics import contact_point, contact_rows
 from lcpflex.contact.near import near
 from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray

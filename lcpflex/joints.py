@@ -2,7 +2,7 @@
 
 The angle of the material at a point is that of its body plus the rotation of its mode shapes there; an axis is fixed in
 the material at Q, in the axes of the body of Q (world axes on the ground). The constraints phi(q, t) = 0 and
-their rows are in :mod:`lcpflex.dynamics.constraint_rows`.
+their rows are in :mod:`lcpflex.kinematics.joint_rows`.
 """
 
 from __future__ import annotations

@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.interface import Interface
-from lcpflex.bodies.line_interfaces import LineStatics
+from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.line_interfaces import LineStatics
 from lcpflex.errors import ModelError
 from lcpflex.surface_interfaces import Acting, acting_on
 

@@ -15,10 +15,10 @@ import numpy.typing as npt
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.body import Body, array_of, whole_number
-from lcpflex.bodies.interface import Interface
-from lcpflex.bodies.reduction import Damping, check_damping
-from lcpflex.bodies.reductions import undeformed
-from lcpflex.bodies.stiffening import Stiffening, check_stiffening
+from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.damping import Damping, check_damping
+from lcpflex.bodies.reduction.component_modes import undeformed
+from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.missing_compliance import deficits
 from lcpflex.surface_interfaces import Acting, acting_on

@@ -24,8 +24,8 @@ from lcpflex.model.arrays import Axis, Model, refrozen
 from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.reduction import Damping
-    from lcpflex.bodies.stiffening import Stiffening
+    from lcpflex.bodies.reduction.damping import Damping
+    from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.dynamics.compiled_function import CompiledFunction
     from lcpflex.dynamics.time_functions import Callback, Materials, State
     from lcpflex.reduction_order import ReductionOrder

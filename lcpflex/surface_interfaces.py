@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.interface import Interface
+from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.contact.shapes import Kind
 from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, Joint, PointOnLine, Prismatic, Revolute
 from lcpflex.loads import Force, Load, Torque, TorsionSpring

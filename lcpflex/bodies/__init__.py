@@ -14,22 +14,22 @@ _HOME = {
     "Continuum": "lcpflex.bodies.continuum",
     "Disc": "lcpflex.bodies.rigid",
     "MaterialPoint": "lcpflex.bodies.body",
-    "Interface": "lcpflex.bodies.interface",
+    "Interface": "lcpflex.bodies.reduction.interface",
     "Matrices": "lcpflex.bodies.matrices",
     "Polygon": "lcpflex.bodies.rigid",
-    "Rayleigh": "lcpflex.bodies.reduction",
+    "Rayleigh": "lcpflex.bodies.reduction.damping",
     "Resolution": "lcpflex.bodies.body",
     "RigidBody": "lcpflex.bodies.rigid",
     "Round": "lcpflex.bodies.body",
     "Rung": "lcpflex.bodies.body",
     "Shortening": "lcpflex.bodies.body",
     "SolidOfRevolution": "lcpflex.bodies.solid_of_revolution",
-    "Stiffening": "lcpflex.bodies.stiffening",
-    "craig_bampton": "lcpflex.bodies.reductions",
-    "free_interface": "lcpflex.bodies.reductions",
-    "residual_compliance": "lcpflex.bodies.reductions",
-    "sub_regional": "lcpflex.bodies.reductions",
-    "unreduced": "lcpflex.bodies.reductions",
+    "Stiffening": "lcpflex.bodies.reduction.stiffening",
+    "craig_bampton": "lcpflex.bodies.reduction.component_modes",
+    "free_interface": "lcpflex.bodies.reduction.component_modes",
+    "residual_compliance": "lcpflex.bodies.reduction.component_modes",
+    "sub_regional": "lcpflex.bodies.reduction.component_modes",
+    "unreduced": "lcpflex.bodies.reduction.component_modes",
 }
 
 __all__ = [
@@ -74,10 +74,10 @@ if TYPE_CHECKING:
     from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
     from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.interface import Interface
+    from lcpflex.bodies.reduction.interface import Interface
     from lcpflex.bodies.matrices import Matrices
-    from lcpflex.bodies.reduction import Rayleigh
-    from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+    from lcpflex.bodies.reduction.damping import Rayleigh
+    from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-    from lcpflex.bodies.stiffening import Stiffening
+    from lcpflex.bodies.reduction.stiffening import Stiffening

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.body import Body, Displacement, whole_number
-from lcpflex.bodies.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.ladder import ModeLadder
+from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
+from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
     check_positive,
@@ -21,10 +21,10 @@ from lcpflex.bodies.line_body import (
     locator,
     strip,
 )
-from lcpflex.bodies.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
-from lcpflex.bodies.line_mesh import LineModes, stretching_modes
-from lcpflex.bodies.material import check_material
-from lcpflex.bodies.reduction import (
+from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
+from lcpflex.bodies.fem.line_elements import LineModes, stretching_modes
+from lcpflex.bodies.fem.material import check_material
+from lcpflex.bodies.reduction.damping import (
     Damping,
     check_damping,
     check_residual,

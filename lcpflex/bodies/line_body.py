@@ -10,7 +10,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
-from lcpflex.bodies.line_mesh import LineModes, interpolate
+from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.errors import in_range
 from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray

@@ -11,10 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, array_of, named
-from lcpflex.bodies.finite_elements import FiniteElements, rigid_motions
-from lcpflex.bodies.interface import Interfaces
-from lcpflex.bodies.reduction import Damping
-from lcpflex.bodies.reductions import free_interface
+from lcpflex.bodies.fem.finite_elements import FiniteElements, rigid_motions
+from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.damping import Damping
+from lcpflex.bodies.reduction.component_modes import free_interface
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 

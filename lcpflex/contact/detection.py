@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from lcpflex.bodies.floating_frame import local_place, point_position
+from lcpflex.kinematics.points import local_place, point_position
 from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
 from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import local_place
+from lcpflex.kinematics.points import local_place
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 

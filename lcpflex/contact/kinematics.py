@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import (
+from lcpflex.kinematics.points import (
     add_point_rows,
     add_rotation_row,
     point_motion,

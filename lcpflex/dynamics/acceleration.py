@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import refresh
-from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.dynamics.delassus import (
     apply_impulses,
     cholesky,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import (
+from lcpflex.kinematics.points import (
     add_point_row,
     add_rotation_row,
     point_angle,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lcpflex.contact.detection import detect
 from lcpflex.contact.kinematics import contact_rows
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, dot
 from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts

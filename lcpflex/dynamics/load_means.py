@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.signal_values import signal_value
+from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Signals
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.dynamics.constraint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.time_functions import State
 from lcpflex.jit.kernel import FloatArray

@@ -11,7 +11,8 @@ import numpy as np
 
 from lcpflex.contact import detection, kinematics
 from lcpflex.contact.detection import ContactTable
-from lcpflex.dynamics import constraint_rows, mechanics
+from lcpflex.dynamics import mechanics
+from lcpflex.kinematics import joint_rows as constraint_rows
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks

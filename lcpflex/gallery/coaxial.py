@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.reductions import residual_compliance
+from lcpflex.bodies.reduction.component_modes import residual_compliance
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import in_range
 from lcpflex.gallery.arguments import checked

@@ -9,9 +9,9 @@ import numpy as np
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.meshes import grid
-from lcpflex.bodies.reduction import Rayleigh
-from lcpflex.bodies.reductions import craig_bampton, sub_regional
+from lcpflex.bodies.fem.meshes import grid
+from lcpflex.bodies.reduction.damping import Rayleigh
+from lcpflex.bodies.reduction.component_modes import craig_bampton, sub_regional
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.joints import Revolute
 from lcpflex.scene import Scene

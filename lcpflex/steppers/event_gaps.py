@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import point_angle, point_position
+from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel

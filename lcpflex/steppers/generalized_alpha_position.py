@@ -8,7 +8,7 @@ from __future__ import annotations
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.acceleration import condense_rows
-from lcpflex.dynamics.constraint_rows import joint_residual
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace

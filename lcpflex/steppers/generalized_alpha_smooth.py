@@ -17,7 +17,7 @@ from lcpflex.dynamics.acceleration import (
     sliding_sign,
 )
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (
     contact_biases,

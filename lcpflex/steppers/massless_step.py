@@ -10,7 +10,7 @@ import math
 
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.kinematics import contact_point
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp

@@ -12,7 +12,7 @@ from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
 from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import settle, unsettled
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows

@@ -18,7 +18,7 @@ from lcpflex.contact.hollow import yield_to_deeper
 from lcpflex.contact.kinematics import contact_point
 from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
-from lcpflex.dynamics.constraint_rows import joint_rows
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import pair_energy, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, dot, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.studies.vibrations import small_vibrations
 from tests.analytic.test_rotating_beams import kanes_beam, spun_up
 

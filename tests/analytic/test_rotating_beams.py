@@ -9,7 +9,7 @@ import pytest
 
 from lcpflex import Beam, DrivenAngle, GeneralizedAlpha, Result, Revolute, Scene, Table, simulate
 from lcpflex.bodies import Body, MaterialPoint
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.studies.vibrations import small_vibrations
 
 # out of plane, E I = rho A = L = 1, no hub: spin -> eta

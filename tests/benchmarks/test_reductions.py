@@ -9,9 +9,9 @@ from functools import cache
 import numpy as np
 from scipy.sparse.linalg import eigsh
 
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance
+from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance
 
 MODES = 20
 SHIFT = -1e6  # [rad^2/s^2] below zero, without which the factor of a free body is singular

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lcpflex.bodies import Bar, Beam, Chain, Rayleigh
-from lcpflex.bodies.elastic_modes import free_modes
+from lcpflex.bodies.reduction.eigenmodes import free_modes
 from lcpflex.errors import ModelError, ModelWarning
 
 L, WIDTH, THICKNESS, RHO, E = 0.7, 0.028, 0.005, 2700.0, 6.9e10

@@ -14,7 +14,8 @@ from scipy.special import j0, j1
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from lcpflex.bodies import Bar, Beam, meshes
+from lcpflex.bodies import Bar, Beam
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 
 E, RHO, NU = 2e11, 7800.0, 0.3

@@ -12,9 +12,9 @@ GIB = 2.0**30
 JOB = """
 import json, resource, sys
 import numpy as np
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance
+from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance
 
 rectangle = Continuum(meshes.rectangle(2.0, 1.0, 446, 223, order=1), 7800.0, 2e11, 0.3)
 mesh = rectangle.finite_elements()
@@ -58,9 +58,9 @@ def test_memory_and_frequencies_of_1e5_nodes() -> None:
 
 
 def coarse_frequencies() -> list[float]:
-    from lcpflex.bodies import meshes
+    from lcpflex.bodies.fem import meshes
     from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.reductions import free_interface
+    from lcpflex.bodies.reduction.component_modes import free_interface
 
     mesh = meshes.rectangle(2.0, 1.0, 20, 10)
     return free_interface(Continuum(mesh, 7800.0, 2e11, 0.3), 4).frequencies().tolist()

@@ -7,9 +7,10 @@ import pytest
 from scipy.io import mmwrite
 from scipy.sparse import save_npz
 
-from lcpflex.bodies import Matrices, meshes
+from lcpflex.bodies import Matrices
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.matrix_files import matrices_from_files
+from lcpflex.bodies.fem.matrix_files import matrices_from_files
 from lcpflex.errors import ModelError
 
 MESH = Continuum(meshes.rectangle(2.0, 1.0, 4, 2, order=1), 7800.0, 2e11, 0.3).finite_elements()

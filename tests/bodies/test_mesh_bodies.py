@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.sparse import block_diag, csr_array
 
-from lcpflex.bodies import Bar, Beam, Chain, Continuum, Matrices, Rayleigh, meshes
+from lcpflex.bodies import Bar, Beam, Chain, Continuum, Matrices, Rayleigh
+from lcpflex.bodies.fem import meshes
 from lcpflex.errors import ModelError, ModelWarning
 
 E, RHO = 2e11, 7800.0
@@ -70,7 +71,7 @@ def test_a_slender_plate_bends_like_a_beam():
 def test_sparse_and_full_eigensolutions_agree(monkeypatch):
     mesh = Matrices(*plate(40, 4))
     full = mesh.reduce(10)
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", 0)
     sparse, again = mesh.reduce(10), mesh.reduce(10)
     assert sparse.stiffness == pytest.approx(full.stiffness, rel=1e-9)
     assert np.array_equal(sparse.stiffness, again.stiffness)
@@ -220,7 +221,7 @@ def test_bad_input(make, message):
 
 
 def test_large_indefinite_or_loose_matrices_are_refused(monkeypatch):
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", 0)
     with pytest.raises(ModelError, match=r"indefinite|semidefinite"):
         changed("stiffness", indefinite).reduce(1)
     with pytest.raises(ModelError, match=r"mass: .*definite"):

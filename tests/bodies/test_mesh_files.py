@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.errors import ModelError, ModelWarning
 

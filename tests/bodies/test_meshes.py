@@ -9,7 +9,8 @@ import pytest
 import skfem
 
 import lcpflex as lf
-from lcpflex.bodies import mesh_grading, meshes
+from lcpflex.bodies.fem import grading as mesh_grading
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.matrices import Matrices
-from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import ModelError
 
@@ -51,7 +51,7 @@ def pair(shared: int) -> Matrices:
     ],
 )
 def test_pieces_and_mechanisms(reduce, dense_limit: int, monkeypatch) -> None:
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", dense_limit)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", dense_limit)
     with pytest.raises(ModelError, match="2 pieces of 21, 21 nodes"):
         reduce(pair(0))
     with pytest.raises(ModelError, match="more zero modes than the 3 rigid motions"):
@@ -131,7 +131,7 @@ def test_what_does_not_fit_is_refused(monkeypatch) -> None:
         unreduced(large)
     with pytest.raises(ModelError, match=r"6639 .*needs the full eigenproblem"):
         free_interface(large, None)
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.MEMORY", 2**22)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.MEMORY", 2**22)
     for reduce in (craig_bampton, residual_compliance, sub_regional):
         with pytest.raises(ModelError, match=r"full columns of 6642 degrees.* GiB.*fewer nodes"):
             reduce(large, [0, 1, 2, 3])

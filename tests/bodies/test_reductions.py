@@ -9,12 +9,12 @@ import pytest
 from scipy.linalg import eigh
 
 import lcpflex as lf
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.matrices import Matrices
-from lcpflex.bodies.reductions import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.stiffening import Stiffening
 
 # Coarse linear meshes, for short runs: what is reduced has all of their stiffness, right or not.
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")
@@ -98,7 +98,7 @@ def test_lowest_modes_are_those_of_the_full_mesh(model, monkeypatch) -> None:
     omega2 = eigh(mesh.stiffness.toarray(), mesh.mass.toarray(), eigvals_only=True)[mesh.rigid.shape[1] :]
     full = unreduced(model)
     assert full.stiffness == pytest.approx(omega2, rel=1e-9)
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", 0)
     assert free_interface(model, 10).stiffness == pytest.approx(omega2[:10], rel=1e-10)
 
 
@@ -257,7 +257,7 @@ def test_sub_regional_as_published_converges_slowly() -> None:
 
 
 def test_the_same_input_gives_the_same_bits(monkeypatch) -> None:
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", 0)
     for make in list(REDUCTIONS.values())[:-1]:
         one, two = make(plate()), make(plate())
         assert np.array_equal(one.stiffness, two.stiffness)
@@ -268,7 +268,7 @@ def test_modes_of_equal_frequency_are_all_found(monkeypatch) -> None:
     """A ring has its modes in pairs."""
     model = Continuum(meshes.ring(0.5, 1.0, 48, 3), RHO, E, 0.3)
     full = unreduced(model).stiffness
-    monkeypatch.setattr("lcpflex.bodies.elastic_modes.DENSE_LIMIT", 0)
+    monkeypatch.setattr("lcpflex.bodies.reduction.eigenmodes.DENSE_LIMIT", 0)
     assert np.count_nonzero(np.diff(full[:15]) < 1e-8 * full[:14]) >= 4
     for n in (1, 2, 3, 8, 15):
         assert free_interface(model, n).stiffness == pytest.approx(full[:n], rel=1e-9)

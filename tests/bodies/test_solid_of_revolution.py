@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import lcpflex as lf
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 
 E, RHO, NU = 2e11, 7800.0, 0.3

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies import meshes
-from lcpflex.bodies.elastic_modes import FreeMesh
-from lcpflex.bodies.reductions import craig_bampton, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.fem import meshes
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh
+from lcpflex.bodies.reduction.component_modes import craig_bampton, residual_compliance, sub_regional, unreduced
 from lcpflex.errors import ModelError, ModelWarning
 
 ALUMINIUM = {"density": 2700.0, "youngs_modulus": 7e10}
@@ -161,7 +161,7 @@ def test_the_mesh_of_the_readme_bends_as_a_converged_one_does(capsys: pytest.Cap
 
 
 def test_a_model_without_elements_is_refused() -> None:
-    from lcpflex.bodies.stiffness_error import stiffness_error
+    from lcpflex.bodies.fem.stiffness_error import stiffness_error
 
     parts = continuum(layers(1, True)).finite_elements()
     with pytest.raises(ModelError, match="a mesh without elements was given"):

@@ -11,7 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import advice, meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.reductions import unreduced
+from lcpflex.bodies.reduction.component_modes import unreduced
 from lcpflex.resolved import _push, unresolved
 
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose

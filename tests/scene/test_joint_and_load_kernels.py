@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
-from lcpflex.dynamics.constraint_rows import joint_residual, joint_rows
-from lcpflex.dynamics.signal_values import signal_value
+from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
+from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Bodies, Joints, Loads, Model, PointTable, Signals, frozen
 
 MODES = (3, 2)

@@ -12,7 +12,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.interface import Interface
+from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.studies import small_vibrations
 
 E, RHO = 7e10, 2700.0

@@ -195,7 +195,7 @@ def test_force_callbacks_see_the_state():
     compiled = scene.compiled()
     from types import SimpleNamespace
 
-    from lcpflex.bodies.floating_frame import point_angle, point_position, point_velocity
+    from lcpflex.kinematics.points import point_angle, point_position, point_velocity
 
     work = SimpleNamespace(external=external(compiled))
     compiled.system().hooks[supply](compiled.model, 0.5, compiled.q.copy(), compiled.u.copy(), work)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.dynamics.signal_values import signal_value
+from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.dynamics.time_functions import MotionCallback, SignalTable
 
 NOTHING = np.zeros((0, 3))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.stiffening import Stiffening
 
 LENGTH, WIDTH, THICKNESS, DENSITY, MODULUS = 1.0, 0.02, 0.005, 2700.0, 7e10
 EULER = math.pi**2 * MODULUS * WIDTH * THICKNESS**3 / 12.0 / LENGTH**2

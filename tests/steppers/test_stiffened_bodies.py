@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lcpflex import Beam, EventDriven, GeneralizedAlpha, MoreauJean, Result, Scene, simulate
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.dynamics.mass_matrix import mass_matrix
 
 BEAM = Beam(1.0, 0.02, 0.01, 2700.0, 6.9e8, elements=8)

@@ -11,7 +11,7 @@ import numpy as np
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.bodies import meshes
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.scene import Scene
 

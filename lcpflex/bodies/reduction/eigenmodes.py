@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
+from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 

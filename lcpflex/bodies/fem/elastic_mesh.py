@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.body import Resolution
-from lcpflex.bodies.element_integrals import Solid, geometric_stiffness, mass_matrix, stiffness_matrix
-from lcpflex.bodies.element_search import locator
-from lcpflex.bodies.excess_stiffness import excess_stiffness
-from lcpflex.bodies.finer_mesh import finer
-from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.bodies.mesh_surfaces import boundary_of, names_of
+from lcpflex.bodies.fem.assembly import Solid, geometric_stiffness, mass_matrix, stiffness_matrix
+from lcpflex.bodies.fem.element_search import locator
+from lcpflex.bodies.fem.excess_stiffness import excess_stiffness
+from lcpflex.bodies.fem.finer_mesh import finer
+from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.boundary import boundary_of, names_of
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 

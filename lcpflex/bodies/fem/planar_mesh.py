@@ -111,7 +111,7 @@ def planar_mesh(mesh: Any) -> PlanarMesh:
     if isinstance(mesh, PlanarMesh):
         return mesh
     if isinstance(mesh, (str, os.PathLike)):
-        from lcpflex.bodies.mesh_files import read_mesh
+        from lcpflex.bodies.fem.files import read_mesh
 
         found = read_mesh(mesh)
         if not isinstance(found, PlanarMesh):

@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.element_integrals import Solid, shape_functions
-from lcpflex.bodies.planar_mesh import KINDS, PlanarMesh
+from lcpflex.bodies.fem.assembly import Solid, shape_functions
+from lcpflex.bodies.fem.planar_mesh import KINDS, PlanarMesh
 from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:

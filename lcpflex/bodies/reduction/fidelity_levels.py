@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.body import Body, Rung
-from lcpflex.bodies.reduction import Damping, Rayleigh
+from lcpflex.bodies.reduction.damping import Damping, Rayleigh
 
 __all__ = ["ModeLadder", "counted"]
 

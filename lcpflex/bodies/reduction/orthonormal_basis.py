@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.elastic_modes import grams, judge, ritz
+from lcpflex.bodies.reduction.eigenmodes import grams, judge, ritz
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 

@@ -15,7 +15,7 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.finite_elements import FiniteElements
+    from lcpflex.bodies.fem.finite_elements import FiniteElements
 
 __all__ = ["Nodes", "displacement_rows", "material_at_nodes", "material_weights", "neighbours"]
 

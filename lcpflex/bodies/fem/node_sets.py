@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.finite_elements import FiniteElements
+from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import sequence_of, unknown
 from lcpflex.jit.kernel import IntArray

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lcpflex.bodies.body import named
-from lcpflex.bodies.planar_mesh import FLAT, PlanarMesh
+from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 

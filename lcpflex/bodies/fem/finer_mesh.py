@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from lcpflex.bodies.element_integrals import shape_functions
-from lcpflex.bodies.planar_mesh import KINDS, PlanarMesh
+from lcpflex.bodies.fem.assembly import shape_functions
+from lcpflex.bodies.fem.planar_mesh import KINDS, PlanarMesh
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["finer"]

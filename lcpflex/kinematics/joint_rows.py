@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.bodies.floating_frame import (
+from lcpflex.kinematics.points import (
     add_point_row,
     add_rotation_row,
     point_angle,
@@ -25,7 +25,7 @@ from lcpflex.bodies.floating_frame import (
     point_position,
     point_velocity,
 )
-from lcpflex.dynamics.signal_values import signal_value
+from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 

@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from lcpflex.bodies.element_integrals import shape_functions
-from lcpflex.bodies.mesh_surfaces import Boundary
-from lcpflex.bodies.planar_mesh import PlanarMesh
+from lcpflex.bodies.fem.assembly import shape_functions
+from lcpflex.bodies.fem.boundary import Boundary
+from lcpflex.bodies.fem.planar_mesh import PlanarMesh
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 

@@ -12,11 +12,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.beam_stiffening import Line, gauss, station_on
+from lcpflex.bodies.reduction.beam_stiffening import Line, gauss, station_on
 from lcpflex.bodies.body import Shortening
-from lcpflex.bodies.line_interfaces import LineLoads
-from lcpflex.bodies.line_mesh import LineModes, interpolate
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.line_interfaces import LineLoads
+from lcpflex.bodies.fem.line_elements import LineModes, interpolate
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["shortening_of", "with_axial_loads"]

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.planar_mesh import FLAT, KINDS, PlanarMesh
+from lcpflex.bodies.fem.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.basics.arguments import LARGEST_TEXT
 from lcpflex.jit.kernel import FloatArray, IntArray

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, Resolution
-from lcpflex.bodies.mesh_material import material_at_nodes, material_weights
-from lcpflex.bodies.reduction import Damping, sampled, signed, skew, vanish, with_residual
-from lcpflex.bodies.stiffening import Stiffening, stiffened_by_spin
+from lcpflex.bodies.fem.nodal_material import material_at_nodes, material_weights
+from lcpflex.bodies.reduction.damping import Damping, sampled, signed, skew, vanish, with_residual
+from lcpflex.bodies.reduction.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
@@ -111,7 +111,7 @@ def body_of(
     shapes : (f, n) Phi, as the module says
     damping : of the modes; None for the damping matrix of the mesh, no damping if there is none
     stiffening : by spin. Its axial force belongs into the stiffness that the basis diagonalises:
-        :func:`lcpflex.bodies.stiffening.prestressed`
+        :func:`lcpflex.bodies.reduction.stiffening.prestressed`
     residual : how many of the last columns are residual modes
 
     Raises

@@ -45,7 +45,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from lcpflex.bodies.finite_elements import FiniteElements
+    from lcpflex.bodies.fem.finite_elements import FiniteElements
 
 __all__ = ["Stiffening", "check_stiffening", "place_of", "prestressed", "stiffened_by_spin"]
 
@@ -125,8 +125,8 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         raise ModelError("axial_force: 'actual' was given for a mesh, expected it for a Beam, or a force in N")
     from scipy.sparse import csc_matrix
 
-    from lcpflex.bodies.elastic_modes import held_up, mesh_rank
-    from lcpflex.bodies.sparse_factor import NotPositive
+    from lcpflex.bodies.reduction.eigenmodes import held_up, mesh_rank
+    from lcpflex.bodies.fem.sparse_factor import NotPositive
 
     _refuse_unknown_stress(mesh)
     force = stiffening.constant
@@ -250,7 +250,7 @@ def _at(mesh: FiniteElements, at: Nodes, force: FloatArray) -> FloatArray:
 
 def _stress_stiffness(mesh: FiniteElements, load: FloatArray) -> csc_matrix[Any]:
     """K_g of the static stress under a load (f,) that is in equilibrium with itself."""
-    from lcpflex.bodies.elastic_modes import FreeMesh
+    from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 
     assert mesh.geometric is not None
     return mesh.geometric(FreeMesh.of(mesh).flexibility(load))

@@ -23,7 +23,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lcpflex.bodies.bases import (
+from lcpflex.bodies.reduction.bases import (
     SHARE,
     boundary_basis,
     check_full,
@@ -34,14 +34,14 @@ from lcpflex.bodies.bases import (
     residual_basis,
 )
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.elastic_modes import FreeMesh, check_memory
-from lcpflex.bodies.finite_elements import FiniteElements, body_of
-from lcpflex.bodies.interface import Interfaces
-from lcpflex.bodies.mesh_interfaces import interface_loads, of_mesh
-from lcpflex.bodies.mesh_ladder import Held, reduced
-from lcpflex.bodies.node_choice import Nodes, chosen_nodes, rows_of
-from lcpflex.bodies.reduction import Damping, check_residual, count_of_modes
-from lcpflex.bodies.stiffening import Stiffening
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
+from lcpflex.bodies.fem.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.mesh_interfaces import interface_loads, of_mesh
+from lcpflex.bodies.reduction.mesh_levels import Held, reduced
+from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
+from lcpflex.bodies.reduction.damping import Damping, check_residual, count_of_modes
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
 
 __all__ = [

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.planar_mesh import PlanarMesh
+from lcpflex.bodies.fem.planar_mesh import PlanarMesh
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import array_of, whole_number
-from lcpflex.bodies.mesh_grading import ELEMENTS, Zone, named_again, refined_to
+from lcpflex.bodies.fem.grading import ELEMENTS, Zone, named_again, refined_to
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.jit.kernel import FloatArray, IntArray

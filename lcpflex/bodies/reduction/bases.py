@@ -1,6 +1,6 @@
 """Bases of the reductions: (omega2, shapes) of a mesh, M-orthonormal, without rigid motions, from chosen nodes.
 
-The formulas are said where the reductions are offered, in :mod:`lcpflex.bodies.reductions`.
+The formulas are said where the reductions are offered, in :mod:`lcpflex.bodies.reduction.component_modes`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lcpflex.bodies.body import whole_number
-from lcpflex.bodies.elastic_modes import (
+from lcpflex.bodies.reduction.eigenmodes import (
     EPS,
     FULL_LIMIT,
     FreeMesh,
@@ -21,11 +21,11 @@ from lcpflex.bodies.elastic_modes import (
     orthonormal_frame,
     softest,
 )
-from lcpflex.bodies.finite_elements import FiniteElements
-from lcpflex.bodies.node_choice import rows_of
-from lcpflex.bodies.own_basis import joined, own_basis
-from lcpflex.bodies.reduction import count_of_modes
-from lcpflex.bodies.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
+from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.node_sets import rows_of
+from lcpflex.bodies.reduction.orthonormal_basis import joined, own_basis
+from lcpflex.bodies.reduction.damping import count_of_modes
+from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
