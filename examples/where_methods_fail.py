@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.impact_laws import Newton, Poisson
+from lcpflex.dynamics.impact_laws import Newton, Poisson
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
 from lcpflex.steppers.smooth import Smooth, Verlet

@@ -72,9 +72,9 @@ _HOME = {
     "ContactLaw": "lcpflex.force_laws.contact_law",
     "Penalty": "lcpflex.force_laws.penalty",
     "admissible_accelerations": "lcpflex.accelerations",
-    "Energetic": "lcpflex.contact.impact_laws",
-    "Poisson": "lcpflex.contact.impact_laws",
-    "Newton": "lcpflex.contact.impact_laws",
+    "Energetic": "lcpflex.dynamics.impact_laws",
+    "Poisson": "lcpflex.dynamics.impact_laws",
+    "Newton": "lcpflex.dynamics.impact_laws",
     "UserSystem": "lcpflex.user_system",
     "Result": "lcpflex.result",
     "RecordProblems": "lcpflex.recorder",
@@ -222,7 +222,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
     from lcpflex.bodies.reduction.stiffening import Stiffening
-    from lcpflex.contact.impact_laws import Energetic, Newton, Poisson
+    from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.energy import EnergyGrowth

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.kinematics.points import point_position, point_velocity
-from lcpflex.contact.kinematics import contact_point, contact_rows
+from lcpflex.contact.rows import contact_point, contact_rows
 from lcpflex.contact.near import near
 from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
 from lcpflex.kinematics.joint_rows import joint_rows

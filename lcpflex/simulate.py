@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.axial_loads import with_axial_loads
 from lcpflex.checkpoint import Checkpoints
-from lcpflex.contact.impact_laws import Newton
+from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.force_laws.friction.creep import creeping, crept
 from lcpflex.energy import GROWTH, Energies, EnergyGrowth, created, energy_warnings
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range

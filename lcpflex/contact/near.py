@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable, contact_table, detect
-from lcpflex.contact.kinematics import contact_rows
+from lcpflex.contact.rows import contact_rows
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
 

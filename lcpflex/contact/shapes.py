@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Chain, MaterialPoint, Outline
 from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
-from lcpflex.contact.reach import below_chain, below_hole, is_solid, whole_section
+from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid, whole_section
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, PointTable, frozen

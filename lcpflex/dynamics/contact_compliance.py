@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import refresh
-from lcpflex.contact.hollow import YIELDED, yield_to_deeper
+from lcpflex.contact.concave_corners import YIELDED, yield_to_deeper
 from lcpflex.force_laws.elastic.kernels import (
     elastic_force,
     elastic_stiffness,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.hollow import yield_to_deeper
+from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.dynamics.contact_memory import (
     pair_energy,

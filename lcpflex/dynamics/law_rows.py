@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.kinematics import contact_rows
+from lcpflex.contact.rows import contact_rows
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, dot
 from lcpflex.dynamics.inertia import solve_block

@@ -6,7 +6,7 @@ multiply, solve_vector, solve_rows, contact and joint rows, energies.
 
 from __future__ import annotations
 
-from lcpflex.contact.kinematics import contact_bias, contact_rows
+from lcpflex.contact.rows import contact_bias, contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.inertia import elastic_forces, inertial_forces, solve_block, stored_energies
 from lcpflex.dynamics.inertia import factorise as factorise_bodies

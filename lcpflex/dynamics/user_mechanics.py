@@ -9,7 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
-from lcpflex.contact import detection, kinematics
+from lcpflex.contact import detection
+from lcpflex.contact import rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics import mechanics
 from lcpflex.kinematics import joint_rows as constraint_rows

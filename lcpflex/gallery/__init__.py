@@ -84,7 +84,7 @@ def scenes() -> dict[str, Case]:
 
 def warmup_cases() -> tuple[Case, ...]:
     """A few short runs that between them use every kernel, with every stepper."""
-    from lcpflex.contact.impact_laws import Energetic, Poisson
+    from lcpflex.dynamics.impact_laws import Energetic, Poisson
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven import EventDriven

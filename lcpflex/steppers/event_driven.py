@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.contact.detection import ContactTable
-from lcpflex.contact.impact_laws import ImpactLaw, Newton
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, shown

@@ -1,4 +1,4 @@
-"""Impacts at an event, by the law of the run (:mod:`lcpflex.contact.impact_laws`), one contact problem a call.
+"""Impacts at an event, by the law of the run (:mod:`lcpflex.dynamics.impact_laws`), one contact problem a call.
 
 An impact begins where a closed contact approaches faster than the velocity threshold, or where the acceleration level
 has no solution (Painleve). It is over when its impulses are laid; others follow until no contact approaches.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.impact_laws import ENERGETIC, NEWTON, POISSON
+from lcpflex.dynamics.impact_laws import ENERGETIC, NEWTON, POISSON
 from lcpflex.dynamics.acceleration import lay_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_normals

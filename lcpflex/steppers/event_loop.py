@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import SET_VALUED
-from lcpflex.contact.kinematics import contact_point
+from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.law_contacts import take_note

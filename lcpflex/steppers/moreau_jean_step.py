@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from lcpflex.contact.detection import detect, refresh
-from lcpflex.contact.kinematics import contact_point
+from lcpflex.contact.rows import contact_point
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.hollow import yield_to_deeper
+from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
 from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets

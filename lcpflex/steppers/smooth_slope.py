@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from lcpflex.contact.detection import detect
-from lcpflex.contact.hollow import yield_to_deeper
-from lcpflex.contact.kinematics import contact_point
+from lcpflex.contact.concave_corners import yield_to_deeper
+from lcpflex.contact.rows import contact_point
 from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.kinematics.joint_rows import joint_rows

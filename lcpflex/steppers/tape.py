@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
-from lcpflex.contact.kinematics import contact_point
+from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect, refresh
-from lcpflex.contact.kinematics import gap_rate
+from lcpflex.contact.rows import gap_rate
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 
 LONGEST = 1e-3
 

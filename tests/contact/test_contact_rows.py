@@ -8,7 +8,7 @@ import pytest
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.contact import shapes
 from lcpflex.contact.detection import load_entry, refresh
-from lcpflex.contact.kinematics import contact_bias, contact_point, contact_rows
+from lcpflex.contact.rows import contact_bias, contact_point, contact_rows
 
 SLAVE_RADII = (0.0, 0.15)
 FEATURES = ("segment", "half-plane", "circle", "hole", "vertex")

@@ -8,7 +8,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.impact_laws import Energetic, Poisson
+from lcpflex.dynamics.impact_laws import Energetic, Poisson
 from lcpflex.simulate import _closed, _growth_cause
 
 

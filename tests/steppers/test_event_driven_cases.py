@@ -10,7 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
 

@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.dynamics.impact import SEGMENTS, energetic_segments
 
 LAWS = (Newton(), Poisson(), Energetic(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True))

@@ -10,7 +10,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.accelerations import ContactFate, Count, admissible_accelerations
-from lcpflex.contact.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 
 
 @pytest.mark.parametrize(
