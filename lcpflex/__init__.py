@@ -40,23 +40,23 @@ _HOME = {
     "Disc": "lcpflex.bodies.rigid",
     "Polygon": "lcpflex.bodies.rigid",
     "RigidBody": "lcpflex.bodies.rigid",
-    "Scene": "lcpflex.scene",
-    "Slot": "lcpflex.slots",
-    "SlotParts": "lcpflex.slots",
-    "Distance": "lcpflex.joints",
-    "DrivenAngle": "lcpflex.joints",
-    "DrivenDisplacement": "lcpflex.joints",
-    "PointOnLine": "lcpflex.joints",
-    "Prismatic": "lcpflex.joints",
-    "Revolute": "lcpflex.joints",
-    "Weld": "lcpflex.joints",
-    "Force": "lcpflex.loads",
-    "Function": "lcpflex.loads",
-    "Harmonic": "lcpflex.loads",
-    "Spring": "lcpflex.loads",
-    "Table": "lcpflex.loads",
-    "Torque": "lcpflex.loads",
-    "TorsionSpring": "lcpflex.loads",
+    "Scene": "lcpflex.scene.scene",
+    "Slot": "lcpflex.scene.slots",
+    "SlotParts": "lcpflex.scene.slots",
+    "Distance": "lcpflex.scene.joints",
+    "DrivenAngle": "lcpflex.scene.joints",
+    "DrivenDisplacement": "lcpflex.scene.joints",
+    "PointOnLine": "lcpflex.scene.joints",
+    "Prismatic": "lcpflex.scene.joints",
+    "Revolute": "lcpflex.scene.joints",
+    "Weld": "lcpflex.scene.joints",
+    "Force": "lcpflex.scene.loads",
+    "Function": "lcpflex.scene.loads",
+    "Harmonic": "lcpflex.scene.loads",
+    "Spring": "lcpflex.scene.loads",
+    "Table": "lcpflex.scene.loads",
+    "Torque": "lcpflex.scene.loads",
+    "TorsionSpring": "lcpflex.scene.loads",
     "simulate": "lcpflex.simulate",
     "resume": "lcpflex.resuming",
     "EnergyGrowth": "lcpflex.energy",
@@ -75,7 +75,7 @@ _HOME = {
     "Energetic": "lcpflex.dynamics.impact_laws",
     "Poisson": "lcpflex.dynamics.impact_laws",
     "Newton": "lcpflex.dynamics.impact_laws",
-    "UserSystem": "lcpflex.user_system",
+    "UserSystem": "lcpflex.scene.user_system",
     "Result": "lcpflex.result",
     "RecordProblems": "lcpflex.recorder",
     "Auto": "lcpflex.solvers.auto",
@@ -227,14 +227,14 @@ if TYPE_CHECKING:
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.energy import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
-    from lcpflex.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
-    from lcpflex.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
+    from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.recorder import RecordProblems
     from lcpflex.result import Result
     from lcpflex.resuming import resume
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
     from lcpflex.simulate import simulate
-    from lcpflex.slots import Slot, SlotParts
+    from lcpflex.scene.slots import Slot, SlotParts
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
@@ -244,4 +244,4 @@ if TYPE_CHECKING:
     from lcpflex.steppers.massless_boundary import MasslessBoundary
     from lcpflex.steppers.moreau_jean import MoreauJean
     from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem

@@ -42,9 +42,9 @@ from lcpflex.steppers.event_memory import copy_entry
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
     from lcpflex.steppers.system import System
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations"]
 
@@ -164,8 +164,8 @@ def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
 
 
 def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
-    from lcpflex.scene import Scene
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.user_system import UserSystem
 
     if isinstance(scene, UserSystem):
         return scene.system(), tuple(scene.names)

@@ -30,7 +30,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.result import Result
-from lcpflex.scene import Compiled
+from lcpflex.scene.scene import Compiled
 from lcpflex.stated_error import CLAMPED
 
 __all__ = ["with_axial_loads"]

@@ -12,8 +12,8 @@ from lcpflex.result import Result
 
 if TYPE_CHECKING:
     from lcpflex.run_setup import Stepper
-    from lcpflex.scene import Compiled
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Compiled
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["started_from"]
 
@@ -34,7 +34,7 @@ def started_from(
 
     Raises ModelError for what is no result, holds no instant, or is of other coordinates.
     """
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
     if not isinstance(initial, Result):
         raise ModelError(f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it")

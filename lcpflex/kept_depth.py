@@ -23,7 +23,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from lcpflex.result import Result
-from lcpflex.scene import Compiled
+from lcpflex.scene.scene import Compiled
 
 __all__ = ["kept_depths"]
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from lcpflex.jit.kernel import FloatArray, IntArray
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
 __all__ = ["ModalCoordinates", "modal_coordinates"]
 

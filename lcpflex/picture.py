@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
+from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 from lcpflex.result import world_places
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.result import Result
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
 __all__ = ["View", "draw_bodies", "draw_joints", "draw_surfaces", "view_of"]
 

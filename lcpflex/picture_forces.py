@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.picture import View
     from lcpflex.result import Result
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
 __all__ = ["arrow_tips", "draw_forces", "usual_force"]
 

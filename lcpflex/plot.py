@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lcpflex.result import Result
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
 __all__ = ["animate", "draw"]
 

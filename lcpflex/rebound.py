@@ -21,7 +21,7 @@ from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibr
 from lcpflex.dynamics.start import violation
 from lcpflex.jit.struct import pack
 from lcpflex.result import Result
-from lcpflex.scene import Compiled
+from lcpflex.scene.scene import Compiled
 
 __all__ = ["rebounds"]
 

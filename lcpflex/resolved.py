@@ -18,7 +18,7 @@ import numpy as np
 from lcpflex.advice import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.result import Result
-from lcpflex.scene import Compiled
+from lcpflex.scene.scene import Compiled
 
 __all__ = ["unresolved"]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
     StateArray = NDArray[np.int8]
 

@@ -18,8 +18,8 @@ from lcpflex.simulate import carry_out
 if TYPE_CHECKING:
     from lcpflex.recorder import RecordProblems
     from lcpflex.result import Result
-    from lcpflex.scene import Compiled, Scene
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Compiled, Scene
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["resume"]
 
@@ -127,8 +127,8 @@ def _stepper(kept: Checkpoint, given: Stepper | None) -> Any:
 
 def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper, options: Options) -> Any:
     """The compiled scene of the run, or the user's own system."""
-    from lcpflex.scene import Compiled
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Compiled
+    from lcpflex.scene.user_system import UserSystem
 
     if scene is None:
         if "scene" in kept.structure["missing"]:

@@ -11,10 +11,10 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.recorder import Recorder, RecordProblems
 
 if TYPE_CHECKING:
-    from lcpflex.scene import Compiled, Scene
+    from lcpflex.scene.scene import Compiled, Scene
     from lcpflex.steppers.run import Records
     from lcpflex.steppers.system import System
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Run", "Setup", "Stepper", "compiled_for", "set_up"]
 
@@ -72,7 +72,7 @@ class Setup:
     @property
     def compiled(self) -> Compiled | None:
         """What the scene was compiled to; None for a user's own system."""
-        from lcpflex.user_system import UserSystem
+        from lcpflex.scene.user_system import UserSystem
 
         return None if isinstance(self.source, UserSystem) else self.source
 
@@ -87,8 +87,8 @@ class Setup:
 
 def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> Compiled | UserSystem:
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
-    from lcpflex.scene import Scene
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.user_system import UserSystem
 
     if isinstance(scene, UserSystem):
         return scene
@@ -102,7 +102,7 @@ def set_up(
 ) -> Setup:
     """Everything that a run needs, of a compiled scene or of a user's own system."""
     from lcpflex.dynamics.time_structure import for_system, with_instants
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
     if isinstance(source, UserSystem):
         system, names = source.system(project=options.project, indents=_indents(stepper)), tuple(source.names)

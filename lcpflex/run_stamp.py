@@ -20,8 +20,8 @@ from lcpflex.frozen import Arrays, Unkept, freeze
 
 if TYPE_CHECKING:
     from lcpflex.run_setup import Setup, Stepper
-    from lcpflex.scene import Compiled
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Compiled
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["described", "difference", "functions_of", "made", "same_arrays", "stepper_node"]
 
@@ -64,7 +64,7 @@ def _sources() -> str:
 
 def scene_node(source: Compiled | UserSystem, arrays: Arrays) -> tuple[Any, str]:
     """The scene as data, but for its functions; and why it has to be given again, empty where it has not."""
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
     if isinstance(source, UserSystem):
         numbers = {name: getattr(source, name) for name in OWN_NUMBERS}
@@ -96,7 +96,7 @@ def stepper_node(stepper: Stepper, arrays: Arrays) -> tuple[Any, str]:
 
 def functions_of(source: Compiled | UserSystem) -> dict[str, str]:
     """The code of the functions of a scene, as hashes, by what they are called."""
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
     if isinstance(source, UserSystem):
         named = {name: getattr(source, name) for name in type(source).__dataclass_fields__ if not name.startswith("_")}

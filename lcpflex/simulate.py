@@ -30,9 +30,9 @@ from lcpflex.unseen_loads import unseen_loads
 
 if TYPE_CHECKING:
     from lcpflex.checkpoint import Checkpoint
-    from lcpflex.scene import Compiled, Scene
+    from lcpflex.scene.scene import Compiled, Scene
     from lcpflex.steppers.system import System
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Stepper", "carry_out", "simulate"]
 

@@ -12,7 +12,7 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.time_functions import State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
+from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
 from lcpflex.model.arrays import Model
 
 __all__ = ["Violation", "drive_rate", "project", "violation"]

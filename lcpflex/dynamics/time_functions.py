@@ -22,7 +22,7 @@ from lcpflex.dynamics.compiled_function import (
 )
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.loads import Harmonic, Motion, Signal, Table, takes_state
+from lcpflex.scene.loads import Harmonic, Motion, Signal, Table, takes_state
 from lcpflex.model.arrays import Model, Signals, frozen
 
 __all__ = [

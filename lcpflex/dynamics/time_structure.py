@@ -17,7 +17,7 @@ import numpy as np
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.loads import Function
+from lcpflex.scene.loads import Function
 from lcpflex.model.arrays import Model, Signals, frozen
 
 __all__ = ["LEAST_LOOKS", "bends", "for_system", "probe_of", "probed", "with_instants", "with_signals"]

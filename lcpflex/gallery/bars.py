@@ -14,9 +14,9 @@ import numpy as np
 from lcpflex.bodies.bar import Bar
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.joints import DrivenDisplacement, PointOnLine, Weld
-from lcpflex.loads import Force, Table
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import DrivenDisplacement, PointOnLine, Weld
+from lcpflex.scene.loads import Force, Table
+from lcpflex.scene.scene import Scene
 
 __all__ = ["bar_with_foot", "courant_step", "elastic_bar", "prestressed_bar", "two_bars"]
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
     from lcpflex.simulate import Stepper
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Case"]
 

@@ -6,9 +6,9 @@ import math
 
 from lcpflex.bodies.rigid import Box
 from lcpflex.gallery.arguments import checked
-from lcpflex.joints import Prismatic, Revolute
-from lcpflex.loads import Spring, Torque
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import Prismatic, Revolute
+from lcpflex.scene.loads import Spring, Torque
+from lcpflex.scene.scene import Scene
 
 __all__ = ["TORQUE", "claw", "resting_force"]
 

@@ -11,8 +11,8 @@ from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import in_range
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.joints import Prismatic
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import Prismatic
+from lcpflex.scene.scene import Scene
 
 __all__ = ["meshed_ball", "meshed_rod", "meshed_sphere_on_rod"]
 

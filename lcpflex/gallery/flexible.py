@@ -8,8 +8,8 @@ from functools import partial
 from lcpflex.bodies.beam import Beam
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.joints import Revolute
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import Revolute
+from lcpflex.scene.scene import Scene
 
 __all__ = ["hemisphere_pendulum", "pendulum", "sliding_beam"]
 

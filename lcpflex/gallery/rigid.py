@@ -8,9 +8,9 @@ from functools import partial
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.joints import Revolute
-from lcpflex.loads import Force, Harmonic, Spring
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import Revolute
+from lcpflex.scene.loads import Force, Harmonic, Spring
+from lcpflex.scene.scene import Scene
 
 __all__ = [
     "block_on_incline",

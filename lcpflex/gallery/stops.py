@@ -9,9 +9,9 @@ from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.joints import PointOnLine, Revolute
-from lcpflex.loads import Spring
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import PointOnLine, Revolute
+from lcpflex.scene.loads import Spring
+from lcpflex.scene.scene import Scene
 
 __all__ = ["elastic_stop", "hinged_beam", "sphere_on_beam", "sphere_on_rod"]
 

@@ -13,8 +13,8 @@ from lcpflex.bodies.fem.meshes import grid
 from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton, sub_regional
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.joints import Revolute
-from lcpflex.scene import Scene
+from lcpflex.scene.joints import Revolute
+from lcpflex.scene.scene import Scene
 
 __all__ = [
     "pendulum_and_rod",

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.gallery.arguments import checked
 from lcpflex.gallery.case import Case
-from lcpflex.user_system import UserSystem
+from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray

@@ -8,7 +8,7 @@ With r = r_P - r_Q, v = rdot, alpha the angle of the material at a point, d a di
     angle        phi = alpha_P - alpha_Q - alpha_0 - f                      bias = -f''
     distance     phi = |r| - f,  e = r / |r|  bias = e.b + (v.v - (e.v)^2) / |r| - f''
 
-Which of them a joint has, in the order of its rows, follows from its kind (:mod:`lcpflex.joints`):
+Which of them a joint has, in the order of its rows, follows from its kind (:mod:`lcpflex.scene.joints`):
 0 revolute: coincidence (2 rows); 1 weld: coincidence, angle; 2 prismatic: direction normal to the axis, angle;
 3 point on line: direction normal to the axis; 4 distance; 5 driven angle; 6 driven displacement: direction of the axis.
 """

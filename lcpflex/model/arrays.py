@@ -123,7 +123,7 @@ class Signals(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Bilateral constraints phi(q, t) = 0. See :mod:`lcpflex.joints` for the kinds and their rows."""
+    """Bilateral constraints phi(q, t) = 0. See :mod:`lcpflex.scene.joints` for the kinds and their rows."""
 
     kind: IntArray  # (nj,)
     point: IntArray  # (nj, 2) material points P on body i and Q on body j
@@ -133,7 +133,7 @@ class Joints(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Gravity, spring-dampers, forces and torques. See :mod:`lcpflex.loads`."""
+    """Gravity, spring-dampers, forces and torques. See :mod:`lcpflex.scene.loads`."""
 
     gravity: FloatArray  # (2,)
     spring_kind: IntArray  # (nk,) 0 linear, 1 torsional

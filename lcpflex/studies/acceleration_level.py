@@ -8,8 +8,8 @@ from lcpflex.accelerations import Count, admissible_accelerations
 from lcpflex.studies.outcome import Outcome, Verdict
 
 if TYPE_CHECKING:
-    from lcpflex.scene import Scene
-    from lcpflex.user_system import UserSystem
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["acceleration_level"]
 

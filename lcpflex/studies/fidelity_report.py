@@ -17,7 +17,7 @@ from lcpflex.basics.whole_file import whole_file
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
 
 __all__ = ["FidelityRun", "NextRung", "RightSize"]
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.errors import LcpflexError, ModelError, shown
-from lcpflex.exchange import settled
+from lcpflex.scene.substitution import settled
 from lcpflex.basics.arguments import raised, sequence_of
-from lcpflex.scene import Scene
+from lcpflex.scene.scene import Scene
 from lcpflex.studies.outputs import (
     MOST,
     Output,
@@ -22,7 +22,7 @@ from lcpflex.studies.outputs import (
     trajectory,
     two_places,
 )
-from lcpflex.user_system import UserSystem
+from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.result import Result

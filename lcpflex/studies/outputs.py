@@ -16,7 +16,7 @@ from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
     from lcpflex.result import Result
-    from lcpflex.scene import Compiled
+    from lcpflex.scene.scene import Compiled
 
 __all__ = [
     "Measured",

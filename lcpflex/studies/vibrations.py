@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from lcpflex.scene import Compiled, Scene
+    from lcpflex.scene.scene import Compiled, Scene
 
 __all__ = ["Vibrations", "small_vibrations"]
 
@@ -81,7 +81,7 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     SolverError
         If no steady state was found near the start.
     """
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
 
     spin = in_range("spin", spin, -math.inf, math.inf)
     if not isinstance(scene, Scene):

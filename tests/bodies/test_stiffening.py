@@ -29,7 +29,7 @@ from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
 from lcpflex.dynamics.static_modes import with_static_modes
 from lcpflex.errors import ModelError
-from lcpflex.placed import Placed
+from lcpflex.scene.handles import Placed
 from lcpflex.studies.vibrations import Vibrations, small_vibrations
 
 THICKNESS = 0.01

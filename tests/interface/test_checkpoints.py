@@ -311,8 +311,8 @@ def test_what_is_no_checkpoint_or_damaged_is_refused(tmp_path: Path, monkeypatch
     [
         {"run": {"object": "os:system"}},
         {"run": {"fields": {}}},
-        {"run": {"object": "lcpflex.scene:Scene"}},
-        {"scene": {"object": "lcpflex.placed:Placed"}},
+        {"run": {"object": "lcpflex.scene.scene:Scene"}},
+        {"scene": {"object": "lcpflex.scene.handles:Placed"}},
         {"stepper": {"fields": {"step": {"array": "nowhere"}}}},
         {"options": {"object": "builtins:eval"}},
         {"made": {"more": "1"}},

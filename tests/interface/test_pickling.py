@@ -19,7 +19,7 @@ import lcpflex as lf
 from lcpflex import gallery, meshes
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.scene import Compiled
+from lcpflex.scene.scene import Compiled
 
 COPIES = {"pickled": lambda thing: pickle.loads(pickle.dumps(thing)), "copied": deepcopy}
 

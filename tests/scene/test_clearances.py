@@ -10,7 +10,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import laws
 from lcpflex.errors import ModelError
-from lcpflex.slots import SlotParts
+from lcpflex.scene.slots import SlotParts
 
 STEEL, BRASS = laws.Material(207e9, 0.3), laws.Material(100e9, 0.35)
 ARC = {"radius": 60e-3, "width": 16e-3, "start": -1.0, "extent": 2.0}

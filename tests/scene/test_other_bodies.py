@@ -11,7 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
-from lcpflex.scene import Scene
+from lcpflex.scene.scene import Scene
 
 STEEL = {"width": 0.02, "thickness": 0.01, "density": 7800.0, "youngs_modulus": 2.1e11}
 

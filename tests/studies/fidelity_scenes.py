@@ -13,7 +13,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.scene import Scene
+from lcpflex.scene.scene import Scene
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 

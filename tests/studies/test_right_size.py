@@ -13,8 +13,8 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
-from lcpflex.exchange import settled
-from lcpflex.scene import Scene
+from lcpflex.scene.substitution import settled
+from lcpflex.scene.scene import Scene
 from lcpflex.studies import right_size
 from lcpflex.studies.commands_right_size import add_right_size
 from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at, trend_of

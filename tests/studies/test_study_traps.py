@@ -14,7 +14,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.scene import Scene
+from lcpflex.scene.scene import Scene
 from lcpflex.steppers.smooth import Smooth, Verlet
 from lcpflex.studies import Outcome, right_size, stability
 from lcpflex.studies.fidelity_report import RightSize

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.contact.shapes import Surface
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.placed import Place, Placed, PlacedSurface
+    from lcpflex.scene.handles import Place, Placed, PlacedSurface
 
 __all__ = ["Slot", "SlotParts", "curved_slot", "straight_slot"]
 
@@ -58,7 +58,7 @@ class Slot:
     width: float
 
     def __post_init__(self) -> None:
-        from lcpflex.placed import PlacedSurface
+        from lcpflex.scene.handles import PlacedSurface
 
         for name, surface in self.parts._asdict().items():
             if not isinstance(surface, PlacedSurface):
@@ -96,7 +96,7 @@ class Slot:
 
 
 def curved_slot(body: Placed, center: Place, radius: float, width: float, start: float, extent: float) -> Slot:
-    """See :meth:`lcpflex.placed.Placed.curved_slot`."""
+    """See :meth:`lcpflex.scene.handles.Placed.curved_slot`."""
     middle = in_range("radius", radius, 0.0, math.inf, open_ends=True)
     wide = in_range("width", width, 0.0, 2.0 * middle, open_ends=True)
     begin = in_range("start", start, -math.inf, math.inf)
@@ -125,7 +125,7 @@ def _cap(at: MaterialPoint, middle: float, half: float, wall: float, angle: floa
 
 
 def straight_slot(body: Placed, first: Place, last: Place, width: float) -> Slot:
-    """See :meth:`lcpflex.placed.Placed.straight_slot`."""
+    """See :meth:`lcpflex.scene.handles.Placed.straight_slot`."""
     wide = in_range("width", width, 0.0, math.inf, open_ends=True)
     side, cap = partial(_side, half=0.5 * wide), partial(_straight_cap, half=0.5 * wide)
     return Slot(

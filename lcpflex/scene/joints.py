@@ -17,7 +17,7 @@ import numpy.typing as npt
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
 from lcpflex.errors import ModelError, shown
-from lcpflex.loads import Motion, checked_motion
+from lcpflex.scene.loads import Motion, checked_motion
 from lcpflex.basics.options import is_number, keep_number
 
 __all__ = [
@@ -164,7 +164,7 @@ class PointOnLine:
 class Distance:
     """Massless rod: |r_P - r_Q| = ``length`` (1 row).
 
-    ``length`` [m] is a number > 0, a function of time (:mod:`lcpflex.loads`), or the distance of the
+    ``length`` [m] is a number > 0, a function of time (:mod:`lcpflex.scene.loads`), or the distance of the
     start configuration if omitted. Raises ModelError for points that cannot be joined or a length <= 0.
     """
 
@@ -191,7 +191,7 @@ class Distance:
 class DrivenAngle:
     """Rotary drive: angle_P - angle_Q - ``angle`` - f(t) = 0 (1 row). It holds no place: add a revolute joint.
 
-    ``motion`` f [rad] is a number, :class:`~lcpflex.loads.Harmonic`, :class:`~lcpflex.loads.Table` or Python function
+    ``motion`` f [rad] is a number, :class:`~lcpflex.scene.loads.Harmonic`, :class:`~lcpflex.scene.loads.Table` or Python function
     of time. ``angle`` [rad] is the relative angle of the start configuration if omitted, so that f is the rotation
     since then; 0 makes f the relative angle itself. Raises ModelError for points that cannot be joined or a motion
     that is none.
@@ -217,8 +217,8 @@ class DrivenAngle:
 class DrivenDisplacement:
     """Linear drive: axis_Q.(r_P - r_Q) - f(t) = 0 (1 row). It guides nothing: add a prismatic joint or a line.
 
-    ``axis`` (2,) is fixed in the material at Q. ``motion`` f [m] is a number, :class:`~lcpflex.loads.Harmonic`,
-    :class:`~lcpflex.loads.Table` or Python function of time. Raises ModelError for points that cannot be joined, a
+    ``axis`` (2,) is fixed in the material at Q. ``motion`` f [m] is a number, :class:`~lcpflex.scene.loads.Harmonic`,
+    :class:`~lcpflex.scene.loads.Table` or Python function of time. Raises ModelError for points that cannot be joined, a
     zero axis or a motion that is none.
     """
 

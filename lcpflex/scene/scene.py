@@ -13,22 +13,22 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, Reducible, array_of
-from lcpflex.clearances import Clearances
+from lcpflex.scene.clearances import Clearances
 from lcpflex.force_laws.law import Law
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.joints import Joint
-from lcpflex.loads import Force, Load, Spring, Torque, TorsionSpring
+from lcpflex.scene.joints import Joint
+from lcpflex.scene.loads import Force, Load, Spring, Torque, TorsionSpring
 from lcpflex.model.arrays import Axis, Model, refrozen
-from lcpflex.placed import Placed, PlacedSurface, can_touch, is_slave_of, listed
+from lcpflex.scene.handles import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.dynamics.compiled_function import CompiledFunction
     from lcpflex.dynamics.time_functions import Callback, Materials, State
-    from lcpflex.reduction_order import ReductionOrder
+    from lcpflex.compile.reduction_order import ReductionOrder
     from lcpflex.steppers.system import System
 
 __all__ = ["Compiled", "ContactRule", "DeclaredContact", "Layout", "Scene"]
@@ -176,7 +176,7 @@ class Scene(Clearances):
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
-        from lcpflex.by_name import check_names, functions_of
+        from lcpflex.scene.user_functions import check_names, functions_of
 
         check_names(functions_of(self.parts()))
         return vars(self)
@@ -237,7 +237,7 @@ class Scene(Clearances):
         options = (modes, damping, stiffening, residual_damping, contact_nodes)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
-            from lcpflex.reduction_order import order_of
+            from lcpflex.compile.reduction_order import order_of
 
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
             asked = (damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity)
@@ -281,7 +281,7 @@ class Scene(Clearances):
         return self._placed[name]
 
     def join(self, joint: Joint) -> str:
-        """Add a joint or a drive of :mod:`lcpflex.joints`; returns its name (joint1, joint2, ... if it has none)."""
+        """Add a joint or a drive of :mod:`lcpflex.scene.joints`; returns its name (joint1, joint2, ... if it has none)."""
         if not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         self._own("joint", joint.P)
@@ -290,7 +290,7 @@ class Scene(Clearances):
         return name
 
     def load(self, load: Load) -> None:
-        """Add a spring, force or torque of :mod:`lcpflex.loads`."""
+        """Add a spring, force or torque of :mod:`lcpflex.scene.loads`."""
         if not isinstance(load, Spring | TorsionSpring | Force | Torque):
             raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
         self._own("load", load.P)
@@ -400,7 +400,7 @@ class Scene(Clearances):
             For an unknown name, anything but a body, and what the new body does not have: a name, a place, the
             distribution of mass to project an initial deformation with.
         """
-        from lcpflex.exchange import exchanged
+        from lcpflex.scene.substitution import exchanged
 
         return exchanged(self, bodies)
 
@@ -429,13 +429,13 @@ class Scene(Clearances):
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.
         """
-        from lcpflex.compilation import compiled_scene
+        from lcpflex.compile.compilation import compiled_scene
 
         return compiled_scene(self, project, indents, gives_way)
 
     def reduced(self) -> Scene:
         """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""
-        from lcpflex.reduced_scene import reduced_scene
+        from lcpflex.compile.reduced_scene import reduced_scene
 
         return reduced_scene(self)[0]
 

@@ -10,21 +10,21 @@ import numpy as np
 from lcpflex.bodies.placed_point import check_pair
 from lcpflex.contact.shapes import Kind
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.placed import Placed, PlacedSurface
-from lcpflex.slots import Slot, SlotParts
+from lcpflex.scene.handles import Placed, PlacedSurface
+from lcpflex.scene.slots import Slot, SlotParts
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.force_laws.law import Law
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
 
 __all__ = ["Clearances"]
 
 
 class Clearances:
-    """Part of :class:`lcpflex.scene.Scene`."""
+    """Part of :class:`lcpflex.scene.scene.Scene`."""
 
     def contact_slot(
         self,
@@ -40,7 +40,7 @@ class Clearances:
         """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
 
         They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
-        for a name if omitted), and have the same friction and restitution, as in :meth:`lcpflex.scene.Scene.contact`.
+        for a name if omitted), and have the same friction and restitution, as in :meth:`lcpflex.scene.scene.Scene.contact`.
 
         ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
         as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
@@ -50,7 +50,7 @@ class Clearances:
         ------
         ModelError
             For a pin that is no disc, that does not fit (its radius must be less than width / 2), or whose centre is
-            outside of the slot at the start, and as in :meth:`lcpflex.scene.Scene.contact`.
+            outside of the slot at the start, and as in :meth:`lcpflex.scene.scene.Scene.contact`.
         """
         scene = cast("Scene", self)
         if not isinstance(slot, Slot):
@@ -93,7 +93,7 @@ class Clearances:
         """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
 
         No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
-        contact force; the rest as in :meth:`lcpflex.scene.Scene.contact`.
+        contact force; the rest as in :meth:`lcpflex.scene.scene.Scene.contact`.
 
         Raises
         ------

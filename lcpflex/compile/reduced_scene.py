@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lcpflex.contact_rules import by_rules
-from lcpflex.exchange import remade
+from lcpflex.scene.contact_rules import by_rules
+from lcpflex.scene.substitution import remade
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.reduction_order import ReductionOrder
-    from lcpflex.scene import Scene
+    from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.scene.scene import Scene
 
 __all__ = ["reduced_scene"]
 

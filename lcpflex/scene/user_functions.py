@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.errors import ModelError
-from lcpflex.loads import Force, Function, Load
+from lcpflex.scene.loads import Force, Function, Load
 
 if TYPE_CHECKING:
     from lcpflex.force_laws.law import Law
-    from lcpflex.joints import Joint
-    from lcpflex.scene import Parts
+    from lcpflex.scene.joints import Joint
+    from lcpflex.scene.scene import Parts
 
 __all__ = ["check_names", "functions_of"]
 

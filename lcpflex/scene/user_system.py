@@ -93,7 +93,7 @@ class UserSystem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its arguments; functions by their names, ModelError for one that cannot be found by it."""
-        from lcpflex.by_name import check_names
+        from lcpflex.scene.user_functions import check_names
 
         given = {part.name: getattr(self, part.name) for part in fields(self) if part.init}
         check_names((f"UserSystem: {name}", value) for name, value in given.items())

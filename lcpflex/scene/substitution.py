@@ -19,11 +19,11 @@ from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.placed import Placed, PlacedSurface, listed
+from lcpflex.scene.handles import Placed, PlacedSurface, listed
 
 if TYPE_CHECKING:
-    from lcpflex.reduction_order import ReductionOrder
-    from lcpflex.scene import Parts, Scene
+    from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.scene.scene import Parts, Scene
 
 __all__ = ["exchanged", "remade", "settled"]
 
@@ -65,7 +65,7 @@ def settled(scene: Scene) -> Scene:
 
 def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArray, FloatArray]]) -> Scene:
     """The scene with these bodies and initial states in the order of its own; some may be reduced later."""
-    from lcpflex.scene import Scene
+    from lcpflex.scene.scene import Scene
 
     parts = scene.parts()
     new = Scene(scene.gravity)

@@ -20,15 +20,15 @@ from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.component_modes import undeformed
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.missing_compliance import deficits
-from lcpflex.surface_interfaces import Acting, acting_on
+from lcpflex.compile.missing_compliance import deficits
+from lcpflex.compile.surface_interfaces import Acting, acting_on
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.joints import Joint
-    from lcpflex.loads import Load
-    from lcpflex.placed import Placed
-    from lcpflex.scene import DeclaredContact
+    from lcpflex.scene.joints import Joint
+    from lcpflex.scene.loads import Load
+    from lcpflex.scene.handles import Placed
+    from lcpflex.scene.scene import DeclaredContact
 
 __all__ = ["ReductionOrder", "order_of"]
 

@@ -24,13 +24,13 @@ import numpy as np
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.line_interfaces import LineStatics
 from lcpflex.errors import ModelError
-from lcpflex.surface_interfaces import Acting, acting_on
+from lcpflex.compile.surface_interfaces import Acting, acting_on
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.placed import Placed
-    from lcpflex.scene import DeclaredContact, Parts
+    from lcpflex.scene.handles import Placed
+    from lcpflex.scene.scene import DeclaredContact, Parts
 
 __all__ = ["MISSING", "deficits", "missing_compliance"]
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex import slots
+from lcpflex.scene.scene import slots
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.contact import shapes
@@ -22,8 +22,8 @@ from lcpflex.basics.arguments import absent, flag, sequence_of
 if TYPE_CHECKING:
     from lcpflex.contact.shapes import Surface
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.reduction_order import ReductionOrder
-    from lcpflex.slots import Slot
+    from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.scene.slots import Slot
 
 __all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]
 
