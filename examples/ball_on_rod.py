@@ -17,7 +17,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex import advice, gallery
+from lcpflex import gallery
+from lcpflex.checks import resolution_rules as advice
 
 SPEED, DURATION = 0.3, 2.5e-4  # [m/s], [s]
 MESHES = (4e-4, 1e-4, 5e-5)  # finest elements [m]

@@ -59,7 +59,7 @@ _HOME = {
     "TorsionSpring": "lcpflex.scene.loads",
     "simulate": "lcpflex.simulate",
     "resume": "lcpflex.resuming",
-    "EnergyGrowth": "lcpflex.energy",
+    "EnergyGrowth": "lcpflex.results.energy_balance",
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
     "AdaptiveStep": "lcpflex.steppers.adaptive",
@@ -76,8 +76,8 @@ _HOME = {
     "Poisson": "lcpflex.dynamics.impact_laws",
     "Newton": "lcpflex.dynamics.impact_laws",
     "UserSystem": "lcpflex.scene.user_system",
-    "Result": "lcpflex.result",
-    "RecordProblems": "lcpflex.recorder",
+    "Result": "lcpflex.results.result",
+    "RecordProblems": "lcpflex.results.problem_log",
     "Auto": "lcpflex.solvers.auto",
     "Lemke": "lcpflex.solvers.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
@@ -89,7 +89,7 @@ _HOME = {
     "StepError": "lcpflex.errors",
 }
 _PACKAGES = {  # loaded when they are first named
-    "advice": "lcpflex.advice",
+    "advice": "lcpflex.checks.resolution_rules",
     "gallery": "lcpflex.gallery",
     "laws": "lcpflex.contact.laws",
     "meshes": "lcpflex.bodies.fem.meshes",
@@ -225,12 +225,12 @@ if TYPE_CHECKING:
     from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.energy import EnergyGrowth
+    from lcpflex.results.energy_balance import EnergyGrowth
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
     from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
-    from lcpflex.recorder import RecordProblems
-    from lcpflex.result import Result
+    from lcpflex.results.problem_log import RecordProblems
+    from lcpflex.results.result import Result
     from lcpflex.resuming import resume
     from lcpflex.scene.scene import Scene
     from lcpflex.simulate import simulate

@@ -23,7 +23,7 @@ from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from lcpflex.gallery import Case
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["main"]
 

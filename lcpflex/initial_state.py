@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 
 if TYPE_CHECKING:
     from lcpflex.run_setup import Stepper

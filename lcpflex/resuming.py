@@ -16,8 +16,8 @@ from lcpflex.run_stamp import difference, functions_of, made, plain, scene_node,
 from lcpflex.simulate import carry_out
 
 if TYPE_CHECKING:
-    from lcpflex.recorder import RecordProblems
-    from lcpflex.result import Result
+    from lcpflex.results.problem_log import RecordProblems
+    from lcpflex.results.result import Result
     from lcpflex.scene.scene import Compiled, Scene
     from lcpflex.scene.user_system import UserSystem
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-from lcpflex.energy import EnergyGrowth
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import ModelError, shown
-from lcpflex.recorder import Recorder, RecordProblems
+from lcpflex.results.problem_log import Recorder, RecordProblems
 
 if TYPE_CHECKING:
     from lcpflex.scene.scene import Compiled, Scene

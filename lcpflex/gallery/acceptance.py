@@ -19,7 +19,7 @@ from lcpflex.simulate import simulate
 from lcpflex.studies.trial import brief
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
     from lcpflex.simulate import Stepper
 
 __all__ = ["LABELS", "Absent", "Check", "Entry", "Quantity", "Refused", "Row", "checks", "document", "rows"]

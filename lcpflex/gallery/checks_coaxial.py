@@ -11,7 +11,7 @@ from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
 from lcpflex.steppers.moreau_jean import MoreauJean
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["checks"]
 

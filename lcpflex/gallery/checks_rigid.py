@@ -24,7 +24,7 @@ from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
 
 if TYPE_CHECKING:
     from lcpflex.gallery.case import Case
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["checks"]
 

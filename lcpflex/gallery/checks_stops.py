@@ -12,7 +12,7 @@ from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity
 from lcpflex.gallery.stops import cases
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["checks"]
 

@@ -12,7 +12,7 @@ from lcpflex.model.arrays import OPEN, SLIP
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = [
     "along_slope",

@@ -209,7 +209,7 @@ class Scene(Clearances):
         ``scene.add(Beam(...), modes=8)`` reduces a flexible body for this scene, when it is compiled: to its 8 lowest
         free modes, and to residual (static) modes for every joint, load, spring and contact that is declared on it, so
         that its static compliance there is that of its mesh. Until then the handle answers for points and surfaces of
-        the mesh. What came out is in :meth:`lcpflex.result.Result.modes_of`.
+        the mesh. What came out is in :meth:`lcpflex.results.result.Result.modes_of`.
 
         Parameters
         ----------

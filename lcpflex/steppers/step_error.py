@@ -5,7 +5,7 @@ error of the long ones. Some steps of a run, evenly spread, are repeated like th
 notice: all memory is put back bit for bit. Part of the difference does not add up from step to step, as that of
 velocities which meet a joint in the middle of a step: what adds up is how much the difference after four steps is more
 than after one. Steps in which something strikes are left out: their error is counted for each impact, not sampled
-(:mod:`lcpflex.stated_error`). Source of step doubling: Hairer, Norsett & Wanner 1993, II.4.
+(:mod:`lcpflex.results.stated_error`). Source of step doubling: Hairer, Norsett & Wanner 1993, II.4.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.errors import writable_path
 from lcpflex.studies.trial import brief
-from lcpflex.summary import with_unit
+from lcpflex.results.summary import with_unit
 from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from lcpflex.studies.outputs import (
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["FULL", "Ladders", "State", "as_rich", "comparable", "known_outputs", "of_scene", "told", "with_rung"]
 

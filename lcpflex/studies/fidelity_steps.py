@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.studies.fidelity_scenes import State, told
 from lcpflex.studies.fidelity_search import Search
 from lcpflex.studies.trial import fineness
-from lcpflex.summary import with_unit
+from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
     from lcpflex.studies.fidelity_scenes import Ladders

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.energy import is_of_energy
+from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.errors import ModelError, SolverError, StepError, in_range
-from lcpflex.stated_error import error_shares
+from lcpflex.results.stated_error import error_shares
 from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
-from lcpflex.summary import COARSE, scene_size, with_unit
+from lcpflex.results.summary import COARSE, scene_size, with_unit
 
 if TYPE_CHECKING:
-    from lcpflex.energy import Energies
-    from lcpflex.result import Result
+    from lcpflex.results.energy_balance import Energies
+    from lcpflex.results.result import Result
     from lcpflex.studies.truth import Truth
 
 __all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result", "warned"]

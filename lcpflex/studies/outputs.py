@@ -15,7 +15,7 @@ from lcpflex.studies.graph_distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
     from lcpflex.scene.scene import Compiled
 
 __all__ = [
@@ -96,7 +96,7 @@ class Output:
 
     def of(self, result: Result) -> Measured:
         """The output of a result. Raises ModelError for what is neither a number nor one row for each instant."""
-        from lcpflex.result import Result
+        from lcpflex.results.result import Result
 
         if not isinstance(result, Result):
             raise ModelError(f"result: {shown(result)} was given, expected a Result")

@@ -9,7 +9,7 @@ import numpy as np
 from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["NotDefined", "has_impacts", "peak_force", "peak_impulse"]
 

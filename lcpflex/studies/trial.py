@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.energy import EnergyGrowth
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 from lcpflex.simulate import simulate
 from lcpflex.studies.outputs import Measured, Output
 from lcpflex.studies.time_limit import TimeLimit
@@ -123,7 +123,7 @@ def is_paradox(warning: str) -> bool:
 
 def scene_warnings(result: Result) -> tuple[str, ...]:
     """Warnings that are of the scene and not of the run: of bodies too stiff, or too coarse for their contacts."""
-    from lcpflex.resolved import unresolved
+    from lcpflex.checks.resolution import unresolved
 
     return (*unresolved(result), *(result.compiled.warnings if result.compiled is not None else ()))
 

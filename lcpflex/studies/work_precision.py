@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.bodies.body import whole_number
-from lcpflex.energy import EnergyGrowth
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.basics.arguments import optional_flag, positive, raised
 from lcpflex.studies.equal_times import apart_at_equal_times, blur_at_equal_times

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from lcpflex.studies.equal_times import UNKNOWN
 from lcpflex.studies.outputs import scale_text
-from lcpflex.summary import with_unit
+from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
     from lcpflex.studies.work_points import SceneStudy, WorkPoint

@@ -7,7 +7,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.advice import PAIRS
+from lcpflex.checks.resolution_rules import PAIRS
 from lcpflex.gallery import coaxial
 
 CASE = gallery.scenes()["meshed_sphere_on_rod"]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from lcpflex import advice, laws, meshes
+from lcpflex import laws, meshes
+from lcpflex.checks import resolution_rules as advice
 from tests.fuzz.face import Face, beam, body, mesh, pair, steel
 
 __all__ = ["advice_faces", "law_faces", "mesh_faces"]

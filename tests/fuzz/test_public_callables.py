@@ -16,7 +16,8 @@ import pytest
 from matplotlib import pyplot as plt
 
 import lcpflex as lf
-from lcpflex import advice, gallery, laws, meshes, solvers, studies
+from lcpflex import gallery, laws, meshes, solvers, studies
+from lcpflex.checks import resolution_rules as advice
 from tests.fuzz.bad_values import NUMBERS, WRONG
 from tests.fuzz.callables import INTERNAL, OUTPUTS, PLAIN, SLOW, faces
 from tests.fuzz.judge import ending_of, limited_memory

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.energy import Energies
-from lcpflex.result import SLIP, ContactSpots, Event, Result
+from lcpflex.results.energy_balance import Energies
+from lcpflex.results.result import SLIP, ContactSpots, Event, Result
 
 GRAVITY, MASS, HEIGHT, RESTITUTION = 9.81, 2.0, 0.5, 0.6
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from lcpflex.errors import ModelError
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 
 
 def assert_same(a: Any, b: Any, path: str = "result") -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from lcpflex import __version__
 from lcpflex.__main__ import main
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 
 SCENE = """
 import lcpflex as lf

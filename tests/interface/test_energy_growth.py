@@ -7,7 +7,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.energy import Energies, energy_warnings
+from lcpflex.results.energy_balance import Energies, energy_warnings
 
 STEPPERS = (lf.EventDriven(), lf.MoreauJean(step=1e-5))
 

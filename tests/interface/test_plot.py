@@ -16,11 +16,11 @@ from PIL import Image
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.chart_words import stepper_words, told_apart
-from lcpflex.charts import shown_forces
+from lcpflex.results.chart_words import stepper_words, told_apart
+from lcpflex.results.charts import shown_forces
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 
 
 def test_chart_shows_forces_gaps_and_energies_with_units(swing: Result) -> None:

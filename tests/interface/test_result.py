@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lcpflex.energy import Energies
+from lcpflex.results.energy_balance import Energies
 from lcpflex.errors import ModelError
-from lcpflex.result import STICK, Result
-from lcpflex.summary import doubts
+from lcpflex.results.result import STICK, Result
+from lcpflex.results.summary import doubts
 
 TOUCH = math.sqrt(2.0 * 0.5 / 9.81)
 

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 import lcpflex as lf
-from lcpflex.summary import doubts
+from lcpflex.results.summary import doubts
 from tests.property.overlap import Outline, deepest, outlines, speeds, tracks
 from tests.property.random_scenes import Drawn, box_corners, build, references, stepper_of
 

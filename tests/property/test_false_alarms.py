@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.summary import doubts
+from lcpflex.results.summary import doubts
 
 Variation = tuple[str, Callable[..., Any], dict[str, float]]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.summary import doubts
+from lcpflex.results.summary import doubts
 
 WEIGHT = 9.81
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import lcpflex as lf
-from lcpflex.summary import doubts
+from lcpflex.results.summary import doubts
 
 Loud = Callable[..., str]
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.summary import doubts
+from lcpflex.results.summary import doubts
 
 Loud = Callable[..., str]
 

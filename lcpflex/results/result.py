@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.force_laws.friction.creep import CREEP
-from lcpflex.energy import Energies
+from lcpflex.results.energy_balance import Energies
 from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.modal_coordinates import ModalCoordinates, modal_coordinates
+from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
 if TYPE_CHECKING:
@@ -220,35 +220,35 @@ class Result:
 
     def summary(self) -> str:
         """The simulation in words: what ran, what touched, where the energy went, how far to trust it."""
-        from lcpflex.summary import summary
+        from lcpflex.results.summary import summary
 
         return summary(self)
 
     def plot(self) -> Figure:
         """Chart of contact forces, gaps and energies over time."""
-        from lcpflex.charts import plot
+        from lcpflex.results.charts import plot
 
         return plot(self)
 
     def draw(self, t: float, axes: Axes | None = None) -> Figure:
         """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces."""
-        from lcpflex.plot import draw
+        from lcpflex.results.plot import draw
 
         return draw(self, t, axes)
 
     def animate(self, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
-        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.plot.animate`."""
-        from lcpflex.plot import animate
+        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`."""
+        from lcpflex.results.plot import animate
 
         return animate(self, path, fps=fps, slowdown=slowdown)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write everything to one npz file (format: :mod:`lcpflex.archive`), all of it or nothing.
+        """Write everything to one npz file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
 
         Python callbacks and force laws of the scene are left out: a loaded result can be drawn and measured, not
         continued. Raises ModelError with the path and the reason.
         """
-        from lcpflex.archive import write
+        from lcpflex.results.archive import write
 
         kept = self.compiled
         if kept is not None:
@@ -258,7 +258,7 @@ class Result:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result. Raises ModelError with the path and the reason."""
-        from lcpflex.archive import read
+        from lcpflex.results.archive import read
 
         loaded = read(path)
         if not isinstance(loaded, cls):

@@ -18,7 +18,7 @@ from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
-from lcpflex.result import Result, material_shapes, world_places
+from lcpflex.results.result import Result, material_shapes, world_places
 from lcpflex.scene.scene import Compiled
 
 __all__ = ["unseen_loads"]

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
-from lcpflex.result import world_places
+from lcpflex.results.result import world_places
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from lcpflex.jit.kernel import FloatArray, IntArray
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
     from lcpflex.scene.scene import Compiled
 
 __all__ = ["View", "draw_bodies", "draw_joints", "draw_surfaces", "view_of"]

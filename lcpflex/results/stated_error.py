@@ -23,7 +23,7 @@ from lcpflex.steppers.step_error import ORDER, Units
 
 if TYPE_CHECKING:
     from lcpflex.model.arrays import Model
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["error_shares", "stated_errors"]
 
@@ -245,7 +245,7 @@ def error_shares(result: Result) -> tuple[float, float] | None:
         return None
     if result.compiled is None:
         return result.place_error, result.speed_error
-    from lcpflex.summary import scene_size
+    from lcpflex.results.summary import scene_size
 
     model = result.compiled.model
     origins = np.concatenate([[d, d + 1] for d in model.bodies.dof[:-1].tolist()])

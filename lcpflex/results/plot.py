@@ -18,8 +18,8 @@ import numpy as np
 from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
 from lcpflex.basics.arguments import check_axes
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.picture import View, draw_bodies, draw_joints, draw_surfaces, view_of
-from lcpflex.picture_forces import arrow_tips, draw_forces, usual_force
+from lcpflex.results.drawing import View, draw_bodies, draw_joints, draw_surfaces, view_of
+from lcpflex.results.drawn_forces import arrow_tips, draw_forces, usual_force
 from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
     from lcpflex.scene.scene import Compiled
 
 __all__ = ["animate", "draw"]

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.result import world_places
-from lcpflex.summary import with_unit
+from lcpflex.results.result import world_places
+from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.picture import View
-    from lcpflex.result import Result
+    from lcpflex.results.drawing import View
+    from lcpflex.results.result import Result
     from lcpflex.scene.scene import Compiled
 
 __all__ = ["arrow_tips", "draw_forces", "usual_force"]

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.chart_words import stepper_words, told_apart
+from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.summary import lost_in_contacts, scene_size, with_unit
+from lcpflex.results.summary import lost_in_contacts, scene_size, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lcpflex.result import Result
+    from lcpflex.results.result import Result
 
 __all__ = ["plot", "shown_forces"]
 

@@ -29,9 +29,9 @@ from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Axis, Loads, Model
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 from lcpflex.scene.scene import Compiled
-from lcpflex.stated_error import CLAMPED
+from lcpflex.results.stated_error import CLAMPED
 
 __all__ = ["with_axial_loads"]
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.modal_coordinates import modal_coordinates
-from lcpflex.stated_error import error_shares
+from lcpflex.results.modal_coordinates import modal_coordinates
+from lcpflex.results.stated_error import error_shares
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.result import ContactHistory, Result
+    from lcpflex.results.result import ContactHistory, Result
 
 __all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]
 

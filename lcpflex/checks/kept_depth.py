@@ -22,7 +22,7 @@ from lcpflex.dynamics.start import violation
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.result import Result
+from lcpflex.results.result import Result
 from lcpflex.scene.scene import Compiled
 
 __all__ = ["kept_depths"]
