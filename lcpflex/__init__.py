@@ -57,8 +57,8 @@ _HOME = {
     "Table": "lcpflex.scene.loads",
     "Torque": "lcpflex.scene.loads",
     "TorsionSpring": "lcpflex.scene.loads",
-    "simulate": "lcpflex.simulate",
-    "resume": "lcpflex.resuming",
+    "simulate": "lcpflex.runs.simulate",
+    "resume": "lcpflex.runs.resume",
     "EnergyGrowth": "lcpflex.results.energy_balance",
     "EventDriven": "lcpflex.steppers.event_driven",
     "MoreauJean": "lcpflex.steppers.moreau_jean",
@@ -231,9 +231,9 @@ if TYPE_CHECKING:
     from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.results.problem_log import RecordProblems
     from lcpflex.results.result import Result
-    from lcpflex.resuming import resume
+    from lcpflex.runs.resume import resume
     from lcpflex.scene.scene import Scene
-    from lcpflex.simulate import simulate
+    from lcpflex.runs.simulate import simulate
     from lcpflex.scene.slots import Slot, SlotParts
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lemke import Lemke

@@ -93,7 +93,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _demo(request: argparse.Namespace) -> int:
-    from lcpflex.simulate import simulate
+    from lcpflex.runs.simulate import simulate
 
     folder = _checked_folder(request.folder)
     case = _case(DEMO)
@@ -121,7 +121,7 @@ def _gallery(request: argparse.Namespace) -> int:
 
 
 def _run(request: argparse.Namespace) -> int:
-    from lcpflex.simulate import simulate
+    from lcpflex.runs.simulate import simulate
 
     for option, unit in (("step", "seconds"), ("duration", "seconds"), ("stiffness", "N/m")):
         value = getattr(request, option)
@@ -155,7 +155,7 @@ def _warmup(request: argparse.Namespace) -> int:
 
     from lcpflex.gallery import warmup_cases
     from lcpflex.jit.cache import lost
-    from lcpflex.simulate import simulate
+    from lcpflex.runs.simulate import simulate
 
     start = perf_counter()
     with tqdm(warmup_cases(), desc="compiling", unit="scene") as bar:

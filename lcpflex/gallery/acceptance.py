@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 
 from lcpflex.gallery.bounds import BOUNDS
 from lcpflex.gallery.case import Case
-from lcpflex.simulate import simulate
+from lcpflex.runs.simulate import simulate
 from lcpflex.studies.trial import brief
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result
-    from lcpflex.simulate import Stepper
+    from lcpflex.runs.simulate import Stepper
 
 __all__ = ["LABELS", "Absent", "Check", "Entry", "Quantity", "Refused", "Row", "checks", "document", "rows"]
 

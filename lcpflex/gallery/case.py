@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lcpflex.scene.scene import Scene
-    from lcpflex.simulate import Stepper
+    from lcpflex.runs.simulate import Stepper
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Case"]

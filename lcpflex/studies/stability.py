@@ -33,7 +33,7 @@ import numpy as np
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.results.result import Result
-from lcpflex.simulate import simulate
+from lcpflex.runs.simulate import simulate
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output

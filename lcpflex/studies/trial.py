@@ -12,12 +12,12 @@ import numpy as np
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.result import Result
-from lcpflex.simulate import simulate
+from lcpflex.runs.simulate import simulate
 from lcpflex.studies.outputs import Measured, Output
 from lcpflex.studies.time_limit import TimeLimit
 
 if TYPE_CHECKING:
-    from lcpflex.simulate import Stepper
+    from lcpflex.runs.simulate import Stepper
 
 __all__ = [
     "NONE",

@@ -51,7 +51,7 @@ from lcpflex.studies.trial import Conditions, Trial, run_series
 from lcpflex.studies.work_points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
-    from lcpflex.simulate import Stepper
+    from lcpflex.runs.simulate import Stepper
 
 __all__ = ["work_precision"]
 

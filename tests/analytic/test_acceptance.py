@@ -12,7 +12,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.gallery.acceptance import CAMPAIGN, LABELS, ROUNDING, Absent, Check, Entry, Refused, checks, rows
 from lcpflex.gallery.bars import courant_step
-from lcpflex.simulate import Stepper
+from lcpflex.runs.simulate import Stepper
 
 CHECKS = {check.label: check for check in checks()}
 PAIRS = [(check, label) for check in CHECKS.values() for label in LABELS]

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex import checkpoint as checkpoints
-from lcpflex.checkpoint import Checkpoints, read
-from lcpflex.frozen import freeze
+from lcpflex.runs import checkpoint as checkpoints
+from lcpflex.runs.checkpoint import Checkpoints, read
+from lcpflex.runs.object_tree import freeze
 from tests.interface import checkpoint_runs
 from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
 
@@ -49,7 +49,7 @@ class Breaks:
                 os.kill(os.getpid(), signal.SIGINT)
 
         monkeypatch.setattr(Checkpoints, "chunk_begins", begin)
-        monkeypatch.setattr(sys.modules["lcpflex.simulate"], "CHUNK_SECONDS", 0.0)
+        monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
 
 
 def missing(path: Path, build: Any, stepper: Any) -> dict[str, Any]:
@@ -111,7 +111,7 @@ def test_results_do_not_depend_on_how_many_steps_are_made_at_a_time(name: str, m
     """As they would on a slow machine: the sampled steps are the same ones, and so is what is stated of the error."""
     build, duration, stepper = RUNS[name]
     whole = lf.simulate(build(), duration, stepper)
-    monkeypatch.setattr(sys.modules["lcpflex.simulate"], "CHUNK_SECONDS", 0.0)
+    monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
     assert_same_bits(whole, lf.simulate(build(), duration, stepper))
     assert whole.place_error is not None
 
@@ -137,7 +137,7 @@ CHILD = """
 import sys
 sys.path[:0] = [sys.argv[1]]
 import lcpflex as lf
-from lcpflex import checkpoint
+from lcpflex.runs import checkpoint
 from tests.interface.checkpoint_runs import heap
 from pathlib import Path
 checkpoint.SHARE = 1.0
@@ -375,7 +375,7 @@ def test_a_full_disk_is_told_once_and_loses_nothing(
     whole = lf.simulate(heap(), 0.05, lf.MoreauJean(1e-3))
     monkeypatch.setattr(np, "savez", savez)
     monkeypatch.setattr(checkpoints, "SHARE", np.inf)
-    monkeypatch.setattr(sys.modules["lcpflex.simulate"], "CHUNK_SECONDS", 0.0)
+    monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
     result = lf.simulate(heap(), 0.05, lf.MoreauJean(1e-3), checkpoint=path, every=0.0)
     assert capsys.readouterr().err.count("No space left") == 1
     assert calls[0] > 3

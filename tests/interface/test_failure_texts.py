@@ -9,7 +9,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, Poisson
-from lcpflex.simulate import _closed, _growth_cause
+from lcpflex.runs.simulate import _closed, _growth_cause
 
 
 def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:

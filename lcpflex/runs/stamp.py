@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.frozen import Arrays, Unkept, freeze
+from lcpflex.runs.object_tree import Arrays, Unkept, freeze
 
 if TYPE_CHECKING:
-    from lcpflex.run_setup import Setup, Stepper
+    from lcpflex.runs.setup import Setup, Stepper
     from lcpflex.scene.scene import Compiled
     from lcpflex.scene.user_system import UserSystem
 

@@ -6,14 +6,14 @@ import os
 from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.checkpoint import Checkpoint, Checkpoints, given_again, read
+from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
-from lcpflex.frozen import Arrays
+from lcpflex.runs.object_tree import Arrays
 from lcpflex.basics.arguments import optional_flag
-from lcpflex.run_setup import Options, Stepper, compiled_for, set_up
-from lcpflex.run_stamp import difference, functions_of, made, plain, scene_node, stepper_node
-from lcpflex.simulate import carry_out
+from lcpflex.runs.setup import Options, Stepper, compiled_for, set_up
+from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node, stepper_node
+from lcpflex.runs.simulate import carry_out
 
 if TYPE_CHECKING:
     from lcpflex.results.problem_log import RecordProblems

@@ -1,7 +1,7 @@
 """Checkpoints: a run on disk, from which it goes on bit for bit. Reading and writing are both here.
 
 One npz file of named arrays, never unpickled: ``format`` ("lcpflex checkpoint 1"), ``structure`` (a JSON text), and the
-arrays that it names (:mod:`lcpflex.frozen`). The structure holds
+arrays that it names (:mod:`lcpflex.runs.object_tree`). The structure holds
 
     made        versions of lcpflex and its sources, and of what else the last bits depend on
     options     duration, interval, and so on
@@ -31,14 +31,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.errors import ModelError, in_range, shown, writable_path
-from lcpflex.frozen import Arrays, Unkept, freeze, thaw
-from lcpflex.run_stamp import described
+from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
+from lcpflex.runs.stamp import described
 from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from types import FrameType
 
-    from lcpflex.run_setup import Run, Setup
+    from lcpflex.runs.setup import Run, Setup
     from lcpflex.basics.stopwatch import Stopwatch
 
 __all__ = ["Checkpoint", "Checkpoints", "read"]

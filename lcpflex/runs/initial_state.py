@@ -11,7 +11,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
 
 if TYPE_CHECKING:
-    from lcpflex.run_setup import Stepper
+    from lcpflex.runs.setup import Stepper
     from lcpflex.scene.scene import Compiled
     from lcpflex.scene.user_system import UserSystem
 
