@@ -24,8 +24,8 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Newton, Poisson
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-from lcpflex.steppers.smooth import Smooth, Verlet
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 from lcpflex.studies import Criteria, Outcome, StabilityMap, Verdict, acceleration_level, outcome_legend, stability
 
 NEWMARK, ALPHA = "Newmark, contact on positions", "nonsmooth generalised-alpha"

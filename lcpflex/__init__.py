@@ -60,15 +60,15 @@ _HOME = {
     "simulate": "lcpflex.runs.simulate",
     "resume": "lcpflex.runs.resume",
     "EnergyGrowth": "lcpflex.results.energy_balance",
-    "EventDriven": "lcpflex.steppers.event_driven",
-    "MoreauJean": "lcpflex.steppers.moreau_jean",
+    "EventDriven": "lcpflex.steppers.event_driven.stepper",
+    "MoreauJean": "lcpflex.steppers.moreau_jean.stepper",
     "AdaptiveStep": "lcpflex.steppers.adaptive",
-    "GeneralizedAlpha": "lcpflex.steppers.generalized_alpha",
-    "MasslessBoundary": "lcpflex.steppers.massless_boundary",
-    "Smooth": "lcpflex.steppers.smooth",
-    "ExplicitRungeKutta": "lcpflex.steppers.smooth",
-    "Stiff": "lcpflex.steppers.smooth",
-    "Verlet": "lcpflex.steppers.smooth",
+    "GeneralizedAlpha": "lcpflex.steppers.generalized_alpha.stepper",
+    "MasslessBoundary": "lcpflex.steppers.massless_boundary.stepper",
+    "Smooth": "lcpflex.steppers.smooth.stepper",
+    "ExplicitRungeKutta": "lcpflex.steppers.smooth.stepper",
+    "Stiff": "lcpflex.steppers.smooth.stepper",
+    "Verlet": "lcpflex.steppers.smooth.stepper",
     "ContactLaw": "lcpflex.force_laws.contact_law",
     "Penalty": "lcpflex.force_laws.penalty",
     "admissible_accelerations": "lcpflex.accelerations",
@@ -239,9 +239,9 @@ if TYPE_CHECKING:
     from lcpflex.solvers.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.steppers.adaptive import AdaptiveStep
-    from lcpflex.steppers.event_driven import EventDriven
-    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-    from lcpflex.steppers.massless_boundary import MasslessBoundary
-    from lcpflex.steppers.moreau_jean import MoreauJean
-    from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
+    from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
     from lcpflex.scene.user_system import UserSystem

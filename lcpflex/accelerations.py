@@ -37,7 +37,7 @@ from lcpflex.basics.arguments import numbers
 from lcpflex.jit.dispatch import link
 from lcpflex.solvers.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
-from lcpflex.steppers.event_memory import copy_entry
+from lcpflex.steppers.event_driven.memory import copy_entry
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace

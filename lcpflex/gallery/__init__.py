@@ -87,11 +87,11 @@ def warmup_cases() -> tuple[Case, ...]:
     from lcpflex.dynamics.impact_laws import Energetic, Poisson
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.steppers.adaptive import AdaptiveStep
-    from lcpflex.steppers.event_driven import EventDriven
-    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-    from lcpflex.steppers.massless_boundary import MasslessBoundary
-    from lcpflex.steppers.moreau_jean import MoreauJean
-    from lcpflex.steppers.smooth import Smooth, Stiff, Verlet
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
+    from lcpflex.steppers.smooth.stepper import Smooth, Stiff, Verlet
 
     known = scenes()
     control, spring = AdaptiveStep(), Penalty(1e5)

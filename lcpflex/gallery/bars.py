@@ -97,7 +97,7 @@ def bar_with_foot(elements: int = 400, speed: float = 1.0, ratio: float = 1.5, d
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     exact = "exact solution of the wave equation"
     modal = "exact: effective mass m/(2N+1) of a free bar with N modes at its end"

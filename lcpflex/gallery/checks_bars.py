@@ -13,11 +13,11 @@ from lcpflex.gallery import measures
 from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.bars import LENGTH, cases, courant_step
 from lcpflex.gallery.user_systems import cases as user_cases
-from lcpflex.steppers.event_driven import EventDriven
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-from lcpflex.steppers.massless_boundary import MasslessBoundary
-from lcpflex.steppers.moreau_jean import MoreauJean
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 if TYPE_CHECKING:
     from lcpflex.gallery.case import Case

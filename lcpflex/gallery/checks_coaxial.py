@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from lcpflex.gallery import measures
 from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity
 from lcpflex.gallery.coaxial import cases
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-from lcpflex.steppers.moreau_jean import MoreauJean
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result

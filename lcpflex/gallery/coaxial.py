@@ -87,7 +87,7 @@ def _check_edges(finest: float, size: float, least: float) -> None:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.massless_boundary import MasslessBoundary
+    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
     return (
         Case(

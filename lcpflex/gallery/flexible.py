@@ -81,7 +81,7 @@ def sliding_beam(modes: int = 8, friction: float = 0.3, roughness: float = 0.004
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     return (
         Case(

@@ -191,8 +191,8 @@ def stack(boxes: int = 10, top_mass: float = 1.0, friction: float = 0.5) -> Scen
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.event_driven import EventDriven
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     closed = "closed form"
     return (

@@ -81,7 +81,7 @@ def sphere_on_rod(elements: int = 200, speed: float = 0.3) -> Scene:
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
     from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
+    from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
     fine = ExplicitRungeKutta(rtol=1e-10, atol=1e-13)
     converged = "converged numerical solution"

@@ -155,8 +155,8 @@ def impacting_bar(nodes: int = 100) -> UserSystem:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.event_driven import EventDriven
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.event_driven.stepper import EventDriven
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     return (
         Case(

@@ -78,7 +78,7 @@ class Setup:
 
     def run(self) -> Run:
         """The run at its start."""
-        from lcpflex.steppers.own_laws import with_own_functions
+        from lcpflex.steppers.user_functions import with_own_functions
 
         run = self.stepper.start(self.system, self.options.duration, self.options.interval)
         started: Run = with_own_functions(run, self.system.functions)

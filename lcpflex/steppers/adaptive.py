@@ -29,7 +29,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = [
     "DEEPEST",

@@ -14,7 +14,7 @@ from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.steppers.own_laws import with_own_laws
+from lcpflex.steppers.user_functions import with_own_laws
 from lcpflex.steppers.system import System
 
 __all__ = [

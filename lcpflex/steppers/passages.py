@@ -12,8 +12,8 @@ from lcpflex.contact.features import SEGMENT
 from lcpflex.contact.thickness import law_thickness, pass_thickness
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_gaps import SPAN_TOLERANCE, foot_margin
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.event_driven.gaps import SPAN_TOLERANCE, foot_margin
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["Passages", "passed_through", "swallowed"]
 

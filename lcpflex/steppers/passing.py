@@ -10,7 +10,7 @@ import math
 from lcpflex.contact.detection import bound
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.tape import FARTHEST, LEAST, PASSES, Tape
+from lcpflex.steppers.recorder import FARTHEST, LEAST, PASSES, Tape
 
 __all__ = ["PASSED", "may_pass", "set_out", "set_out_freely"]
 

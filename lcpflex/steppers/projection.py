@@ -13,7 +13,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import auto
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["project_contacts", "project_joints"]
 

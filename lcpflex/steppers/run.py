@@ -9,7 +9,7 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["Records"]
 

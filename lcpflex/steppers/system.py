@@ -18,7 +18,7 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.tape import Tape, tape
+from lcpflex.steppers.recorder import Tape, tape
 
 __all__ = ["System"]
 

@@ -15,8 +15,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.adaptive import Backup
-from lcpflex.steppers.event_gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
-from lcpflex.steppers.tape import FARTHEST, Tape
+from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
+from lcpflex.steppers.recorder import FARTHEST, Tape
 
 __all__ = ["closed_pairs", "first_unmet"]
 

@@ -70,7 +70,7 @@ def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, fl
 
 def _stepper(request: argparse.Namespace) -> Any:
     """The stepper asked for: Moreau-Jean with a step, or what a file of the user's own has; None where none is."""
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     if request.stepper is None:
         return None if request.step is None else MoreauJean(step=in_range("--step", request.step, 0.0, math.inf,

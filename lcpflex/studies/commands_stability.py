@@ -169,32 +169,32 @@ def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
 
 
 def _moreau_jean(step: float, theta: float = 0.5) -> Any:
-    from lcpflex.steppers.moreau_jean import MoreauJean
+    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
     return MoreauJean(step=step, theta=theta)
 
 
 def _event_driven(step: float = math.inf, rtol: float = 1e-8) -> Any:
-    from lcpflex.steppers.event_driven import EventDriven
+    from lcpflex.steppers.event_driven.stepper import EventDriven
 
     return EventDriven(rtol=rtol, max_step=step)
 
 
 def _generalized_alpha(step: float, rho_inf: float = 0.8) -> Any:
-    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 
     return GeneralizedAlpha(step=step, rho_inf=rho_inf)
 
 
 def _massless_boundary(step: float, dynamic_modes: float | None = None) -> Any:
-    from lcpflex.steppers.massless_boundary import MasslessBoundary
+    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
     return MasslessBoundary(step=step, dynamic_modes=None if dynamic_modes is None else round(dynamic_modes))
 
 
 def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
     from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.steppers.smooth import Smooth, Verlet
+    from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 
     return Smooth(Penalty(stiffness=stiffness, damping=damping), integrator=Verlet(step))
 

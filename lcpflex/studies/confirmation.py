@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 from lcpflex.studies.equal_times import UNKNOWN, apart_at_equal_times, blur_at_equal_times
 from lcpflex.studies.looks import family_of
 from lcpflex.studies.outputs import Output, error_between, has_scale, resolution

@@ -171,7 +171,7 @@ def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> tuple[
 
 def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
     """Steppers to be tried, from long to short steps."""
-    from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 
     periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
     longest = min(duration / STEPS, min(periods) / A_PERIOD)

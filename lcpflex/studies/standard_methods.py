@@ -6,10 +6,10 @@ from typing import Any
 
 from lcpflex.basics.arguments import positive
 from lcpflex.steppers.adaptive import AdaptiveStep
-from lcpflex.steppers.event_driven import EventDriven
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-from lcpflex.steppers.massless_boundary import MasslessBoundary
-from lcpflex.steppers.moreau_jean import MoreauJean
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 __all__ = ["standard_methods"]
 

@@ -156,9 +156,9 @@ class _Search:
 
     def own(self) -> Truth:
         """The truth that the methods of the library agree on."""
-        from lcpflex.steppers.event_driven import EventDriven
-        from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
-        from lcpflex.steppers.moreau_jean import MoreauJean
+        from lcpflex.steppers.event_driven.stepper import EventDriven
+        from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+        from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
         event = self._run(EventDriven(rtol=RTOL, atol=ATOL))
         before: Trial | None = None

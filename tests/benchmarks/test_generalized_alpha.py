@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import lcpflex as lf
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 
 STEP = 1e-4
 

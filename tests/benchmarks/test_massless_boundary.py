@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 STEP = 2e-6  # short enough for the sticking ends of the strip: no step is divided
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import lcpflex as lf
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 STEP = 1e-5
 

@@ -11,7 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.gallery.rigid import stick_slip_block
-from lcpflex.steppers.generalized_alpha import GeneralizedAlpha
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 
 Build = Callable[[], lf.Scene]
 Array = npt.NDArray[np.float64]

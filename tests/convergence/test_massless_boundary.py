@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 import lcpflex as lf
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 FloatArray = npt.NDArray[np.float64]
 State = tuple[FloatArray, FloatArray]

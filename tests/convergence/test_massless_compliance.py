@@ -15,7 +15,7 @@ from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.stops import sphere_on_rod
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 FloatArray = npt.NDArray[np.float64]
 CONTACT_TIME = 7.828287e-5

@@ -11,7 +11,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 Vector = npt.NDArray[np.float64]
 

@@ -31,7 +31,7 @@ from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness,
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
 from lcpflex.errors import ModelError
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 STIFFNESS, MASS, SPEED = 4e7, 0.8, 1.5
 DEEP = (MASS * SPEED**2 / STIFFNESS) ** 0.4  # the scale of indentations

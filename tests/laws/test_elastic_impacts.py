@@ -17,7 +17,7 @@ from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 RADIUS, MASS, SPEED = 0.0079, 0.015, 0.3
 RTOL = 1e-11  # of a step

@@ -28,7 +28,7 @@ from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.errors import ModelError
 from lcpflex.model.arrays import SLIP, STICK
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 MU, STATIC = 0.3, 0.45
 SPEED = 1e-3

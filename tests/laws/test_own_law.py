@@ -19,7 +19,7 @@ from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.normal_kernels import normal_force
 from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 K, E = 1e7, 0.6
 FIXED = Verlet(1e-5)  # where rounding chooses no steps

@@ -11,8 +11,8 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, Poisson
-from lcpflex.steppers.event_memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
-from lcpflex.steppers.event_thresholds import Thresholds
+from lcpflex.steppers.event_driven.memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
+from lcpflex.steppers.event_driven.thresholds import Thresholds
 from tests.run_warnings import of_the_run
 
 

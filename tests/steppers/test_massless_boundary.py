@@ -15,7 +15,7 @@ from lcpflex import gallery
 from lcpflex.bodies.body import Body, MaterialPoint
 from lcpflex.gallery.bars import LENGTH, MODULUS
 from lcpflex.solvers.problem import Lcp, Solution
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 WAVE_SPEED = 30.0
 CONTACT_TIME = 2.0 * LENGTH / WAVE_SPEED

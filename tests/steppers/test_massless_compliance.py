@@ -22,7 +22,7 @@ from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.bars import LENGTH, MODULUS
 from lcpflex.gallery.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution
-from lcpflex.steppers.massless_boundary import MasslessBoundary
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 STEEL = Material(210e9, 0.3)
 RADIUS = 0.015

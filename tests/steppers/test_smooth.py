@@ -14,7 +14,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.steppers.smooth import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 FINE = ExplicitRungeKutta(rtol=1e-11, atol=1e-13)
 RADIUS = 0.015

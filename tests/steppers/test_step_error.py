@@ -13,7 +13,7 @@ from lcpflex import gallery
 from lcpflex.gallery.flexible import aluminium_strip
 from lcpflex.results.stated_error import error_shares
 from lcpflex.steppers import step_error
-from lcpflex.steppers.moreau_jean import MoreauJeanScheme
+from lcpflex.steppers.moreau_jean.stepper import MoreauJeanScheme
 
 
 def bouncing_beam(**law: Any) -> lf.Scene:

@@ -12,7 +12,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.steppers.smooth import Smooth, Verlet
+from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 from lcpflex.studies import Criteria, Outcome, StabilityMap, acceleration_level, stability
 
 

@@ -15,7 +15,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.scene.scene import Scene
-from lcpflex.steppers.smooth import Smooth, Verlet
+from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 from lcpflex.studies import Outcome, right_size, stability
 from lcpflex.studies.fidelity_report import RightSize
 from lcpflex.studies.fidelity_scenes import comparable, of_scene

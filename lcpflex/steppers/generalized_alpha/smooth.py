@@ -1,6 +1,6 @@
 """The smooth motion of a generalised-alpha step: Newton's method on accelerations, with contact forces.
 
-See :mod:`lcpflex.steppers.generalized_alpha` for the scheme.
+See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.friction import split_friction_solution
-from lcpflex.steppers.event_memory import copy_entry
-from lcpflex.steppers.generalized_alpha_memory import (
+from lcpflex.steppers.event_driven.memory import copy_entry
+from lcpflex.steppers.generalized_alpha.memory import (
     CHANGE,
     DAMPING,
     DRIVE,

@@ -16,8 +16,8 @@ from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_bounces import note_strike, too_low
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.bounces import note_strike, too_low
+from lcpflex.steppers.event_driven.memory import (
     ALONE,
     CUTS,
     DETAIL,
@@ -40,7 +40,7 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     copy_entry,
 )
-from lcpflex.steppers.tape import Tape, note_certificate, note_gain
+from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
 
 __all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide"]
 

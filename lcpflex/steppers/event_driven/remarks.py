@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lcpflex.model.arrays import OPEN, STICK
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.memory import (
     CUTS,
     FIRST_JAM,
     FIRST_SEVERAL,

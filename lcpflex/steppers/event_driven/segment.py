@@ -15,7 +15,7 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_gaps import (
+from lcpflex.steppers.event_driven.gaps import (
     CROSSED,
     NARROW,
     SPAN_TOLERANCE,
@@ -24,7 +24,7 @@ from lcpflex.steppers.event_gaps import (
     foot_margin,
     slave_margin,
 )
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.memory import (
     CAUSE,
     CLOSING,
     CONE,
@@ -44,7 +44,7 @@ from lcpflex.steppers.event_memory import (
     EventMemory,
     EventSettings,
 )
-from lcpflex.steppers.event_root import asked, found, start, tell
+from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
 
 __all__ = ["FORCE_TOLERANCE", "measure", "search", "slope", "step", "watch"]

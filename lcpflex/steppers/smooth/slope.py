@@ -33,7 +33,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
-from lcpflex.steppers.smooth_memory import (
+from lcpflex.steppers.smooth.memory import (
     CONTACT_DAMPING,
     DAMPING,
     DETAIL,
@@ -43,7 +43,7 @@ from lcpflex.steppers.smooth_memory import (
     WORK,
     SmoothMemory,
 )
-from lcpflex.steppers.tape import Tape, note_contact, store_contacts, store_state
+from lcpflex.steppers.recorder import Tape, note_contact, store_contacts, store_state
 
 __all__ = ["horizon", "mobility", "natural_frequency", "record", "slope"]
 

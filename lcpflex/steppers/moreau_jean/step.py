@@ -1,6 +1,6 @@
 """The two halves of a Moreau-Jean step, with its records: what the loops with fixed and adaptive steps share.
 
-See :mod:`lcpflex.steppers.moreau_jean` for the scheme.
+See :mod:`lcpflex.steppers.moreau_jean.stepper` for the scheme.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import (
+from lcpflex.steppers.recorder import (
     Tape,
     note_certificate,
     note_contact,

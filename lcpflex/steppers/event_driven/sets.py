@@ -1,4 +1,4 @@
-"""The choice of the index sets at an event, after its impacts (:mod:`lcpflex.steppers.event_impacts`).
+"""The choice of the index sets at an event, after its impacts (:mod:`lcpflex.steppers.event_driven.impacts`).
 
 1. All pairs with a closed gap take part in impacts as long as one of them approaches faster than the velocity
    threshold. Slower approach is not reflected (e_N = 0) but stopped: this ends the infinitely many impacts
@@ -29,8 +29,8 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.solvers.enumeration import enumerate_active_sets
 from lcpflex.solvers.friction import split_friction_solution
-from lcpflex.steppers.event_impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
+from lcpflex.steppers.event_driven.memory import (
     CONE,
     CONTACTS,
     DETAIL,
@@ -63,8 +63,8 @@ from lcpflex.steppers.event_memory import (
     copy_entry,
     note_event,
 )
-from lcpflex.steppers.event_segment import FORCE_TOLERANCE
-from lcpflex.steppers.tape import Tape, note_certificate
+from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
+from lcpflex.steppers.recorder import Tape, note_certificate
 
 __all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
 

@@ -10,7 +10,7 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.steppers.event_memory import copy_entry
+from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
 __all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]

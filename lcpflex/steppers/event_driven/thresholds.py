@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from lcpflex.steppers.event_memory import EVENT_KINDS, LIFT_OFF, REVERSES, SLIPS, STICKS, WINDOW, EventSettings
-from lcpflex.steppers.event_remarks import times
+from lcpflex.steppers.event_driven.memory import EVENT_KINDS, LIFT_OFF, REVERSES, SLIPS, STICKS, WINDOW, EventSettings
+from lcpflex.steppers.event_driven.remarks import times
 from lcpflex.steppers.named import listed
 
 __all__ = ["SLIP_PART", "Thresholds"]

@@ -13,8 +13,8 @@ from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
-from lcpflex.steppers.event_root import asked, found, start, tell
+from lcpflex.steppers.event_driven.memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import interpolate
 
 __all__ = [

@@ -27,7 +27,7 @@ from lcpflex.steppers.runge_kutta import (
     stage_state,
     step_factor,
 )
-from lcpflex.steppers.smooth_memory import (
+from lcpflex.steppers.smooth.memory import (
     DETAIL,
     ERROR,
     FREQUENCY,
@@ -45,7 +45,7 @@ from lcpflex.steppers.smooth_memory import (
     early,
     note,
 )
-from lcpflex.steppers.smooth_slope import (
+from lcpflex.steppers.smooth.slope import (
     DONE,
     GROW,
     NOT_FINITE,
@@ -57,7 +57,7 @@ from lcpflex.steppers.smooth_slope import (
     record,
     slope,
 )
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = [
     "SmoothSettings",

@@ -47,8 +47,8 @@ from lcpflex.steppers.adaptive import (
     threshold,
 )
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.event_memory import copy_entry
-from lcpflex.steppers.generalized_alpha_memory import (
+from lcpflex.steppers.event_driven.memory import copy_entry
+from lcpflex.steppers.generalized_alpha.memory import (
     APPROACH,
     LIFTED,
     NOW,
@@ -64,15 +64,15 @@ from lcpflex.steppers.generalized_alpha_memory import (
     alpha_memory,
     larger,
 )
-from lcpflex.steppers.generalized_alpha_memory import STOPPED as AT_REST
-from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
-from lcpflex.steppers.generalized_alpha_step import AGAIN, STEPPED, correct, give_up_smooth, predict
-from lcpflex.steppers.moreau_jean_step import grown, record
+from lcpflex.steppers.generalized_alpha.memory import STOPPED as AT_REST
+from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings
+from lcpflex.steppers.generalized_alpha.step import AGAIN, STEPPED, correct, give_up_smooth, predict
+from lcpflex.steppers.moreau_jean.step import grown, record
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledGeneralizedAlpha"]

@@ -1,9 +1,9 @@
 """Event-driven stepping: smooth motion of high order between events that are located in time.
 
 Between events the index sets are fixed and the motion is an ordinary differential equation, advanced by a Runge-Kutta
-pair 5(4) with error control (:mod:`lcpflex.steppers.event_segment`). At an event (a gap closes, a contact force
+pair 5(4) with error control (:mod:`lcpflex.steppers.event_driven.segment`). At an event (a gap closes, a contact force
 vanishes, slip stops, stick breaks, a foot leaves its segment) impacts are resolved and the sets chosen anew
-(:mod:`lcpflex.steppers.event_sets`). Source: Pfeiffer & Glocker 1996.
+(:mod:`lcpflex.steppers.event_driven.sets`). Source: Pfeiffer & Glocker 1996.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from lcpflex.solvers.enumeration import Enumeration
 from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
-from lcpflex.steppers.event_loop import (
+from lcpflex.steppers.event_driven.loop import (
     CALM,
     CHATTER,
     CHOOSING,
@@ -43,7 +43,7 @@ from lcpflex.steppers.event_loop import (
     TOO_OFTEN,
     advance,
 )
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.memory import (
     CONTACTS,
     DEEPEST,
     DETAIL,
@@ -69,8 +69,8 @@ from lcpflex.steppers.event_memory import (
     EventSettings,
     event_memory,
 )
-from lcpflex.steppers.event_remarks import event_remarks, shared_load
-from lcpflex.steppers.event_thresholds import SLIP_PART, Thresholds
+from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
+from lcpflex.steppers.event_driven.thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.named import listed
 from lcpflex.steppers.run import Records

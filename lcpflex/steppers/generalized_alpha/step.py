@@ -1,6 +1,6 @@
 """The problems of a generalised-alpha step, posed and applied one by one; here that of velocities.
 
-See :mod:`lcpflex.steppers.generalized_alpha` for the scheme. All contact problems of a step are solved at one place
+See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme. All contact problems of a step are solved at one place
 of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
 """
 
@@ -17,7 +17,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.friction import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful
-from lcpflex.steppers.generalized_alpha_memory import (
+from lcpflex.steppers.generalized_alpha.memory import (
     APPROACH,
     BETWEEN,
     DAMPING,
@@ -40,11 +40,11 @@ from lcpflex.steppers.generalized_alpha_memory import (
     AlphaMemory,
     match,
 )
-from lcpflex.steppers.generalized_alpha_position import (
+from lcpflex.steppers.generalized_alpha.position import (
     apply_position,
     pose_position,
 )
-from lcpflex.steppers.generalized_alpha_smooth import (
+from lcpflex.steppers.generalized_alpha.smooth import (
     AlphaSettings,
     apply_smooth,
     lay,
@@ -52,7 +52,7 @@ from lcpflex.steppers.generalized_alpha_smooth import (
     slip_mode,
 )
 from lcpflex.steppers.stepping_run import NOT_FINITE
-from lcpflex.steppers.tape import Tape, note_certificate, note_gain
+from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
 
 __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
 

@@ -1,4 +1,4 @@
-"""The compiled step of the massless-boundary scheme (see :class:`lcpflex.steppers.massless_boundary.MasslessBoundary`).
+"""The compiled step of the massless-boundary scheme (see :class:`lcpflex.steppers.massless_boundary.stepper.MasslessBoundary`).
 
 A step is made of equal parts, as many as stability asks for. Each part is predicted, its contact problem is solved, and
 if the contacts that this closes do not admit its length, it is taken back and made shorter.
@@ -19,11 +19,11 @@ from lcpflex.dynamics.position import admissible, pose_position, split_forces, s
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
-from lcpflex.steppers.massless_memory import Boundary, Settings
+from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
-from lcpflex.steppers.tape import Tape, note_certificate, note_contact, store_contacts, store_state
+from lcpflex.steppers.recorder import Tape, note_certificate, note_contact, store_contacts, store_state
 
 __all__ = ["advance", "short_enough"]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_memory import REMEMBERED, STRUCK, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_driven.memory import REMEMBERED, STRUCK, TIME, EventMemory, EventSettings
 
 __all__ = ["note_strike", "too_low"]
 

@@ -21,10 +21,10 @@ from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.errors import ModelError, shown
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.steppers.own_laws import with_own_laws
+from lcpflex.steppers.user_functions import with_own_laws
 from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
-from lcpflex.steppers.smooth_explicit import SmoothSettings
-from lcpflex.steppers.smooth_run import FixedRun, SmoothRun
+from lcpflex.steppers.smooth.explicit import SmoothSettings
+from lcpflex.steppers.smooth.run import FixedRun, SmoothRun
 from lcpflex.steppers.system import System
 
 __all__ = ["ExplicitRungeKutta", "Smooth", "Stiff", "Verlet"]
@@ -194,7 +194,7 @@ class Smooth:
         if isinstance(integrator, Stiff):
             from scipy.integrate import Radau
 
-            from lcpflex.steppers.smooth_implicit import StiffRun
+            from lcpflex.steppers.smooth.implicit import StiffRun
 
             return StiffRun(system, laws, settings, integrator.method or Radau)
         return SmoothRun(system, laws, settings, integrator.first_step or 0.0)

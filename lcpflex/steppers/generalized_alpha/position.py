@@ -1,6 +1,6 @@
 """The position problem of a generalised-alpha step: no drift of joints, no penetration.
 
-See :mod:`lcpflex.steppers.generalized_alpha` for the scheme.
+See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_memory import copy_entry
-from lcpflex.steppers.generalized_alpha_memory import (
+from lcpflex.steppers.event_driven.memory import copy_entry
+from lcpflex.steppers.generalized_alpha.memory import (
     FOUND,
     LIFTED,
     PASS,
@@ -27,8 +27,8 @@ from lcpflex.steppers.generalized_alpha_memory import (
     hold,
     match,
 )
-from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings, lay
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings, lay
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["apply_position", "gather_pressed", "pose_position", "position_error"]
 

@@ -17,7 +17,7 @@ from lcpflex.dynamics.instants import time_left
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.scales import scales_of, usual_state
-from lcpflex.steppers.smooth_explicit import (
+from lcpflex.steppers.smooth.explicit import (
     ALL_OF_IT,
     HALVINGS,
     NONE_OF_IT,
@@ -27,9 +27,9 @@ from lcpflex.steppers.smooth_explicit import (
     note_depths,
     take_note,
 )
-from lcpflex.steppers.smooth_memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
-from lcpflex.steppers.smooth_run import SmoothRun
-from lcpflex.steppers.smooth_slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
+from lcpflex.steppers.smooth.memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
+from lcpflex.steppers.smooth.run import SmoothRun
+from lcpflex.steppers.smooth.slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
 from lcpflex.steppers.system import System
 
 __all__ = ["StiffRun"]

@@ -32,8 +32,8 @@ from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
-from lcpflex.steppers.moreau_jean_adaptive import ControlledMoreauJean
-from lcpflex.steppers.moreau_jean_step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
+from lcpflex.steppers.moreau_jean.adaptive import ControlledMoreauJean
+from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, scales_of
@@ -41,7 +41,7 @@ from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["MoreauJean"]
 

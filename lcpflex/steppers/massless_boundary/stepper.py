@@ -48,15 +48,15 @@ from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws
-from lcpflex.steppers.massless_compliance import (
+from lcpflex.steppers.massless_boundary.compliance import (
     beyond_range,
     checked_compliance,
     compliance_rows,
     expected_compliance,
     out_of_range,
 )
-from lcpflex.steppers.massless_memory import Settings, boundary_of
-from lcpflex.steppers.massless_step import (
+from lcpflex.steppers.massless_boundary.memory import Settings, boundary_of
+from lcpflex.steppers.massless_boundary.step import (
     BEGUN,
     FINEST,
     MADE,
@@ -72,7 +72,7 @@ from lcpflex.steppers.massless_step import (
     advance,
     short_enough,
 )
-from lcpflex.steppers.moreau_jean_step import grown
+from lcpflex.steppers.moreau_jean.step import grown
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import scales_of

@@ -38,8 +38,8 @@ from lcpflex.solvers.own import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.generalized_alpha_adaptive import ControlledGeneralizedAlpha
-from lcpflex.steppers.generalized_alpha_memory import (
+from lcpflex.steppers.generalized_alpha.adaptive import ControlledGeneralizedAlpha
+from lcpflex.steppers.generalized_alpha.memory import (
     BETWEEN,
     NOW,
     PHASE,
@@ -51,8 +51,8 @@ from lcpflex.steppers.generalized_alpha_memory import (
     alpha_memory,
     larger,
 )
-from lcpflex.steppers.generalized_alpha_smooth import AlphaSettings
-from lcpflex.steppers.generalized_alpha_step import (
+from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings
+from lcpflex.steppers.generalized_alpha.step import (
     AGAIN,
     STEPPED,
     correct,
@@ -60,7 +60,7 @@ from lcpflex.steppers.generalized_alpha_step import (
     predict,
 )
 from lcpflex.steppers.law_run import refuse_laws
-from lcpflex.steppers.moreau_jean_step import grown, record
+from lcpflex.steppers.moreau_jean.step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, given_or, scales_of
@@ -77,7 +77,7 @@ from lcpflex.steppers.stepping_run import (
     contact_trouble,
 )
 from lcpflex.steppers.system import System
-from lcpflex.steppers.tape import Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["GeneralizedAlpha"]
 

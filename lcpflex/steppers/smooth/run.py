@@ -11,13 +11,13 @@ from lcpflex.jit.dispatch import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
-from lcpflex.steppers.smooth_explicit import (
+from lcpflex.steppers.smooth.explicit import (
     STEPPING,
     SmoothSettings,
     advance,
     advance_fixed,
 )
-from lcpflex.steppers.smooth_memory import (
+from lcpflex.steppers.smooth.memory import (
     DETAIL,
     FREQUENCY,
     PHASE,
@@ -27,7 +27,7 @@ from lcpflex.steppers.smooth_memory import (
     TIME,
     smooth_memory,
 )
-from lcpflex.steppers.smooth_slope import (
+from lcpflex.steppers.smooth.slope import (
     DONE,
     GROW,
     GROW_TAPE,

@@ -16,8 +16,8 @@ from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
-from lcpflex.steppers.event_impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
-from lcpflex.steppers.event_memory import (
+from lcpflex.steppers.event_driven.impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
+from lcpflex.steppers.event_driven.memory import (
     CAUSE,
     CONTACTS,
     DETAIL,
@@ -39,10 +39,10 @@ from lcpflex.steppers.event_memory import (
     EventMemory,
     EventSettings,
 )
-from lcpflex.steppers.event_segment import search, slope, step, watch
-from lcpflex.steppers.event_sets import choose, fall_back, gather, note_changes
+from lcpflex.steppers.event_driven.segment import search, slope, step, watch
+from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
-from lcpflex.steppers.tape import Tape, note_contact, note_laws, store_contacts, store_state
+from lcpflex.steppers.recorder import Tape, note_contact, note_laws, store_contacts, store_state
 
 __all__ = ["CALM", "CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 
