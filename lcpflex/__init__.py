@@ -71,7 +71,7 @@ _HOME = {
     "Verlet": "lcpflex.steppers.smooth.stepper",
     "ContactLaw": "lcpflex.force_laws.contact_law",
     "Penalty": "lcpflex.force_laws.penalty",
-    "admissible_accelerations": "lcpflex.accelerations",
+    "admissible_accelerations": "lcpflex.studies.stability_maps.admissible_accelerations",
     "Energetic": "lcpflex.dynamics.impact_laws",
     "Poisson": "lcpflex.dynamics.impact_laws",
     "Newton": "lcpflex.dynamics.impact_laws",
@@ -204,7 +204,7 @@ class _Package(ModuleType):
 sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
-    from lcpflex.accelerations import admissible_accelerations
+    from lcpflex.studies.stability_maps.admissible_accelerations import admissible_accelerations
     from lcpflex.bodies.bar import Bar
     from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.continuum import Continuum

@@ -13,12 +13,12 @@ import numpy as np
 
 from lcpflex import __version__
 from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, shown, writable_path
-from lcpflex.studies.command_line import called, check_picture, in_file, load_named
-from lcpflex.studies.command_parser import Parser
-from lcpflex.studies.commands_chart import add_chart
-from lcpflex.studies.commands_cross_check import add_cross_check
-from lcpflex.studies.commands_right_size import add_right_size
-from lcpflex.studies.commands_stability import add_stability
+from lcpflex.cli.reading import called, check_picture, in_file, load_named
+from lcpflex.cli.parser import Parser
+from lcpflex.cli.chart import add_chart
+from lcpflex.cli.cross_check import add_cross_check
+from lcpflex.cli.right_size import add_right_size
+from lcpflex.cli.stability import add_stability
 from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:

@@ -12,24 +12,24 @@ from typing import TYPE_CHECKING, Any
 
 _HOME = {
     "Criteria": "lcpflex.studies.outcome",
-    "FidelityRun": "lcpflex.studies.fidelity_report",
-    "NextRung": "lcpflex.studies.fidelity_report",
+    "FidelityRun": "lcpflex.studies.model_order.report",
+    "NextRung": "lcpflex.studies.model_order.report",
     "Outcome": "lcpflex.studies.outcome",
     "Output": "lcpflex.studies.outputs",
-    "RightSize": "lcpflex.studies.fidelity_report",
-    "StabilityMap": "lcpflex.studies.stability_map",
+    "RightSize": "lcpflex.studies.model_order.report",
+    "StabilityMap": "lcpflex.studies.stability_maps.stability_map",
     "Verdict": "lcpflex.studies.outcome",
     "Vibrations": "lcpflex.studies.vibrations",
-    "WorkPoint": "lcpflex.studies.work_points",
-    "WorkPrecision": "lcpflex.studies.work_points",
-    "acceleration_level": "lcpflex.studies.acceleration_level",
-    "graph_distance": "lcpflex.studies.graph_distance",
-    "outcome_legend": "lcpflex.studies.stability_chart",
-    "right_size": "lcpflex.studies.right_size",
+    "WorkPoint": "lcpflex.studies.convergence.points",
+    "WorkPrecision": "lcpflex.studies.convergence.points",
+    "acceleration_level": "lcpflex.studies.stability_maps.acceleration_level",
+    "graph_distance": "lcpflex.studies.convergence.distance",
+    "outcome_legend": "lcpflex.studies.stability_maps.chart",
+    "right_size": "lcpflex.studies.model_order.right_size",
     "small_vibrations": "lcpflex.studies.vibrations",
-    "stability": "lcpflex.studies.stability",
-    "standard_methods": "lcpflex.studies.standard_methods",
-    "work_precision": "lcpflex.studies.work_precision",
+    "stability": "lcpflex.studies.stability_maps.study",
+    "standard_methods": "lcpflex.studies.convergence.methods",
+    "work_precision": "lcpflex.studies.convergence.work_precision",
 }
 
 __all__ = [
@@ -82,16 +82,16 @@ class _Package(ModuleType):
 sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
-    from lcpflex.studies.acceleration_level import acceleration_level
-    from lcpflex.studies.fidelity_report import FidelityRun, NextRung, RightSize
-    from lcpflex.studies.graph_distance import graph_distance
+    from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
+    from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
+    from lcpflex.studies.convergence.distance import graph_distance
     from lcpflex.studies.outcome import Criteria, Outcome, Verdict
     from lcpflex.studies.outputs import Output
-    from lcpflex.studies.right_size import right_size
-    from lcpflex.studies.stability import stability
-    from lcpflex.studies.stability_chart import outcome_legend
-    from lcpflex.studies.stability_map import StabilityMap
-    from lcpflex.studies.standard_methods import standard_methods
+    from lcpflex.studies.model_order.right_size import right_size
+    from lcpflex.studies.stability_maps.study import stability
+    from lcpflex.studies.stability_maps.chart import outcome_legend
+    from lcpflex.studies.stability_maps.stability_map import StabilityMap
+    from lcpflex.studies.convergence.methods import standard_methods
     from lcpflex.studies.vibrations import Vibrations, small_vibrations
-    from lcpflex.studies.work_points import WorkPoint, WorkPrecision
-    from lcpflex.studies.work_precision import work_precision
+    from lcpflex.studies.convergence.points import WorkPoint, WorkPrecision
+    from lcpflex.studies.convergence.work_precision import work_precision

@@ -20,7 +20,7 @@ from lcpflex.results.summary import COARSE, scene_size, with_unit
 if TYPE_CHECKING:
     from lcpflex.results.energy_balance import Energies
     from lcpflex.results.result import Result
-    from lcpflex.studies.truth import Truth
+    from lcpflex.studies.stability_maps.truth import Truth
 
 __all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result", "warned"]
 

@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.studies.graph_distance import graph_distance
+from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:

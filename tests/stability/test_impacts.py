@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.accelerations import Count, admissible_accelerations
+from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
 
 

@@ -13,8 +13,8 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery, studies
 from lcpflex.errors import ModelError
-from lcpflex.studies.command_line import check_picture, load_named
-from lcpflex.studies.commands_chart import add_chart
+from lcpflex.cli.reading import check_picture, load_named
+from lcpflex.cli.chart import add_chart
 
 MINE = """
 import lcpflex as lf
@@ -53,7 +53,7 @@ def chart(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     }
     for module in ("standard_methods", "work_precision"):  # the functions hide the modules of their names
         monkeypatch.setattr(sys.modules[f"lcpflex.studies.{module}"], "standard_methods", lambda duration: short)
-    monkeypatch.setattr(sys.modules["lcpflex.studies.work_precision"], "MOST", 2000)  # instants: quick
+    monkeypatch.setattr(sys.modules["lcpflex.studies.convergence.work_precision"], "MOST", 2000)  # instants: quick
     parser = argparse.ArgumentParser()
     case = gallery.scenes()["stick_slip"]
     add_chart(parser.add_subparsers(), lambda text: (case.build(), case.duration, case.stepper))
@@ -126,7 +126,7 @@ def test_what_cannot_be_is_refused_before_the_run(chart, mine, monkeypatch, opti
     def never(*_: object, **__: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(sys.modules["lcpflex.studies.work_precision"], "work_precision", never)
+    monkeypatch.setattr(sys.modules["lcpflex.studies.convergence.work_precision"], "work_precision", never)
     with pytest.raises(ModelError) as raised:
         chart(*(option.format(mine=mine) for option in options))
     assert words in str(raised.value)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from lcpflex import ModelError, gallery
-from lcpflex.studies.commands_stability import add_stability
+from lcpflex.cli.stability import add_stability
 
 
 def find(text: str) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.studies.equal_times import apart_at_equal_times
+from lcpflex.studies.convergence.equal_times import apart_at_equal_times
 from lcpflex.studies.outputs import Measured, Output, Part
 
 TIP = Output("tip", lambda result: 0.0)

@@ -15,13 +15,13 @@ from lcpflex import gallery
 from lcpflex.errors import ModelError
 from lcpflex.scene.substitution import settled
 from lcpflex.scene.scene import Scene
-from lcpflex.studies import right_size
-from lcpflex.studies.commands_right_size import add_right_size
-from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking, left_at, trend_of
-from lcpflex.studies.fidelity_report import FidelityRun, RightSize
-from lcpflex.studies.fidelity_scenes import comparable, of_scene
-from lcpflex.studies.fidelity_search import Search
-from lcpflex.studies.fidelity_verdict import scatter
+from lcpflex.studies.model_order import right_size
+from lcpflex.cli.right_size import add_right_size
+from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking, left_at, trend_of
+from lcpflex.studies.model_order.report import FidelityRun, RightSize
+from lcpflex.studies.model_order.scenes import comparable, of_scene
+from lcpflex.studies.model_order.search import Search
+from lcpflex.studies.model_order.verdict import scatter
 from tests.studies.fidelity_scenes import strip
 
 STEP = lf.MoreauJean(step=2e-3)

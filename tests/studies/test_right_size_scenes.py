@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lcpflex.studies import fidelity_search, right_size
-from lcpflex.studies.fidelity_scenes import comparable, of_scene
-from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.model_order import search as fidelity_search
+from lcpflex.studies.model_order import right_size
+from lcpflex.studies.model_order.scenes import comparable, of_scene
+from lcpflex.studies.model_order.search import Search
 from tests.studies.fidelity_scenes import QUESTIONS, random_question
 
 OF_A_STEP = 25

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.studies.fidelity_scenes import State, told
-from lcpflex.studies.fidelity_search import Search
+from lcpflex.studies.model_order.scenes import State, told
+from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.trial import fineness
 from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
-    from lcpflex.studies.fidelity_scenes import Ladders
+    from lcpflex.studies.model_order.scenes import Ladders
 
 __all__ = ["HalfSteps", "half_steps", "undersampled"]
 

@@ -305,7 +305,7 @@ class RightSize:
 
     def plot(self) -> Figure:
         """Error against cost of every run, the tolerance, and the one that was chosen."""
-        from lcpflex.studies.fidelity_chart import chart
+        from lcpflex.studies.model_order.chart import chart
 
         return chart(self)
 

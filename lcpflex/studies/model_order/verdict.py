@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lcpflex.studies.fidelity_scenes import State, as_rich
-from lcpflex.studies.fidelity_search import UNTRUSTED, Search
-from lcpflex.studies.fidelity_steps import undersampled
+from lcpflex.studies.model_order.scenes import State, as_rich
+from lcpflex.studies.model_order.search import UNTRUSTED, Search
+from lcpflex.studies.model_order.steps import undersampled
 from lcpflex.studies.time_limit import TOO_LATE
 
 __all__ = ["contradictions", "remedy", "scatter"]

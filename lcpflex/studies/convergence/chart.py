@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.studies.equal_times import UNKNOWN
-from lcpflex.studies.looks import looks_of
-from lcpflex.studies.work_points import SceneStudy, WorkPoint, WorkPrecision
+from lcpflex.studies.convergence.equal_times import UNKNOWN
+from lcpflex.studies.chart_style import looks_of
+from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,12 +14,12 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
-from lcpflex.studies.equal_times import UNKNOWN, apart_at_equal_times, blur_at_equal_times
-from lcpflex.studies.looks import family_of
+from lcpflex.studies.convergence.equal_times import UNKNOWN, apart_at_equal_times, blur_at_equal_times
+from lcpflex.studies.chart_style import family_of
 from lcpflex.studies.outputs import Output, error_between, has_scale, resolution
 
 if TYPE_CHECKING:
-    from lcpflex.studies.reference import Reference
+    from lcpflex.studies.convergence.reference import Reference
     from lcpflex.studies.trial import Conditions, Trial
 
 __all__ = ["Confirmation", "confirmed", "settled_apart"]

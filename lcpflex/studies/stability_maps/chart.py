@@ -12,13 +12,13 @@ from lcpflex.errors import ModelError
 from lcpflex.basics.arguments import sequence_of, text
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.studies.outcome import Outcome
-from lcpflex.studies.stability_map import axis_label
+from lcpflex.studies.stability_maps.stability_map import axis_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lcpflex.studies.stability_map import StabilityMap
+    from lcpflex.studies.stability_maps.stability_map import StabilityMap
 
 __all__ = ["chart", "draw_map", "outcome_legend"]
 

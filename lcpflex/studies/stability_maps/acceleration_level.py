@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lcpflex.accelerations import Count, admissible_accelerations
+from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 from lcpflex.studies.outcome import Outcome, Verdict
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ def acceleration_level(scene: Scene | UserSystem) -> Verdict:
     """Whether the scene has one motion from its start (sound), none, or several (not unique).
 
     A method of :func:`stability`, for maps of Painleve's paradoxes over friction and angle. Raises what
-    :func:`lcpflex.accelerations.admissible_accelerations` raises.
+    :func:`lcpflex.studies.stability_maps.admissible_accelerations.admissible_accelerations` raises.
     """
     found = admissible_accelerations(scene)
     if found.count is Count.UNIQUE:

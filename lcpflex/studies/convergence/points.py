@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.errors import in_range, writable_path
 from lcpflex.basics.arguments import flag, one_of, sequence_of
-from lcpflex.studies.equal_times import UNKNOWN, EqualTimes
+from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.trial import brief
 from lcpflex.basics.whole_file import whole_file
@@ -19,7 +19,7 @@ from lcpflex.basics.whole_file import whole_file
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lcpflex.studies.reference import Reference
+    from lcpflex.studies.convergence.reference import Reference
 
 __all__ = ["SceneStudy", "WorkPoint", "WorkPrecision"]
 
@@ -156,7 +156,7 @@ class SceneStudy:
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> tuple[str, ...]:
         """Sentences for each tolerance, and what the reference leaves open: who agrees with it, and who does not."""
-        from lcpflex.studies.work_words import advice
+        from lcpflex.studies.convergence.words import advice
 
         given = sequence_of("tolerances", tolerances, "a sequence of numbers > 0", MOST)
         wanted = [in_range(f"tolerances[{i}]", x, 0.0, math.inf, open_ends=True) for i, x in enumerate(given)]
@@ -218,7 +218,7 @@ class WorkPrecision:
 
     def table(self) -> str:
         """Markdown: one table a scene, then its reference, scales and notes."""
-        from lcpflex.studies.work_words import table
+        from lcpflex.studies.convergence.words import table
 
         return "\n\n".join(table(study) for study in self.studies)
 
@@ -250,7 +250,7 @@ class WorkPrecision:
         where the stored instants are to blame. Below the dashed line no independent method confirms the reference.
         Each family of steppers has its own colour.
         """
-        from lcpflex.studies.work_chart import chart
+        from lcpflex.studies.convergence.chart import chart
 
         return chart(self, output)
 

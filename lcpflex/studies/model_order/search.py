@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.results.energy_balance import EnergyGrowth
-from lcpflex.studies.fidelity_estimate import Sample, cost_of, lacking
-from lcpflex.studies.fidelity_scenes import Ladders, State, as_rich, told, with_rung
+from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking
+from lcpflex.studies.model_order.scenes import Ladders, State, as_rich, told, with_rung
 from lcpflex.studies.outputs import Output, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
 

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from lcpflex.studies.equal_times import UNKNOWN
+from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.outputs import scale_text
 from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
-    from lcpflex.studies.work_points import SceneStudy, WorkPoint
+    from lcpflex.studies.convergence.points import SceneStudy, WorkPoint
 
 __all__ = ["advice", "percent", "table"]
 

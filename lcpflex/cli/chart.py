@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lcpflex.errors import ModelError, in_range
-from lcpflex.studies.command_line import add_files, check_files, deliver, duration_of, methods_named, outputs_named
+from lcpflex.cli.reading import add_files, check_files, deliver, duration_of, methods_named, outputs_named
 
 __all__ = ["add_chart"]
 
@@ -34,8 +34,8 @@ def add_chart(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]
 def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and advice, write the files. 1 if no method has a sound run, 130 after Ctrl-C."""
     from lcpflex.studies.outputs import known_outputs, standard_outputs
-    from lcpflex.studies.standard_methods import standard_methods
-    from lcpflex.studies.work_precision import work_precision
+    from lcpflex.studies.convergence.methods import standard_methods
+    from lcpflex.studies.convergence.work_precision import work_precision
 
     check_files(request)
     if request.repeats < 1:

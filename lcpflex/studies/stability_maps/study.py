@@ -1,7 +1,7 @@
 """Stability maps: where in a plane of two parameters does a method work, and how does it fail elsewhere?
 
     from lcpflex import MoreauJean, gallery
-    from lcpflex.studies import stability
+    from lcpflex.studies.stability_maps import study as stability
 
     chart = stability(
         gallery.block_on_incline,
@@ -37,10 +37,10 @@ from lcpflex.runs.simulate import simulate
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output
-from lcpflex.studies.stability_map import StabilityMap
+from lcpflex.studies.stability_maps.stability_map import StabilityMap
 from lcpflex.studies.time_limit import TimeLimit
 from lcpflex.studies.trial import scene_warnings
-from lcpflex.studies.truth import LIMIT, Truth, find_truth, truth_outputs
+from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
 
 if TYPE_CHECKING:
     from lcpflex.gallery.case import Case

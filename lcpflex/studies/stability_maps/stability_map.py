@@ -144,7 +144,7 @@ class StabilityMap:
         ``curves`` are drawn over every panel: x and y values by label, such as an exact boundary. Axes are logarithmic
         where their values are spaced so. Raises ModelError for curves over values that are no numbers.
         """
-        from lcpflex.studies.stability_chart import chart
+        from lcpflex.studies.stability_maps.chart import chart
 
         return chart(self, check_curves("curves", curves))
 
@@ -155,7 +155,7 @@ class StabilityMap:
         curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
     ) -> None:
         """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend."""
-        from lcpflex.studies.stability_chart import draw_map
+        from lcpflex.studies.stability_maps.chart import draw_map
 
         check_axes(axes, needed=True)
         draw_map(axes, self, method, check_curves("curves", curves))

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
-from lcpflex.studies.command_line import check_picture, in_file, load_named, outputs_named
+from lcpflex.cli.reading import check_picture, in_file, load_named, outputs_named
 from lcpflex.studies.outcome import Criteria
 from lcpflex.studies.outputs import known_outputs
 from lcpflex.basics.whole_file import whole_file
@@ -76,7 +76,7 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
 
 
 def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
-    from lcpflex.studies.stability import stability
+    from lcpflex.studies.stability_maps.study import stability
 
     check_picture("--plot", request.plot)
     if request.csv is not None:
@@ -200,7 +200,7 @@ def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
 
 
 def _acceleration_level(scene: Any) -> Any:
-    from lcpflex.studies.acceleration_level import acceleration_level
+    from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
 
     return acceleration_level(scene)
 

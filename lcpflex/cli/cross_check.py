@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from lcpflex.errors import ModelError, nearest, writable_path
-from lcpflex.studies.command_line import called, check_picture, in_file, load_named
+from lcpflex.cli.reading import called, check_picture, in_file, load_named
 
 __all__ = ["add_cross_check"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.studies.fidelity_report import FidelityRun, RightSize
+from lcpflex.studies.model_order.report import FidelityRun, RightSize
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
