@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.claws import resting_force
+from lcpflex.gallery.mechanisms.claws import resting_force
 from lcpflex.jit.kernel import FloatArray
 
 STIFFNESSES = (10.0, 50.0, 200.0)  # of the wall's spring [N/m]

@@ -24,8 +24,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.gallery.measures import separate_contacts
-from lcpflex.gallery.strikers import pendulum_on_hemisphere, strip_with_patch
+from lcpflex.gallery.acceptance.measures import separate_contacts
+from lcpflex.gallery.mechanisms.strikers import pendulum_on_hemisphere, strip_with_patch
 
 PARTED = 1e-5  # shorter openings, as there are some, part nothing [s]
 NODES = {5: 1e-3, 9: 5e-4, 17: 2.5e-4}  # in the contact region: elements there [m]

@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.gallery.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
+from lcpflex.gallery.mechanisms.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 from lcpflex.jit.kernel import FloatArray
 
 RADIUS, DEPTH, MODULUS = 0.3, 0.02, 1.0 / (1.0 / 69e9 + 1.0 / 210e9)  # of the contact: R, b [m], E* [Pa]

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.flexible import aluminium_strip
+from lcpflex.gallery.mechanisms.flexible import aluminium_strip
 from lcpflex.jit.kernel import FloatArray
 
 IMPEDANCE, SPEED, TOUCH, STAY = 30.0, 10.0, 0.5, 2.0 / 3.0  # of the bar [N s/m], [m/s], and its contact: when, how long

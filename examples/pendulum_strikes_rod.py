@@ -25,7 +25,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.gallery.strikers import FINE, pendulum_and_rod, pendulum_with_hammer, rod_with_crown
+from lcpflex.gallery.mechanisms.strikers import FINE, pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 from lcpflex.jit.kernel import FloatArray
 
 WINDOW = 1e-5  # forces are shown as means over it [s]

@@ -13,13 +13,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.gallery import bars, coaxial, flexible, rigid, stops, user_systems
-from lcpflex.gallery.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
+from lcpflex.gallery.mechanisms import bars
+from lcpflex.gallery.mechanisms import coaxial
+from lcpflex.gallery.mechanisms import flexible
+from lcpflex.gallery.mechanisms import rigid
+from lcpflex.gallery.mechanisms import stops
+from lcpflex.gallery.mechanisms import user_systems
+from lcpflex.gallery.mechanisms.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.case import Case
-from lcpflex.gallery.claws import claw
-from lcpflex.gallery.coaxial import meshed_ball, meshed_rod, meshed_sphere_on_rod
-from lcpflex.gallery.flexible import hemisphere_pendulum, pendulum, sliding_beam
-from lcpflex.gallery.rigid import (
+from lcpflex.gallery.mechanisms.claws import claw
+from lcpflex.gallery.mechanisms.coaxial import meshed_ball, meshed_rod, meshed_sphere_on_rod
+from lcpflex.gallery.mechanisms.flexible import hemisphere_pendulum, pendulum, sliding_beam
+from lcpflex.gallery.mechanisms.rigid import (
     block_on_incline,
     bouncing_ball,
     double_pendulum,
@@ -32,8 +37,8 @@ from lcpflex.gallery.rigid import (
     stick_slip_block,
     three_balls,
 )
-from lcpflex.gallery.stops import elastic_stop, hinged_beam, sphere_on_beam, sphere_on_rod
-from lcpflex.gallery.user_systems import impacting_bar, slider_crank, woodpecker
+from lcpflex.gallery.mechanisms.stops import elastic_stop, hinged_beam, sphere_on_beam, sphere_on_rod
+from lcpflex.gallery.mechanisms.user_systems import impacting_bar, slider_crank, woodpecker
 
 __all__ = [
     "Case",

@@ -10,8 +10,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.acceptance import CAMPAIGN, LABELS, ROUNDING, Absent, Check, Entry, Refused, checks, rows
-from lcpflex.gallery.bars import courant_step
+from lcpflex.gallery.acceptance.table import CAMPAIGN, LABELS, ROUNDING, Absent, Check, Entry, Refused, checks, rows
+from lcpflex.gallery.mechanisms.bars import courant_step
 from lcpflex.runs.simulate import Stepper
 
 CHECKS = {check.label: check for check in checks()}

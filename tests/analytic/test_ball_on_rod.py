@@ -8,7 +8,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.checks.resolution_rules import PAIRS
-from lcpflex.gallery import coaxial
+from lcpflex.gallery.mechanisms import coaxial
 
 CASE = gallery.scenes()["meshed_sphere_on_rod"]
 SPEED = 0.3

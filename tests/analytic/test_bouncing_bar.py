@@ -7,7 +7,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.bars import LENGTH, MODULUS, courant_step
+from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS, courant_step
 
 WAVE_SPEED = 30.0
 PERIOD = 2.0 * (1.0 + 2.0 * LENGTH / WAVE_SPEED)  # [s] flight over 10 m at 10 m/s and contact, twice

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from lcpflex import EventDriven, MoreauJean, Result, gallery, simulate
-from lcpflex.gallery.measures import along_slope, first_stop
+from lcpflex.gallery.acceptance.measures import along_slope, first_stop
 
 REFERENCES = {name: case.reference for name, case in gallery.scenes().items()}
 

@@ -10,7 +10,7 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton
-from lcpflex.gallery.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
+from lcpflex.gallery.mechanisms.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
 STEPPERS = {
     "massless boundary": lf.MasslessBoundary(step=1e-7, dynamic_modes=20),

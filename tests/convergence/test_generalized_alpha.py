@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pytest
 
 import lcpflex as lf
-from lcpflex.gallery.rigid import stick_slip_block
+from lcpflex.gallery.mechanisms.rigid import stick_slip_block
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 
 Build = Callable[[], lf.Scene]

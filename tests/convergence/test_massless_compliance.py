@@ -14,7 +14,7 @@ from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.gallery.stops import sphere_on_rod
+from lcpflex.gallery.mechanisms.stops import sphere_on_rod
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 FloatArray = npt.NDArray[np.float64]

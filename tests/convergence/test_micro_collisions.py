@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
-from lcpflex.gallery.measures import separate_contacts
-from lcpflex.gallery.strikers import pendulum_on_hemisphere, strip_with_patch
+from lcpflex.gallery.acceptance.measures import separate_contacts
+from lcpflex.gallery.mechanisms.strikers import pendulum_on_hemisphere, strip_with_patch
 
 PARTED = 1e-5  # [s]
 

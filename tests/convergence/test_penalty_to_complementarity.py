@@ -14,7 +14,7 @@ from lcpflex import gallery
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.gallery.flexible import aluminium_strip
+from lcpflex.gallery.mechanisms.flexible import aluminium_strip
 
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-13)
 EXACT = lf.EventDriven(rtol=1e-10, atol=1e-13)

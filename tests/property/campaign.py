@@ -19,7 +19,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from lcpflex.gallery.acceptance import CAMPAIGN
+from lcpflex.gallery.acceptance.table import CAMPAIGN
 from tests.property.judge import AGREED, LEAST, OFF, TIMES, judge
 from tests.property.random_scenes import draw
 

@@ -13,7 +13,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.bodies.body import Body, MaterialPoint
-from lcpflex.gallery.bars import LENGTH, MODULUS
+from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
 from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 

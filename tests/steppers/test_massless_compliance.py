@@ -19,8 +19,8 @@ from lcpflex.force_laws.elastic.line_contact import Johnson
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.gallery.bars import LENGTH, MODULUS
-from lcpflex.gallery.stops import sphere_on_rod
+from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
+from lcpflex.gallery.mechanisms.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 

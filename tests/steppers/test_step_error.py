@@ -10,7 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.flexible import aluminium_strip
+from lcpflex.gallery.mechanisms.flexible import aluminium_strip
 from lcpflex.results.stated_error import error_shares
 from lcpflex.steppers import step_error
 from lcpflex.steppers.moreau_jean.stepper import MoreauJeanScheme

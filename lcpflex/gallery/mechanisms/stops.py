@@ -7,7 +7,7 @@ import math
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
-from lcpflex.gallery.arguments import checked
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.scene.joints import PointOnLine, Revolute
 from lcpflex.scene.loads import Spring

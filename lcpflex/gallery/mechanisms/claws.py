@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.rigid import Box
-from lcpflex.gallery.arguments import checked
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import Prismatic, Revolute
 from lcpflex.scene.loads import Spring, Torque
 from lcpflex.scene.scene import Scene

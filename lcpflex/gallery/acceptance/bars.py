@@ -9,10 +9,10 @@ import numpy as np
 
 from lcpflex.bodies.bar import Bar
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery import measures
-from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity, Refused
-from lcpflex.gallery.bars import LENGTH, cases, courant_step
-from lcpflex.gallery.user_systems import cases as user_cases
+from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
+from lcpflex.gallery.mechanisms.bars import LENGTH, cases, courant_step
+from lcpflex.gallery.mechanisms.user_systems import cases as user_cases
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary

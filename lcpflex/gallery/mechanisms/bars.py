@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.bar import Bar
-from lcpflex.gallery.arguments import checked
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.scene.joints import DrivenDisplacement, PointOnLine, Weld
 from lcpflex.scene.loads import Force, Table

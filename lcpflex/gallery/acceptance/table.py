@@ -1,9 +1,9 @@
 """What every stepper reaches on the reference cases: one table, checked by the tests.
 
-    python -m lcpflex.gallery.acceptance          # runs everything and writes ACCURACY.md anew
+    python -m lcpflex.gallery.acceptance.table          # runs everything and writes ACCURACY.md anew
 
 An error is |measured - reference| divided by the scale of the quantity. Each stepper has its step or tolerance, and
-for each quantity a bound on its error (:mod:`lcpflex.gallery.bounds`), at most three times what the table shows.
+for each quantity a bound on its error (:mod:`lcpflex.gallery.acceptance.bounds`), at most three times what the table shows.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lcpflex.gallery.bounds import BOUNDS
+from lcpflex.gallery.acceptance.bounds import BOUNDS
 from lcpflex.gallery.case import Case
 from lcpflex.runs.simulate import simulate
 from lcpflex.studies.trial import brief
@@ -35,7 +35,7 @@ locates no events (one step), limit what can be seen. Moreau-Jean and generalise
 and changes of stick, event-driven stepping meets its tolerances; elastic bars have the error of their mesh besides.
 "0" is below 1e-9, "-" a method that does not apply, with the
 reason below the table; seconds are those of one run on the machine that wrote the file.
-Written by `python -m lcpflex.gallery.acceptance`; the bounds that the tests hold are in `lcpflex/gallery/bounds.py`.
+Written by `python -m lcpflex.gallery.acceptance.table`; the bounds that the tests hold are in `lcpflex/gallery/bounds.py`.
 """
 
 
@@ -132,7 +132,10 @@ class Row:
 
 def checks() -> tuple[Check, ...]:
     """All of them."""
-    from lcpflex.gallery import checks_bars, checks_coaxial, checks_rigid, checks_stops
+    from lcpflex.gallery.acceptance.table import bars as checks_bars
+    from lcpflex.gallery.acceptance.table import coaxial as checks_coaxial
+    from lcpflex.gallery.acceptance.table import rigid as checks_rigid
+    from lcpflex.gallery.acceptance.table import stops as checks_stops
 
     modules = (checks_bars, checks_rigid, checks_stops, checks_coaxial)
     return tuple(check for module in modules for check in module.checks())
@@ -185,6 +188,6 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    from lcpflex.gallery import acceptance  # under the name that the checks know it by
+    from lcpflex.gallery.acceptance.table import table as acceptance# under the name that the checks know it by
 
     acceptance.main()

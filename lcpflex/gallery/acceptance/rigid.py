@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery import measures
-from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity, Refused
-from lcpflex.gallery.flexible import cases as flexible_cases
-from lcpflex.gallery.flexible import pendulum
-from lcpflex.gallery.rigid import cases, painleve_rod
-from lcpflex.gallery.user_systems import cases as user_cases
+from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
+from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases
+from lcpflex.gallery.mechanisms.flexible import pendulum
+from lcpflex.gallery.mechanisms.rigid import cases, painleve_rod
+from lcpflex.gallery.mechanisms.user_systems import cases as user_cases
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary

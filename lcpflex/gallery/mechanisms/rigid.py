@@ -6,7 +6,7 @@ import math
 from functools import partial
 
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
-from lcpflex.gallery.arguments import checked
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.scene.joints import Revolute
 from lcpflex.scene.loads import Force, Harmonic, Spring

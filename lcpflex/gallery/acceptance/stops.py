@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.gallery import measures
-from lcpflex.gallery.acceptance import Absent, Check, Entry, Quantity
-from lcpflex.gallery.stops import cases
+from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity
+from lcpflex.gallery.mechanisms.stops import cases
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result

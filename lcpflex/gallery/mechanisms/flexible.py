@@ -6,7 +6,7 @@ import math
 from functools import partial
 
 from lcpflex.bodies.beam import Beam
-from lcpflex.gallery.arguments import checked
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
 from lcpflex.scene.joints import Revolute
 from lcpflex.scene.scene import Scene
