@@ -15,8 +15,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import lcpflex as lf
-from lcpflex.solvers.files import load_problems
-from lcpflex.solvers.replays import Replay, replay
+from lcpflex.solvers.benchmark.files import load_problems
+from lcpflex.solvers.benchmark.replays import Replay, replay
 
 
 def tower(friction: float) -> lf.Scene:

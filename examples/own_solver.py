@@ -20,7 +20,7 @@ import numpy as np
 
 import lcpflex as lf
 from lcpflex.solvers import OwnSolver, replay
-from lcpflex.solvers.files import load_problems
+from lcpflex.solvers.benchmark.files import load_problems
 
 
 def sweep(M: np.ndarray, q: np.ndarray, most: int = 20_000) -> np.ndarray:

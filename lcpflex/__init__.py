@@ -79,7 +79,7 @@ _HOME = {
     "Result": "lcpflex.results.result",
     "RecordProblems": "lcpflex.results.problem_log",
     "Auto": "lcpflex.solvers.auto",
-    "Lemke": "lcpflex.solvers.lemke",
+    "Lemke": "lcpflex.solvers.lcp.lemke",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
     "LcpflexError": "lcpflex.errors",
     "matrices_from_files": "lcpflex.bodies.fem.matrix_files",
@@ -236,7 +236,7 @@ if TYPE_CHECKING:
     from lcpflex.runs.simulate import simulate
     from lcpflex.scene.slots import Slot, SlotParts
     from lcpflex.solvers.auto import Auto
-    from lcpflex.solvers.lemke import Lemke
+    from lcpflex.solvers.lcp.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven.stepper import EventDriven

@@ -15,25 +15,25 @@ if __name__ != "lcpflex.solvers":
 
 if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto, solve_lcp
-    from lcpflex.solvers.block_gauss_seidel import BlockGaussSeidel
+    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
     from lcpflex.solvers.clock import TimeLimit
-    from lcpflex.solvers.comparison import CrossCheck, all_solvers, cross_check
-    from lcpflex.solvers.cone import ConvexFriction
-    from lcpflex.solvers.enumeration import Enumeration
-    from lcpflex.solvers.fclib import load_fclib, save_fclib
-    from lcpflex.solvers.files import load_problems, load_text_lcp, save_problems
-    from lcpflex.solvers.friction import ContactProblem
-    from lcpflex.solvers.gauss_seidel import GaussSeidel
-    from lcpflex.solvers.lemke import Lemke
-    from lcpflex.solvers.mixed import BoxedLcp, MixedLcp
-    from lcpflex.solvers.newton import MinMapNewton
-    from lcpflex.solvers.own import OwnSolver
-    from lcpflex.solvers.principal_pivoting import PrincipalPivoting
+    from lcpflex.solvers.benchmark.comparison import CrossCheck, all_solvers, cross_check
+    from lcpflex.solvers.contact.cone import ConvexFriction
+    from lcpflex.solvers.lcp.enumeration import Enumeration
+    from lcpflex.solvers.benchmark.fclib import load_fclib, save_fclib
+    from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
+    from lcpflex.solvers.contact.problem import ContactProblem
+    from lcpflex.solvers.lcp.gauss_seidel import GaussSeidel
+    from lcpflex.solvers.lcp.lemke import Lemke
+    from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
+    from lcpflex.solvers.lcp.newton import MinMapNewton
+    from lcpflex.solvers.user_solver import OwnSolver
+    from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
-    from lcpflex.solvers.replays import Replay, replay
-    from lcpflex.solvers.siconos_files import load_siconos, load_siconos_contacts, load_siconos_lcp, load_siconos_mlcp
-    from lcpflex.solvers.spatial import SpatialContactProblem
+    from lcpflex.solvers.benchmark.replays import Replay, replay
+    from lcpflex.solvers.benchmark.siconos_files import load_siconos, load_siconos_contacts, load_siconos_lcp, load_siconos_mlcp
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = [
     "Auto",
@@ -74,38 +74,38 @@ __all__ = [
 
 _HOME = {
     "Auto": "lcpflex.solvers.auto",
-    "BlockGaussSeidel": "lcpflex.solvers.block_gauss_seidel",
-    "BoxedLcp": "lcpflex.solvers.mixed",
-    "ContactProblem": "lcpflex.solvers.friction",
-    "ConvexFriction": "lcpflex.solvers.cone",
-    "CrossCheck": "lcpflex.solvers.comparison",
-    "Enumeration": "lcpflex.solvers.enumeration",
-    "GaussSeidel": "lcpflex.solvers.gauss_seidel",
+    "BlockGaussSeidel": "lcpflex.solvers.contact.block_gauss_seidel",
+    "BoxedLcp": "lcpflex.solvers.mixed.problems",
+    "ContactProblem": "lcpflex.solvers.contact.problem",
+    "ConvexFriction": "lcpflex.solvers.contact.cone",
+    "CrossCheck": "lcpflex.solvers.benchmark.comparison",
+    "Enumeration": "lcpflex.solvers.lcp.enumeration",
+    "GaussSeidel": "lcpflex.solvers.lcp.gauss_seidel",
     "Lcp": "lcpflex.solvers.problem",
-    "Lemke": "lcpflex.solvers.lemke",
-    "MinMapNewton": "lcpflex.solvers.newton",
-    "MixedLcp": "lcpflex.solvers.mixed",
-    "OwnSolver": "lcpflex.solvers.own",
-    "PrincipalPivoting": "lcpflex.solvers.principal_pivoting",
+    "Lemke": "lcpflex.solvers.lcp.lemke",
+    "MinMapNewton": "lcpflex.solvers.lcp.newton",
+    "MixedLcp": "lcpflex.solvers.mixed.problems",
+    "OwnSolver": "lcpflex.solvers.user_solver",
+    "PrincipalPivoting": "lcpflex.solvers.lcp.principal_pivoting",
     "QuadraticProgram": "lcpflex.solvers.quadratic_program",
-    "Replay": "lcpflex.solvers.replays",
+    "Replay": "lcpflex.solvers.benchmark.replays",
     "Solution": "lcpflex.solvers.problem",
-    "SpatialContactProblem": "lcpflex.solvers.spatial",
+    "SpatialContactProblem": "lcpflex.solvers.contact.spatial",
     "Status": "lcpflex.solvers.problem",
     "TimeLimit": "lcpflex.solvers.clock",
     "accept": "lcpflex.solvers.problem",
-    "all_solvers": "lcpflex.solvers.comparison",
-    "cross_check": "lcpflex.solvers.comparison",
-    "load_fclib": "lcpflex.solvers.fclib",
-    "load_problems": "lcpflex.solvers.files",
-    "load_siconos": "lcpflex.solvers.siconos_files",
-    "load_siconos_contacts": "lcpflex.solvers.siconos_files",
-    "load_siconos_lcp": "lcpflex.solvers.siconos_files",
-    "load_siconos_mlcp": "lcpflex.solvers.siconos_files",
-    "load_text_lcp": "lcpflex.solvers.files",
-    "replay": "lcpflex.solvers.replays",
-    "save_fclib": "lcpflex.solvers.fclib",
-    "save_problems": "lcpflex.solvers.files",
+    "all_solvers": "lcpflex.solvers.benchmark.comparison",
+    "cross_check": "lcpflex.solvers.benchmark.comparison",
+    "load_fclib": "lcpflex.solvers.benchmark.fclib",
+    "load_problems": "lcpflex.solvers.benchmark.files",
+    "load_siconos": "lcpflex.solvers.benchmark.siconos_files",
+    "load_siconos_contacts": "lcpflex.solvers.benchmark.siconos_files",
+    "load_siconos_lcp": "lcpflex.solvers.benchmark.siconos_files",
+    "load_siconos_mlcp": "lcpflex.solvers.benchmark.siconos_files",
+    "load_text_lcp": "lcpflex.solvers.benchmark.files",
+    "replay": "lcpflex.solvers.benchmark.replays",
+    "save_fclib": "lcpflex.solvers.benchmark.fclib",
+    "save_problems": "lcpflex.solvers.benchmark.files",
     "solve_lcp": "lcpflex.solvers.auto",
 }
 

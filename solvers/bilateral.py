@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.boxes import CANCELLED
+from lcpflex.solvers.mixed.boxes import CANCELLED
 
 __all__ = ["OUTSIDE", "eliminated", "sum_of"]
 

@@ -1,7 +1,7 @@
 """What proves an answer: the natural-map residual of a point.
 
 Every solver's claim is checked here on the original data, in plain sums that owe nothing to its algorithm. Proofs that
-there is no solution are those of :mod:`lcpflex.solvers.proofs`.
+there is no solution are those of :mod:`lcpflex.solvers.lcp.proofs`.
 """
 
 from __future__ import annotations

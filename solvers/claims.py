@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers, whole_number
-from lcpflex.solvers.proofs import Proof
+from lcpflex.solvers.lcp.proofs import Proof
 from lcpflex.solvers.status import Status
 
 __all__ = ["check_claim", "check_vectors"]

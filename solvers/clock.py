@@ -109,7 +109,7 @@ class TimeLimit:
     seconds: float
 
     def __post_init__(self) -> None:
-        from lcpflex.solvers.own import OwnSolver, as_solver
+        from lcpflex.solvers.user_solver import OwnSolver, as_solver
 
         object.__setattr__(self, "seconds", check_time_limit("seconds", self.seconds))
         if self.seconds is None:

@@ -20,9 +20,9 @@ from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh
 from lcpflex.solvers.claims import check_claim, check_vectors
-from lcpflex.solvers.exact_residual import residual_in_fractions
-from lcpflex.solvers.exact_systems import ExactSystem, exact_rows
-from lcpflex.solvers.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
+from lcpflex.solvers.lcp.exact_residual import residual_in_fractions
+from lcpflex.solvers.lcp.exact_systems import ExactSystem, exact_rows
+from lcpflex.solvers.lcp.proofs import Proof, exact_solution, infeasibility, nearly_infeasible
 from lcpflex.solvers.solution import PROVED, LcpSolver, PosedProblem, Problem, Solution
 from lcpflex.solvers.status import Status
 

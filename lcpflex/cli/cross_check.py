@@ -40,7 +40,7 @@ def _cross_check(request: argparse.Namespace) -> int:
     from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.clock import check_time_limit
     from lcpflex.solvers.limits import check_tolerance
-    from lcpflex.solvers.replays import replay
+    from lcpflex.solvers.benchmark.replays import replay
 
     check_picture("--plot", request.plot)
     if request.csv is not None:
@@ -74,7 +74,7 @@ def _cross_check(request: argparse.Namespace) -> int:
 
 def _problems(path: Path, index: int | None) -> list[Any]:
     """The problems of a file with their names, read by its suffix; only the one asked for."""
-    from lcpflex.solvers import files
+    from lcpflex.solvers.benchmark import files
 
     suffix = path.suffix.lower()
     if suffix == ".npz":
@@ -82,7 +82,7 @@ def _problems(path: Path, index: int | None) -> list[Any]:
     elif suffix in (".dat", ".txt"):
         problems = [files.Recorded(path.name, _text(path))]
     elif suffix in (".hdf5", ".h5"):
-        from lcpflex.solvers.fclib import load_fclib
+        from lcpflex.solvers.benchmark.fclib import load_fclib
 
         problems = [files.Recorded(path.name, load_fclib(path))]
     else:
@@ -98,8 +98,8 @@ def _problems(path: Path, index: int | None) -> list[Any]:
 
 def _text(path: Path) -> Any:
     """The problem of a text file: of the plain forms, else of those of Siconos."""
-    from lcpflex.solvers.files import load_text_lcp
-    from lcpflex.solvers.siconos_files import load_siconos
+    from lcpflex.solvers.benchmark.files import load_text_lcp
+    from lcpflex.solvers.benchmark.siconos_files import load_siconos
 
     try:
         return load_text_lcp(path)
@@ -112,8 +112,8 @@ def _text(path: Path) -> Any:
 
 def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
     """The solvers asked for, or all; a name without its backend stands for all of them, a:b for an object of a."""
-    from lcpflex.solvers.comparison import all_solvers
-    from lcpflex.solvers.own import as_solver
+    from lcpflex.solvers.benchmark.comparison import all_solvers
+    from lcpflex.solvers.user_solver import as_solver
 
     known = all_solvers()
     if names is None:

@@ -45,7 +45,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.friction import assemble_friction_lcp
+from lcpflex.solvers.contact.problem import assemble_friction_lcp
 
 __all__ = [
     "SMOOTH",

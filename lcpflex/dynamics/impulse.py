@@ -23,8 +23,8 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import contact_units, in_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
-from lcpflex.solvers.contact_forms import assemble_friction_lcp, split_friction_solution
-from lcpflex.solvers.lemke import lemke
+from lcpflex.solvers.contact.lcp_forms import assemble_friction_lcp, split_friction_solution
+from lcpflex.solvers.lcp.lemke import lemke
 from lcpflex.solvers.problem import SOLVED
 
 __all__ = [

@@ -21,7 +21,7 @@ from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_r
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.friction import assemble_friction_lcp, split_friction_solution
+from lcpflex.solvers.contact.problem import assemble_friction_lcp, split_friction_solution
 
 __all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
 

@@ -12,7 +12,7 @@ from lcpflex.errors import ModelError, shown, writable_path
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
-    from lcpflex.solvers.friction import ContactProblem
+    from lcpflex.solvers.contact.problem import ContactProblem
     from lcpflex.solvers.problem import Lcp
 
 __all__ = ["Recorder", "RecordProblems"]
@@ -28,7 +28,7 @@ class RecordProblems:
     Attributes
     ----------
     path
-        The npz file (see :mod:`lcpflex.solvers.files`); written at the end of the run, also of one that fails.
+        The npz file (see :mod:`lcpflex.solvers.benchmark.files`); written at the end of the run, also of one that fails.
     every
         Keep each ``every``-th problem. If more than ``limit`` come together, every second one is dropped and
         ``every`` doubled, as often as needed.
@@ -103,7 +103,7 @@ class Recorder:
 
     def save(self) -> Path:
         """Write the file; the problems in the order of the run."""
-        from lcpflex.solvers.files import save_problems
+        from lcpflex.solvers.benchmark.files import save_problems
 
         ordered = sorted(self.kept, key=lambda one: one[1])
         return save_problems(self.request.path, [one[3] for one in ordered], [one[2] for one in ordered])
@@ -126,7 +126,7 @@ def _problem(work: Workspace, contacts: list[str]) -> Lcp | ContactProblem:
     """A copy of the problem; its contacts by their names and the places where they touch."""
     from dataclasses import replace
 
-    from lcpflex.solvers.friction import ContactProblem
+    from lcpflex.solvers.contact.problem import ContactProblem
     from lcpflex.steppers.driver import posed_problem
 
     problem = posed_problem(work)

@@ -17,9 +17,9 @@ from lcpflex.errors import SolverError
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.friction import ContactProblem
-from lcpflex.solvers.lemke import Lemke
-from lcpflex.solvers.own import OwnSolver, as_solver, own_part
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.lcp.lemke import Lemke
+from lcpflex.solvers.user_solver import OwnSolver, as_solver, own_part
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
 from lcpflex.steppers.wedged import Wedged, parts
 

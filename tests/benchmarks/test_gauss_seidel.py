@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from lcpflex.solvers import ContactProblem
-from lcpflex.solvers.contact_sweeps import block_gauss_seidel
-from lcpflex.solvers.lemke import lemke_workspace
+from lcpflex.solvers.contact.sweeps import block_gauss_seidel
+from lcpflex.solvers.lcp.lemke import lemke_workspace
 
 COUNT = 8
 

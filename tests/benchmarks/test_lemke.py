@@ -18,7 +18,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers import ContactProblem, Lcp
 from lcpflex.solvers.auto import auto, auto_workspace
 from lcpflex.solvers.certificate import natural_residual
-from lcpflex.solvers.lemke import lemke, lemke_workspace
+from lcpflex.solvers.lcp.lemke import lemke, lemke_workspace
 
 COUNT = 8
 FORMS = {"three unknowns": (3, ContactProblem.lcp), "four unknowns": (4, ContactProblem.copositive_lcp)}

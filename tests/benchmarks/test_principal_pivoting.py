@@ -13,7 +13,7 @@ import pytest
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from lcpflex.solvers import ContactProblem
-from lcpflex.solvers.principal_pivoting import principal_pivoting, principal_pivoting_workspace
+from lcpflex.solvers.lcp.principal_pivoting import principal_pivoting, principal_pivoting_workspace
 
 COUNT = 8
 

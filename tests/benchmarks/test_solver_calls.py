@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, PrincipalPivoting
-from lcpflex.solvers.lemke import attempt, lemke_workspace
-from lcpflex.solvers.principal_pivoting import block_exchanges, principal_pivoting_workspace
+from lcpflex.solvers.lcp.lemke import attempt, lemke_workspace
+from lcpflex.solvers.lcp.principal_pivoting import block_exchanges, principal_pivoting_workspace
 
 COMPILED = ["Lemke", "PrincipalPivoting", "MinMapNewton", "GaussSeidel", "BlockGaussSeidel", "Enumeration", "Auto"]
 

@@ -9,8 +9,8 @@ import qpsolvers
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import Auto, BoxedLcp, Lcp, MixedLcp, Status, cross_check
-from lcpflex.solvers.polishing import polish, shortest
-from lcpflex.solvers.proofs import proves
+from lcpflex.solvers.lcp.polishing import polish, shortest
+from lcpflex.solvers.lcp.proofs import proves
 from lcpflex.solvers.quadratic_program import QuadraticProgram, duality_gap
 
 INF = np.inf

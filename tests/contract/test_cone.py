@@ -6,8 +6,8 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
-from lcpflex.solvers.cone import ConvexFriction
-from lcpflex.solvers.relaxation import ConvexContactProblem
+from lcpflex.solvers.contact.cone import ConvexFriction
+from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 
 
 def mass_point(mu: float, slide: float, factor: bool) -> ContactProblem:
@@ -218,7 +218,7 @@ class TestHonesty:
             assert (solution.z == 0.0).all()
 
     def test_large_problems_are_left_as_clarabel_solved_them(self, monkeypatch):
-        monkeypatch.setattr("lcpflex.solvers.cone.LARGEST", 1)
+        monkeypatch.setattr("lcpflex.solvers.contact.cone.LARGEST", 1)
         solution = ConvexFriction(1e-6).solve(pile(4, "sparse"))
         assert solution.solved
         assert "active set" not in solution.route

@@ -12,12 +12,12 @@ import lcpflex.solvers
 from lcpflex.__main__ import main
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, MixedLcp, PrincipalPivoting, Solution, Status, accept
-from lcpflex.solvers.comparison import all_solvers, cross_check
-from lcpflex.solvers.files import Recorded, save_problems
-from lcpflex.solvers.gallery import family
-from lcpflex.solvers.profile import draw_profile, performance_profile
-from lcpflex.solvers.replays import replay
-from lcpflex.solvers.spatial import SpatialContactProblem
+from lcpflex.solvers.benchmark.comparison import all_solvers, cross_check
+from lcpflex.solvers.benchmark.files import Recorded, save_problems
+from lcpflex.solvers.benchmark.gallery import family
+from lcpflex.solvers.benchmark.profile import draw_profile, performance_profile
+from lcpflex.solvers.benchmark.replays import replay
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 DEFINITE = Lcp([[2.0, 1.0], [1.0, 2.0]], [-1.0, -1.0])  # z = (1, 1)/3, w = 0
 TWO_FEET = ContactProblem(np.ones((2, 2)), [-1.0, -1.0], [0.0, 0.0])  # the same velocities for all forces of sum 1
@@ -393,7 +393,7 @@ class TestCommand:
         assert "only Lemke solved it" in capsys.readouterr().out
 
     def test_a_wrong_claim_is_an_error(self, tmp_path, monkeypatch):
-        monkeypatch.setattr("lcpflex.solvers.comparison.all_solvers", lambda: {"liar": _Liar(), "Lemke": Lemke()})
+        monkeypatch.setattr("lcpflex.solvers.benchmark.comparison.all_solvers", lambda: {"liar": _Liar(), "Lemke": Lemke()})
         assert main(["cross-check", self._file(tmp_path)]) == 1
         assert main(["cross-check", self._file(tmp_path), "--index", "0"]) == 1
         assert main(["cross-check", self._file(tmp_path), "--solver", "Lemke"]) == 0

@@ -7,8 +7,8 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import BoxedLcp, ContactProblem, Enumeration, Lcp, Status
-from lcpflex.solvers.enumeration import KEPT, LARGEST, enumerate_active_sets, enumeration_workspace
-from lcpflex.solvers.farkas import farkas
+from lcpflex.solvers.lcp.enumeration import KEPT, LARGEST, enumerate_active_sets, enumeration_workspace
+from lcpflex.solvers.lcp.farkas import farkas
 
 
 def points(solution) -> set[tuple[float, ...]]:

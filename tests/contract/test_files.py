@@ -8,11 +8,11 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp
-from lcpflex.solvers import fclib as fclib_module
-from lcpflex.solvers import files as files_module
-from lcpflex.solvers.fclib import load_fclib
-from lcpflex.solvers.files import load_problems, load_text_lcp, save_problems
-from lcpflex.solvers.spatial import SpatialContactProblem
+from lcpflex.solvers.benchmark import fclib as fclib_module
+from lcpflex.solvers.benchmark import files as files_module
+from lcpflex.solvers.benchmark.fclib import load_fclib
+from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 M = np.array([[2.0, 1.0], [1.0, 2.0]])
 q = np.array([-1.0, 0.1])

@@ -8,8 +8,8 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Enumeration, Lemke, Status, accept
-from lcpflex.solvers.contact_forms import from_copositive
-from lcpflex.solvers.friction import (
+from lcpflex.solvers.contact.lcp_forms import from_copositive
+from lcpflex.solvers.contact.problem import (
     BLOCK,
     aligned,
     assemble_copositive_lcp,

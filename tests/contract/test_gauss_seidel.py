@@ -9,7 +9,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import BlockGaussSeidel, ContactProblem, GaussSeidel, Lcp, Lemke, Status
-from lcpflex.solvers.contact_sweeps import (
+from lcpflex.solvers.contact.sweeps import (
     BACK,
     FORTH,
     OPEN,
@@ -18,7 +18,7 @@ from lcpflex.solvers.contact_sweeps import (
     sweep_delassus,
     sweep_factor,
 )
-from lcpflex.solvers.gauss_seidel import _sweep as sweep_rows
+from lcpflex.solvers.lcp.gauss_seidel import _sweep as sweep_rows
 
 
 def definite(n: int, seed: int) -> tuple[Lcp, np.ndarray]:

@@ -7,7 +7,7 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
-from lcpflex.solvers.lemke import lemke, lemke_workspace
+from lcpflex.solvers.lcp.lemke import lemke, lemke_workspace
 
 
 def box_on_floor(contacts: int, friction: float, velocity: tuple[float, float, float]) -> ContactProblem:

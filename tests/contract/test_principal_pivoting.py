@@ -5,8 +5,8 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import Lcp, Status
-from lcpflex.solvers.active_factor import factorise, join, leave, new_column
-from lcpflex.solvers.principal_pivoting import (
+from lcpflex.solvers.lcp.active_factor import factorise, join, leave, new_column
+from lcpflex.solvers.lcp.principal_pivoting import (
     PrincipalPivoting,
     principal_pivoting,
     principal_pivoting_workspace,

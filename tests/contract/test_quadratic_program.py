@@ -10,7 +10,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
-from lcpflex.solvers.proofs import infeasibility
+from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.quadratic_program import QuadraticProgram, duality_gap, equilibrium, polish
 
 BACKENDS = sorted(qpsolvers.available_solvers)
@@ -231,7 +231,7 @@ class TestNothingIsBelieved:
 
     def test_the_set_may_show_in_one_of_the_two_answers_only(self, backend_says, monkeypatch):
         # z = (1, 0) and w = (0, 0.4): the multipliers are useless, the velocities are good.
-        monkeypatch.setattr("lcpflex.solvers.polishing.POLISHING", 1)
+        monkeypatch.setattr("lcpflex.solvers.lcp.polishing.POLISHING", 1)
         M = np.array([[1.0, 0.9], [0.9, 1.0]])
         J = np.linalg.cholesky(M)
         backend_says(lambda program: says(program, J[0], z=np.array([0.1, 0.2])))
@@ -242,7 +242,7 @@ class TestNothingIsBelieved:
 
     @pytest.mark.parametrize("shift", [1e-3, 0.0])
     def test_a_wrong_point_is_not_solved_because_it_was_found(self, backend_says, monkeypatch, shift):
-        monkeypatch.setattr("lcpflex.solvers.polishing.POLISHING", 0)
+        monkeypatch.setattr("lcpflex.solvers.lcp.polishing.POLISHING", 0)
         exact = np.array([4 / 3, 7 / 3]) / 6.0 * 2.0  # in units of sqrt(2) both ways
         backend_says(lambda program: says(program, exact + shift))
         solution = QuadraticProgram().solve(self.problem)
@@ -319,7 +319,7 @@ class TestPolish:
         assert length * (M @ z + q) == pytest.approx(w, abs=1e-9)
 
     def test_reads_the_set_off_the_multipliers(self, monkeypatch):
-        monkeypatch.setattr("lcpflex.solvers.polishing.POLISHING", 1)
+        monkeypatch.setattr("lcpflex.solvers.lcp.polishing.POLISHING", 1)
         M, q = np.array([[1.0, 0.5], [0.5, 1.0]]), np.array([-1.0, 0.2])
         rough = np.array([0.9, 0.4])  # M z + q = (0.1, 1.05)
         assert polish(M, q, rough, np.array([0.0, 0.5])) == pytest.approx([1.0, 0.0], abs=1e-15)

@@ -9,7 +9,7 @@ import pytest
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Status
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.gallery import FAMILIES, examples, family
+from lcpflex.solvers.benchmark.gallery import FAMILIES, examples, family
 
 # Largest number of unknowns a method is asked for, where its cost would make the study one of that method alone.
 LARGEST = {"Enumeration": 8, "QuadraticProgram-osqp": 60}

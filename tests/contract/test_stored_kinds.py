@@ -20,8 +20,8 @@ from lcpflex.solvers import (
     replay,
     save_problems,
 )
-from lcpflex.solvers.cone import ConvexFriction
-from lcpflex.solvers.relaxation import ConvexContactProblem
+from lcpflex.solvers.contact.cone import ConvexFriction
+from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 
 rng = np.random.default_rng(5)
 J = rng.standard_normal((5, 6))

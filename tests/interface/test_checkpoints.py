@@ -117,7 +117,7 @@ def test_results_do_not_depend_on_how_many_steps_are_made_at_a_time(name: str, m
 
 
 def test_contact_problems_are_recorded_as_without_a_break(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lcpflex.solvers.files import load_problems
+    from lcpflex.solvers.benchmark.files import load_problems
 
     build, duration, stepper = RUNS["moreau"]
     wanted, found = (lf.RecordProblems(tmp_path / f"{name}.npz", hardest=5) for name in ("wanted", "found"))

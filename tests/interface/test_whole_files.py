@@ -13,7 +13,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.__main__ import _save_figure
-from lcpflex.solvers.files import save_problems
+from lcpflex.solvers.benchmark.files import save_problems
 from lcpflex.basics.whole_file import whole_file
 
 

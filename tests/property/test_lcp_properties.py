@@ -12,8 +12,8 @@ from scipy.sparse import csr_array
 
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, QuadraticProgram, Status
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.contact_forms import from_copositive
-from lcpflex.solvers.principal_pivoting import PrincipalPivoting
+from lcpflex.solvers.contact.lcp_forms import from_copositive
+from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
 
 SIZES = st.integers(1, 8)
 ENTRIES = st.floats(-3.0, 3.0, allow_subnormal=False).map(lambda x: round(x, 2))

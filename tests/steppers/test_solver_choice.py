@@ -168,7 +168,7 @@ class TestRecordProblems:
             lf.RecordProblems(**{"path": tmp_path / "x.npz", **change})
 
     def test_each_third_problem(self, tmp_path: Any) -> None:
-        from lcpflex.solvers.files import load_problems
+        from lcpflex.solvers.benchmark.files import load_problems
 
         case = scenes()["stack"]
         path = tmp_path / "stack.npz"
@@ -183,7 +183,7 @@ class TestRecordProblems:
 
     @pytest.mark.parametrize("by", ["residual", "iterations", "condition"])
     def test_the_hardest(self, tmp_path: Any, by: str) -> None:
-        from lcpflex.solvers.files import load_problems
+        from lcpflex.solvers.benchmark.files import load_problems
 
         case = scenes()["stack"]
         path = tmp_path / "hard.npz"
@@ -192,7 +192,7 @@ class TestRecordProblems:
         assert len(load_problems(path)) == 4
 
     def test_more_than_the_limit_are_thinned_out(self, tmp_path: Any) -> None:
-        from lcpflex.solvers.files import load_problems
+        from lcpflex.solvers.benchmark.files import load_problems
 
         case = scenes()["stack"]
         path = tmp_path / "thin.npz"
@@ -202,7 +202,7 @@ class TestRecordProblems:
         assert numbers == [0, 4, 8, 12, 16]
 
     def test_event_driven_runs_record_too(self, tmp_path: Any) -> None:
-        from lcpflex.solvers.files import load_problems
+        from lcpflex.solvers.benchmark.files import load_problems
 
         case = scenes()["stack"]
         path = tmp_path / "events.npz"

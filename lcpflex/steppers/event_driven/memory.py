@@ -15,7 +15,7 @@ from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.solvers.enumeration import enumeration_workspace
+from lcpflex.solvers.lcp.enumeration import enumeration_workspace
 from lcpflex.steppers.event_driven.root import BRACKET
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System

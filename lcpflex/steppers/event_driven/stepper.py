@@ -20,8 +20,8 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.enumeration import Enumeration
-from lcpflex.solvers.own import as_solver
+from lcpflex.solvers.lcp.enumeration import Enumeration
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.loop import (

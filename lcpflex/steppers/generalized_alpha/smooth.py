@@ -32,7 +32,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.friction import split_friction_solution
+from lcpflex.solvers.contact.problem import split_friction_solution
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
     CHANGE,

@@ -15,7 +15,7 @@ from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.friction import assemble_friction_lcp
+from lcpflex.solvers.contact.problem import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
     APPROACH,

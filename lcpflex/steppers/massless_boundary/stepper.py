@@ -44,7 +44,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.own import as_solver
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws

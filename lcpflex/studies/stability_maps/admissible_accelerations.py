@@ -35,7 +35,7 @@ from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_veloci
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.basics.arguments import numbers
 from lcpflex.jit.dispatch import link
-from lcpflex.solvers.enumeration import LARGEST, Enumeration
+from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_driven.memory import copy_entry
 

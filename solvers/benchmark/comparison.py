@@ -1,0 +1,393 @@
+"""One problem before many solvers: who solves it, how well and how fast, and whether they agree.
+
+Of symmetric semidefinite problems all solutions share w = M z, though z may differ (redundant contacts): agreement is
+therefore sought in w, of contact problems in the contact velocities.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+import lcpflex.solvers
+from lcpflex.errors import ModelError
+from lcpflex.basics.arguments import text
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.arguments import check_options, check_problem, posed
+from lcpflex.solvers.certificate import is_symmetric
+from lcpflex.solvers.clock import TimeLimit, check_time_limit
+from lcpflex.solvers.limits import check_tolerance
+from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
+from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
+from lcpflex.solvers.problem import Lcp, Solution, Status
+from lcpflex.solvers.benchmark.records import version_of
+
+__all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
+
+ALIKE = 1e-6  # relative difference up to which two certified answers count as one
+ROUNDING = 1.01  # by which a residual that is computed once more may exceed the tolerance
+LONGEST = 110  # characters of a remark
+PROOFS = ("INFEASIBLE", "NO_SOLUTION")
+REFUSED, FAILED = "refused", "failed"  # in place of a status
+_HEAD = ("solver", "status", "residual", "|z - z_ref|", "same motion", "iterations", "time [us]", "remark")
+
+
+def all_solvers(problem: Any = None) -> dict[str, Any]:
+    """Every solver ``lcpflex.solvers`` exports, by name, QuadraticProgram once for each backend installed.
+
+    problem: leave out those that refuse it.
+    """
+    if problem is not None and not isinstance(problem, Lcp):
+        posed(problem)
+    found: dict[str, Any] = {}
+    for name in lcpflex.solvers.__all__:
+        kind: Any = getattr(lcpflex.solvers, name)
+        if not _is_solver(kind):
+            continue
+        if name == "QuadraticProgram":
+            import qpsolvers
+
+            found |= {f"{name}({b})": kind(backend=b) for b in sorted(qpsolvers.available_solvers)}
+        else:
+            found[name] = kind()
+    if problem is None:
+        return found
+    return {name: solver for name, solver in found.items() if not solver.refuses(problem)}
+
+
+def _is_solver(kind: object) -> bool:
+    promises = all(callable(getattr(kind, name, None)) for name in ("solve", "refuses"))
+    if not (promises and isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        return False
+    missing = dataclasses.MISSING
+    return all(f.default is not missing or f.default_factory is not missing for f in dataclasses.fields(kind) if f.init)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What one solver made of the problem.
+
+    status: name of the Status that its point deserves, or "refused" or "failed" (it raised, or returned no point).
+    residual: of its point, computed here on the data of the problem, whatever the solver states; of another model's
+    forces too; strict: the same relative to the load alone, where the problem tells it. difference: max |z - z_ref|;
+    same_motion: whether w is that of the reference; both None if not solved or the model is another one. time [s]:
+    median of the repeats. remark: the reason, if it was not solved. model: what the solver solves instead of the
+    problem, if it does. solved: whether the residual is within the tolerance. wrong: whether the solver's claim,
+    ``claim``, was refuted here. route: which algorithms it says that it tried. version: of the solver, as far as it is
+    known.
+    """
+
+    solver: str
+    status: str
+    residual: float = float("nan")
+    difference: float | None = None
+    same_motion: bool | None = None
+    iterations: int | None = None
+    time: float = float("nan")
+    remark: str = ""
+    model: str = ""
+    solved: bool = False
+    wrong: bool = False
+    claim: str = ""
+    tolerance: float = float("nan")
+    strict: float = float("nan")
+    route: str = ""
+    version: str = ""
+
+    def cells(self) -> tuple[str, ...]:
+        """The row as text, in the order of the table."""
+        motion = {None: "-", True: "yes", False: "no"}[self.same_motion]
+        return (
+            self.solver,
+            "-" if self.status == REFUSED else self.status,
+            number(self.residual, ".1e"),
+            "-" if self.difference is None else f"{self.difference:.1e}",
+            motion,
+            "-" if self.iterations is None else str(self.iterations),
+            number(1e6 * self.time, ".1f"),
+            f"another model: {self.model}" if self.model else self.remark,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class CrossCheck:
+    """The rows of all solvers; ``reference`` names the solved one of least residual, "" if none solved it.
+
+    name, kind, size: of the problem, as it was named, by its class, and how many unknowns it has.
+    """
+
+    rows: tuple[Row, ...]
+    reference: str
+    verdict: str
+    name: str = ""
+    kind: str = ""
+    size: int = 0
+
+    @property
+    def contradictory(self) -> bool:
+        """Whether a claim was wrong: a point that is no solution, or a proof that there is none where one exists."""
+        return any(row.wrong for row in self.rows)
+
+    def table(self) -> str:
+        """Aligned text, with the verdict below."""
+        return f"{aligned([_HEAD, *(row.cells() for row in self.rows)])}\n\n{self.verdict}"
+
+    def __str__(self) -> str:
+        return self.table()
+
+    def markdown(self) -> str:
+        """The rows as a table of Markdown."""
+        return as_markdown([_HEAD, *(row.cells() for row in self.rows)])
+
+    def csv(self) -> str:
+        """A line for each solver, numbers in full, time in seconds: with the problem, the machine, and all versions."""
+        from lcpflex.solvers.benchmark.records import csv_of
+
+        return csv_of([self])
+
+
+def cross_check(
+    problem: Any,
+    solvers: Any = None,
+    repeats: int = 5,
+    *,
+    tolerance: float | None = None,
+    time_limit: float | None = None,
+    name: str = "",
+) -> CrossCheck:
+    """Solve ``problem`` (Lcp, ContactProblem or another posed one) by every solver and compare.
+
+    Parameters
+    ----------
+    solvers
+        By name, or one, or a sequence of them; all of :func:`all_solvers` if left out. Callables become
+        :class:`OwnSolver`: a function of (M, q) or of (problem) that returns z.
+    repeats
+        Solves of which the median time counts, after one that may compile.
+    tolerance
+        Largest residual that counts as solved [-], for all solvers. By default the one that each solver states, for
+        those that state none that of the problem, if it has one, else 1e-10.
+    time_limit
+        Seconds for each solve: see :class:`TimeLimit`. Callables then run in a process of their own.
+    name
+        Of the problem, for tables.
+
+    Raises
+    ------
+    ModelError
+        For repeats < 1, problems no solver takes, and what is no solver. What a solver raises is shown in its row.
+    """
+    check_options(repeats, tolerance)
+    check_problem("problem", problem)
+    if not (isinstance(name, str) and name == ""):
+        text("name", name)
+    ready = ready_solvers(solvers, time_limit)
+    return solve_all(problem, ready, repeats, {}, tolerance, name)[0]
+
+
+def ready_solvers(solvers: Any, time_limit: float | None) -> dict[str, Any]:
+    """The solvers by name, each with its limit of time."""
+    try:
+        named = all_solvers() if solvers is None else named_solvers(solvers)
+    except ModelError as error:
+        raise ModelError(f"solvers: {error}") from None
+    if check_time_limit("time_limit", time_limit) is None:
+        return named
+    return {name: TimeLimit(solver, time_limit) for name, solver in named.items()}  # type: ignore[arg-type]
+
+
+def solve_all(
+    problem: Any,
+    solvers: Mapping[str, Any],
+    repeats: int,
+    guesses: Mapping[str, Solution | None],
+    tolerance: float | None = None,
+    name: str = "",
+) -> tuple[CrossCheck, dict[str, Solution | None]]:
+    """The comparison, and what each solver found, started from its guess if there is one."""
+    if tolerance is not None:
+        check_tolerance(tolerance)
+    tried = {n: _attempt(problem, n, s, repeats, guesses.get(n), tolerance) for n, s in solvers.items()}
+    rivals = {n: (row, s) for n, (row, s) in tried.items() if s is not None and row.solved and not row.model}
+    reference = min(rivals, key=lambda n: rivals[n][0].residual, default="")
+    best = rivals[reference][1] if reference else None
+    rows = tuple(_compared(problem, row, s, best) for row, s in tried.values())
+    verdict = _verdict(problem, rows, reference)
+    check = CrossCheck(rows, reference, verdict, name, type(problem).__name__, int(problem.size))
+    return check, {n: s for n, (_, s) in tried.items()}
+
+
+def _attempt(
+    problem: Any, name: str, solver: Any, repeats: int, guess: Solution | None, tolerance: float | None
+) -> tuple[Row, Solution | None]:
+    """The row of one solver, not yet compared, and its solution if it returned one."""
+    version, own = version_of(solver), own_part(solver)
+    try:
+        reason = solver.refuses(problem)
+        if reason:
+            return Row(name, REFUSED, remark=_first_line(reason), version=version), None
+        found = solver.solve(problem, guess)
+        times = []
+        for _ in range(repeats):
+            if own is not None and own.last is not None and own.last.z is None and not own.last.expired:
+                break  # it raised, and may do so after a while: once is enough
+            start = perf_counter()
+            found = solver.solve(problem, guess)
+            times.append(perf_counter() - start)
+            if own is not None and own.time_limit is not None and own.last is not None:
+                times[-1] = own.last.seconds  # without what it takes to hand it to another process
+    except Exception as error:  # a solver that breaks its promise is a finding, not the end of the comparison
+        return Row(name, FAILED, remark=_first_line(f"{type(error).__name__}: {error}"), version=version), None
+    answer = None if own is None else own.last
+    claim = found.status.name if answer is None or answer.claim is None else _status_name(answer.claim)
+    if answer is not None and answer.z is None and answer.claim is None and not answer.expired:
+        return Row(name, FAILED, remark=_first_line(answer.error.removeprefix("raised ")), version=version), None
+    return _judged(problem, name, solver, found, claim, tolerance, statistics.median(times or [np.nan])), found
+
+
+def _status_name(claim: Solution) -> str:
+    return claim.status.name if isinstance(claim.status, Status) else str(claim.status)[:20]
+
+
+def _judged(
+    problem: Any, name: str, solver: Any, found: Solution, claim: str, tolerance: float | None, time: float
+) -> Row:
+    """The row of a point, by its residual on the data of the problem."""
+    model = str(getattr(solver, "model", ""))
+    stated = own_tolerance(solver, getattr(problem, "tolerance", TARGET))
+    allowed = stated if tolerance is None else tolerance
+    residual, strict = _residuals(problem, found, bool(model))
+    claims = claim in (Status.SOLVED.name, Status.NOT_UNIQUE.name)
+    wrong = claims and not model and not residual <= ROUNDING * stated
+    solved = bool(found.solved if model else residual <= ROUNDING * allowed and _has_point(solver, found))
+    status, remark = found.status, "" if solved else _first_line(found.message)
+    if solved and not found.solved:
+        status = Status.SOLVED
+    elif found.solved and not solved:
+        status = Status.INACCURATE if residual <= 1e3 * allowed else Status.NUMERICAL_FAILURE
+        remark = f"residual {residual:.1e}, tolerance {allowed:.1e}"
+    if wrong:
+        remark = _first_line(f"claimed {claim}, but its residual is {residual:.1e}")
+    elif claim in PROOFS and claim != status.name:
+        remark = f"claimed {claim} without a proof that holds"
+    return Row(
+        name,
+        status.name,
+        residual,
+        iterations=found.iterations,
+        time=time,
+        remark=remark,
+        model=model,
+        solved=solved,
+        wrong=wrong,
+        claim=claim,
+        tolerance=allowed,
+        strict=strict,
+        route=found.route,
+        version=version_of(solver),
+    )
+
+
+def _has_point(solver: Any, found: Solution) -> bool:
+    """Whether the point is what the solver found, though it may not have reached its own tolerance."""
+    own = own_part(solver)
+    return found.status.name not in PROOFS and (own is None or own.last is None or own.last.z is not None)
+
+
+def _residuals(problem: Any, found: Solution, other_model: bool) -> tuple[float, float]:
+    """Both sizes of the residual in the problem as it was posed; forces of another model are read as its forces."""
+    z = np.array(found.z, dtype=float)
+    if other_model and hasattr(problem, "unknowns") and z.shape == problem.free.shape:
+        z = problem.unknowns(*np.split(z, [len(problem.friction)]))
+    if z.shape != (problem.size,):
+        return float("nan"), float("nan")
+    if hasattr(problem, "residuals"):
+        residual, strict = problem.residuals(z)
+        return float(residual), float(strict)
+    return float(problem.residual(z)), float("nan")
+
+
+def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | None) -> Row:
+    if found is None or best is None or row.model or row.wrong:
+        return row
+    if not row.solved:
+        return dataclasses.replace(row, wrong=row.status in PROOFS or row.claim in PROOFS)
+    difference = float(np.abs(found.z - best.z).max(initial=0.0))
+    return dataclasses.replace(
+        row, difference=difference, same_motion=_same(problem, _motion(problem, found), _motion(problem, best))
+    )
+
+
+def _motion(problem: Any, found: Solution) -> FloatArray:
+    """w, or the contact velocities of a contact problem."""
+    if hasattr(problem, "velocity"):
+        return np.asarray(problem.velocity(np.concatenate(problem.forces(found.z))))
+    return found.w
+
+
+def _same(problem: Any, a: FloatArray, b: FloatArray) -> bool:
+    """Whether two motions differ by less than ALIKE of the largest velocity there is, that without forces included."""
+    free = problem.free if hasattr(problem, "velocity") else problem.slack(np.zeros(problem.size))
+    size = max(float(np.abs(x).max(initial=0.0)) for x in (a, b, np.asarray(free)))
+    return bool(np.abs(a - b).max(initial=0.0) <= ALIKE * size)
+
+
+def _is_unique(problem: Any) -> bool:
+    """Whether all solutions share w: M is symmetric positive semidefinite, that of the problem or that of its LCP."""
+    if isinstance(problem, MixedLcp | BoxedLcp) and is_symmetric(np.array(problem.M), problem.size):
+        return _semidefinite(problem.M)
+    lcp = problem.lcp() if hasattr(problem, "lcp") else problem
+    return bool(lcp.symmetric) and _semidefinite(lcp.M)
+
+
+def _semidefinite(M: FloatArray) -> bool:
+    values = np.linalg.eigvalsh(M) if len(M) else np.zeros(1)
+    return bool(values[0] >= -1e-12 * values[-1])
+
+
+def _verdict(problem: Any, rows: Sequence[Row], reference: str) -> str:
+    wrong = [row.solver for row in rows if row.wrong]
+    if wrong:
+        return f"wrong claim by {', '.join(wrong)}"
+    proofs = [row.solver for row in rows if row.status in PROOFS]
+    if not reference:
+        return f"no solution exists, says {', '.join(proofs)}" if proofs else "no solver solved it"
+    solved = [row for row in rows if row.same_motion is not None]
+    others = [row.solver for row in solved if not row.same_motion]
+    kind = "the contact velocities" if hasattr(problem, "velocity") else "w"
+    if others and _is_unique(problem):
+        return f"{', '.join(others)}: differs from {reference} in {kind}, though unique: less accurate"
+    if others:
+        return f"{', '.join(others)}: another solution than {reference}, both certified; {kind} may differ"
+    if len(solved) == 1:
+        return f"only {reference} solved it"
+    return f"all {len(solved)} solvers that solved it agree in {kind}"
+
+
+def _first_line(text: str) -> str:
+    """What fits into a table of a message, of which some run over pages."""
+    line = text.strip().partition("\n")[0]
+    return line if len(line) <= LONGEST else line[: LONGEST - 3] + "..."
+
+
+def number(value: float, form: str) -> str:
+    """The number, or a dash if there is none."""
+    return format(value, form) if np.isfinite(value) else "-"
+
+
+def aligned(lines: Sequence[Sequence[str]]) -> str:
+    """Columns of text, two blanks apart."""
+    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
+    return "\n".join("  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip() for line in lines)
+
+
+def as_markdown(lines: Sequence[Sequence[str]]) -> str:
+    """A table of Markdown; the first line is its head."""
+    ruled = [lines[0], ("---",) * len(lines[0]), *lines[1:]]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in ruled)

@@ -1,0 +1,260 @@
+"""Nonsmooth Gauss-Seidel iteration for planar Coulomb friction, contact by contact.
+
+The law of one contact, with the forces of all others held, is a problem in two unknowns,
+
+    0 <= v_N = a p + b t + r_N  _|_  p >= 0,    v_T = c p + d t + r_T,    t in -mu p Sign(v_T),
+
+solved exactly: open, sticking, or sliding one way or the other. It needs the Delassus matrix G, or its factor J alone:
+then u = J^T lambda is kept up to date, a contact costs as much as its bodies have coordinates, and memory is linear in
+the contacts. Since the last digits come slowly, the states found are taken as the active set of the whole problem from
+time to time, which ends the iteration as soon as they are right.
+Sources: Jean 1999 (nonsmooth contact dynamics); Jourdan, Alart & Jean 1998.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.clock import grown, remaining
+from lcpflex.solvers.contact.sweeps import (
+    BACK,
+    FIRST_LOOK,
+    FORTH,
+    LAST_DIGIT,
+    OPEN,
+    RUNAWAY,
+    STICKING,
+    block_gauss_seidel,
+    sweep_delassus,
+    sweep_factor,
+)
+from lcpflex.solvers.contact.problem import ContactProblem, aligned
+from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.lcp.lemke import lemke_workspace
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import ITERATION_LIMIT, Lcp, PosedProblem, Solution, Status, accept, restored
+
+__all__ = ["BlockGaussSeidel"]
+
+PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
+CORRECTIONS = 6  # of the forces on fixed states
+REGULAR = 1e-9  # of their equations, relative to the diagonal: redundant contacts make them singular
+SWEPT = "block Gauss-Seidel"
+FINISHED = ", finished on its active set"
+FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
+
+
+class _Iteration:
+    """One run of the iteration: its forces and states, the two ways to sweep and the two ways to finish."""
+
+    def __init__(self, problem: ContactProblem, guess: Solution | None, lcp: Lcp | None) -> None:
+        self.problem = problem
+        n = len(problem.friction)
+        self.tangent_of = np.full(n, -1, dtype=np.int64)
+        self.tangent_of[problem.tangent] = n + np.arange(len(problem.tangent))
+        self.states = np.zeros(n, dtype=np.int64)
+        self.forces = np.zeros(len(problem.free))
+        self.dense = problem.delassus
+        self.lcp = lcp
+        if lcp is None and problem.delassus is not None and problem.size <= PIVOTING:
+            self.lcp = problem.lcp()
+        self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
+        start = None if guess is None else aligned(guess, problem.unknown_keys)
+        if start is not None and start.z.shape == (problem.size,):
+            z = np.maximum(start.z, 0.0)
+            if self.judge.residual(z) <= FAR:
+                self.forces = np.concatenate(problem.forces(z))
+        if self.dense is None:
+            J = scipy.sparse.csr_array(problem.factor)
+            self.J: Any = J
+            self.rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data))
+            self.block = _own_blocks(J, self.tangent_of)
+            self.u = np.asarray(J.T @ self.forces)
+
+    def sweep(self, sweeps: int, target: float) -> tuple[int, float]:
+        """Up to so many sweeps; how many were made, and the largest change of a velocity in the last one."""
+        problem = self.problem
+        common = (problem.free, problem.friction, self.tangent_of)
+        if self.dense is not None:
+            return sweep_delassus(self.dense, *common, self.forces, self.states, sweeps, target)
+        return sweep_factor(*self.rows, self.block, *common, self.u, self.forces, self.states, sweeps, target)
+
+    def point(self) -> FloatArray:
+        """z of the three-unknown form."""
+        return self.problem.unknowns(*np.split(self.forces, [len(self.problem.friction)]))
+
+    def corrected(self) -> FloatArray:
+        """z from the equations of the states, v_N = 0 where pressed and v_T = 0 where sticking; the shortest change."""
+        problem, n = self.problem, len(self.problem.friction)
+        pressed = np.flatnonzero(self.states != OPEN)
+        sticking = pressed[(self.states[pressed] == STICKING) & (self.tangent_of[pressed] >= 0)]
+        unknown = np.concatenate([pressed, self.tangent_of[sticking]])
+        sign = np.select([self.states == FORTH, self.states == BACK], [-1.0, 1.0], 0.0) * problem.friction
+        sliding = pressed[sign[pressed] != 0.0]
+        entries = np.concatenate([np.ones(len(unknown)), sign[sliding]])
+        rows = np.concatenate([unknown, self.tangent_of[sliding]])
+        columns = np.concatenate([np.arange(len(unknown)), np.searchsorted(pressed, sliding)])
+        spread = scipy.sparse.csr_array((entries, (rows, columns)), shape=(len(problem.free), len(unknown)))
+        x = self.forces[unknown]
+        if len(unknown):
+            x = self._on_rows(unknown, spread, x)
+        forces = spread @ x
+        forces[:n] = np.maximum(forces[:n], 0.0)
+        edge = (problem.friction * forces[:n])[problem.tangent]
+        forces[n:] = np.clip(forces[n:], -edge, edge)
+        return problem.unknowns(*np.split(forces, [n]))
+
+    def _on_rows(self, unknown: IntArray, spread: Any, x: FloatArray) -> FloatArray:
+        """x with (G spread x + free) = 0 on the rows ``unknown``, from a nearby x."""
+        free = self.problem.free[unknown]
+        if self.dense is not None:
+            matrix = self.dense[unknown] @ spread
+            for _ in range(2):  # the second takes out the rounding of the first
+                x = x - np.linalg.lstsq(matrix, matrix @ x + free, rcond=1e-12)[0]
+            return np.asarray(x)
+        J, Jx = self.J[unknown], self.J.T @ spread
+        squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
+        weight = REGULAR * np.where(squares > 0.0, squares, 1.0)  # a contact of two fixed bodies has no equation at all
+        k = self.J.shape[1]
+        matrix = scipy.sparse.block_array(
+            [[-scipy.sparse.eye_array(k), Jx], [J, scipy.sparse.diags_array(weight)]], format="csc"
+        )
+        try:
+            solve = scipy.sparse.linalg.splu(matrix).solve
+        except RuntimeError:  # exactly singular: go on sweeping
+            return x
+        for _ in range(CORRECTIONS):  # each takes out what the regularisation left in
+            x = x + solve(np.concatenate([np.zeros(k), -(J @ (Jx @ x) + free)]))[k:]
+        return np.asarray(x)
+
+
+def _own_blocks(J: Any, tangent_of: IntArray) -> FloatArray:
+    """G_NN, G_NT, G_TT of each contact by itself, (n, 3)."""
+    n = len(tangent_of)
+    squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
+    block = np.zeros((n, 3))
+    block[:, 0] = squares[:n]
+    with_friction = np.flatnonzero(tangent_of >= 0)
+    rows = tangent_of[with_friction]
+    block[with_friction, 1] = np.asarray(J[with_friction].multiply(J[rows]).sum(axis=1)).ravel()
+    block[with_friction, 2] = squares[rows]
+    return block
+
+
+@dataclass(frozen=True, slots=True)
+class BlockGaussSeidel:
+    """Gauss-Seidel iteration contact by contact, for many contacts with friction.
+
+    tolerance: largest accepted residual [-]; sweep_limit: largest number of sweeps. Takes a :class:`ContactProblem`,
+    with the Delassus matrix or only its factor, and an :class:`Lcp` that is symmetric, as contact without friction.
+    Raises ModelError for numbers out of their range and for other problems. Converges in practice, without a guarantee.
+    """
+
+    tolerance: float = 1e-10
+    sweep_limit: int = 20_000
+
+    def __post_init__(self) -> None:
+        keep_settings(self, "sweep_limit", needed=True)
+
+    def refuses(self, problem: Lcp | PosedProblem) -> str:
+        """Why the solver cannot take the problem; empty if it can."""
+        if (
+            isinstance(problem, ContactProblem)
+            or (problem if isinstance(problem, Lcp) else posed(problem).lcp()).symmetric
+        ):
+            return ""
+        return (
+            "an unsymmetric matrix does not tell which unknowns are one contact: expected a ContactProblem, or Lemke() "
+            "or Auto() as the solver"
+        )
+
+    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
+        """Iterate, from the forces of the guess if there is one (matched by contact)."""
+        check_guess(guess)
+        if isinstance(problem, Lcp):
+            if reason := self.refuses(problem):
+                raise ModelError(reason)
+            if problem.balanced()[1] is not None:
+                return problem.solve_by(self, guess)
+            contacts = ContactProblem(problem.M, problem.q, np.zeros(problem.size))
+            return self._iterate(_Iteration(contacts, guess, problem))
+        if not isinstance(problem, ContactProblem):
+            return posed(problem).solve_by(self, guess)
+        keys, units = problem.unknown_keys, problem.unknown_units
+        guess = aligned(guess, keys)
+        if guess is not None and guess.z.shape == units.d.shape:
+            guess = replace(guess, z=units.inward(guess.z))
+        found = self._iterate(_Iteration(problem.balanced(), guess, None))
+        return replace(restored(problem, found, units, self.tolerance), keys=keys)
+
+    def _iterate(self, run: _Iteration) -> Solution:
+        """Compiled where the whole problem is known as an LCP of moderate size, else look by look."""
+        if run.lcp is None:
+            return guarded(SWEPT, run.problem, self.tolerance, lambda: self._by_looks(run))
+        lcp = run.lcp
+        return guarded(SWEPT, lcp, self.tolerance, lambda: self._compiled(run, lcp))
+
+    def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
+        problem, n = run.problem, lcp.size
+        z, (table, basis) = np.empty(n), lemke_workspace(n)
+        assert problem.delassus is not None
+        delassus, work, start = problem.delassus, np.empty(n), (run.forces.copy(), run.states.copy())
+
+        def swept(most: int) -> tuple[int, int, int]:
+            run.forces[:], run.states[:] = start
+            return block_gauss_seidel(
+                delassus, problem.free, problem.friction, run.tangent_of, *lcp.data, run.forces, run.states,
+                z, work, table, basis, self.tolerance, most,
+            )  # fmt: skip
+
+        (code, sweeps, finished), cut = grown(swept, self.sweep_limit, n, lambda found: found[0] == ITERATION_LIMIT)
+        status, active = Status.TIME_LIMIT if cut else Status(code), None
+        route = SWEPT + FINISHED * finished
+        if status is Status.SOLVED:
+            active = basis[:n].copy()
+        else:
+            with np.errstate(all="ignore"):  # sweeps that ran away overflow: not finite, hence not solved
+                corrected = run.corrected()
+            if lcp.residual(corrected) < lcp.residual(z):
+                z, route = corrected, SWEPT + FINISHED
+        return accept(
+            lcp, z, tolerance=self.tolerance, status=status, iterations=sweeps, route=route, active=active
+        )  # fmt: skip
+
+    def _by_looks(self, run: _Iteration) -> Solution:
+        """Sweep, look, try to finish; each time after twice as many sweeps."""
+        load = float(np.abs(run.problem.free).max(initial=0.0))
+        target, look, sweeps = 0.1 * self.tolerance * load, FIRST_LOOK, 0
+        best, least = np.zeros(run.problem.size), run.problem.residual(np.zeros(run.problem.size))
+        route, status = SWEPT, Status.ITERATION_LIMIT
+        while least > self.tolerance and sweeps < self.sweep_limit:
+            if remaining() <= 0.0:
+                status = Status.TIME_LIMIT
+                break
+            made, change = run.sweep(min(look, self.sweep_limit) - sweeps, target)
+            sweeps, look = sweeps + made, 2 * look
+            if not change < RUNAWAY * load:
+                status = Status.NUMERICAL_FAILURE
+                break
+            for corrected in (False, True):
+                z = run.corrected() if corrected else run.point()
+                residual = run.problem.residual(z)
+                if residual < least:
+                    best, least = z, residual
+                if least <= self.tolerance:
+                    route += FINISHED * corrected
+                    break
+            if change <= target:
+                target *= 0.1
+                if target < LAST_DIGIT * load:
+                    status = Status.NUMERICAL_FAILURE
+                    break
+        return accept(run.problem, best, tolerance=self.tolerance, status=status, iterations=sweeps, route=route)

@@ -1,0 +1,92 @@
+"""Contact problems of other libraries in the form of this one: bodies eliminated, rows in order.
+
+M v = H r + G y + f,  G^T v + b = 0,  u = H^T v + w   becomes   u = W r + q, where W = H^T K H and
+q = H^T (K f + v_b) + w: K and v_b solve the equations of the bodies with their joints.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
+
+__all__ = ["condensed", "contact_problem", "planar_rows"]
+
+CONDITION = 1e-14  # reciprocal condition number below which the equations of the bodies are singular
+
+
+def condensed(
+    M: FloatArray,
+    H: FloatArray,
+    f: FloatArray,
+    w: FloatArray,
+    G: FloatArray | None = None,
+    b: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """W (m, m) and q (m,) of M (n, n), H (n, m), f (n,), w (m,), and of joints G (n, p), b (p,).
+
+    Raises ModelError for singular equations.
+    """
+    n, p = len(M), 0 if G is None else G.shape[1]
+    K = np.zeros((n + p, n + p))
+    K[:n, :n] = M
+    load = np.zeros((n + p, H.shape[1] + 1))
+    load[:n, :-1], load[:n, -1] = H, f
+    if G is not None and b is not None:
+        K[:n, n:], K[n:, :n] = -G, G.T
+        load[n:, -1] = -b
+    if not n:
+        return np.zeros((H.shape[1], H.shape[1])), w.copy()
+    scale = 1.0 / np.sqrt(np.maximum(np.abs(K).max(axis=1), np.finfo(float).tiny))
+    K = scale[:, None] * K * scale
+    factorise: Any = scipy.linalg.get_lapack_funcs("getrf", (K,))
+    factor, pivots, zero = factorise(K)
+    if zero or not _rcond(factor, float(np.abs(K).sum(axis=0).max())) > CONDITION:
+        raise ModelError("M, with its joints, is singular: expected bodies whose motion can be eliminated")
+    v = scale[:, None] * scipy.linalg.lu_solve((factor, pivots), scale[:, None] * load)
+    W = H.T @ v[:n, :-1]
+    if np.allclose(M, M.T, rtol=1e-12, atol=0.0):
+        W = 0.5 * (W + W.T)
+    return W, H.T @ v[:n, -1] + w
+
+
+def _rcond(factor: FloatArray, norm: float) -> float:
+    """The reciprocal condition number of an LU factorisation."""
+    if not np.isfinite(factor).all():
+        return 0.0
+    estimate: Any = scipy.linalg.get_lapack_funcs("gecon", (factor,))
+    return float(estimate(factor, norm)[0])
+
+
+def contact_problem(
+    W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int
+) -> ContactProblem | SpatialContactProblem:
+    """Of W, q with rows (n, t) or (n, t1, t2) of each contact in turn; in the plane tangents without friction go.
+
+    Raises ModelError for sizes that do not fit.
+    """
+    rows = dimension * len(mu)
+    if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
+        raise ModelError(
+            f"spacedim is {dimension}, W has shape {W.shape}, q {q.shape} and mu {mu.shape}: "
+            "expected 2 or 3 rows for each coefficient"
+        )
+    if dimension == 3:
+        return SpatialContactProblem(W, q, mu)
+    order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
+    return ContactProblem(W[np.ix_(order, order)], q[order], mu)
+
+
+def planar_rows(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
+    """W (2 k, 2 k) and q (2 k,) with rows (n, t) of each contact in turn, zero for tangents without friction."""
+    normals = len(problem.friction)
+    order = np.concatenate([np.arange(0, 2 * normals, 2), 2 * problem.tangent + 1])
+    W, q = np.zeros((2 * normals, 2 * normals)), np.zeros(2 * normals)
+    W[np.ix_(order, order)], q[order] = problem.dense(), problem.free
+    return W, q

@@ -1,0 +1,353 @@
+"""Contact with Coulomb friction: the data that such a problem is made of, its LCP forms and its residual.
+
+Contact velocities (or accelerations) are v = G lambda + free, rows ordered [normals; tangents of frictional contacts].
+The forms are those of :mod:`lcpflex.solvers.contact.lcp_forms`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse
+
+from lcpflex.errors import ModelError, shown
+from lcpflex.basics.arguments import flag, point_of
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.arguments import check_guess, check_solver
+from lcpflex.solvers.arrays import as_array, check_finite, finite_array
+from lcpflex.solvers.balance import Units, contact_units, unknown_units
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.contact.lcp_forms import (
+    assemble_copositive_lcp,
+    assemble_friction_lcp,
+    split_friction_solution,
+)
+from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
+
+__all__ = [
+    "ContactProblem",
+    "aligned",
+    "assemble_copositive_lcp",
+    "assemble_friction_lcp",
+    "split_friction_solution",
+]
+
+APART = 1e-6  # relative distance of two solutions
+BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
+
+
+@dataclass(frozen=True, slots=True)
+class ContactProblem:
+    """Planar Coulomb contact: contact velocities (or accelerations) are ``G @ forces + free``.
+
+    Attributes
+    ----------
+    delassus
+        G (m, m) [1/kg], or None where only its factor is known.
+    free
+        (m,) velocity [m/s] or acceleration [m/s^2] without contact forces. Rows are ordered [normals of all contacts;
+        tangents of the frictional ones], m = n_N + n_H.
+    friction
+        (n_N,) coefficients [-]: a contact has a tangent row if and only if its coefficient is positive.
+    keys
+        (n_N,) names of the contacts, for messages and for warm starts from problems with other contacts; their numbers
+        if left out.
+    factor
+        J (m, k) with G = J J^T, dense or scipy sparse: W^T L^-T for the mass matrix M = L L^T. Memory then stays linear
+        in the contacts where each of them touches few bodies.
+
+    Raises
+    ------
+    ModelError
+        For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
+    """
+
+    delassus: FloatArray | None
+    free: FloatArray
+    friction: FloatArray
+    keys: tuple[Hashable, ...] = ()
+    factor: Any = None
+    _units: list[FloatArray] = field(default_factory=list, init=False, repr=False, compare=False)  # once asked for
+
+    def __post_init__(self) -> None:
+        friction = finite_array("friction", self.friction, 1)
+        if (friction < 0.0).any():
+            raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
+        free = finite_array("free", self.free, 1)
+        n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
+        delassus = self.delassus
+        if delassus is not None:
+            delassus = as_array("delassus", delassus, 2) if n_normal else np.zeros((0, 0))
+            check_finite("delassus", delassus)
+        factor = _read_factor(self.factor)
+        if delassus is None and factor is None:
+            raise ModelError("delassus is None: expected a matrix, or else its factor")
+        shape = (m, m) if delassus is None else delassus.shape
+        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
+            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
+            raise ModelError(
+                f"{given} and free {free.shape}: expected {m} rows for {n_normal} contacts, "
+                f"{m - n_normal} of them with friction"
+            )
+        keys = keys_of(self.keys) or tuple(range(n_normal))
+        if len(keys) != n_normal or len(set(keys)) != n_normal:
+            raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n_normal}, one each")
+        given_values = {"delassus": delassus, "free": free, "friction": friction, "keys": keys, "factor": factor}
+        for name, value in given_values.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def tangent(self) -> IntArray:
+        """(n_H,) the contact to which each tangential row belongs."""
+        return np.flatnonzero(self.friction).astype(np.int64)
+
+    @property
+    def units(self) -> FloatArray:
+        """(n_N,) d_k = 1 / sqrt(max(G_NN, G_TT)) of each contact: see :mod:`lcpflex.solvers.balance`."""
+        if not self._units:
+            tangent, normals = self.tangent, len(self.friction)
+            if self.delassus is not None:
+                diagonal = np.diag(self.delassus)
+            else:
+                squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
+                diagonal = np.asarray(squares.sum(axis=1)).ravel()
+            own = np.array(diagonal[:normals])
+            own[tangent] = np.maximum(own[tangent], diagonal[normals:])
+            own = np.maximum(own, 0.0)
+            contact_units(own, normals)
+            self._units.append(own)
+        return self._units[0]
+
+    @property
+    def row_units(self) -> FloatArray:
+        """(m,) :attr:`units` of the contact of each row."""
+        return np.concatenate([self.units, self.units[self.tangent]])
+
+    @property
+    def unknown_units(self) -> Units:
+        """The units of the unknowns of :meth:`lcp`, those of force for a force, their inverse for a slip."""
+        d, tangent = np.empty(self.size), self.tangent
+        unknown_units(self.units, tangent, len(self.friction), len(tangent), d)
+        return Units.of(d, self.free)
+
+    def balanced(self) -> ContactProblem:
+        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
+
+        With D the diagonal matrix of :attr:`row_units`: D G D and D free, friction as it is.
+        """
+        d, load = self.row_units, self.unknown_units.load
+        factor = self.factor
+        if factor is not None:
+            factor = scipy.sparse.diags_array(d) @ factor if hasattr(factor, "tocsr") else factor * d[:, None]
+        delassus = None if self.delassus is None else self.delassus * np.outer(d, d)
+        alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
+        alike._units[:] = [np.ones(len(self.friction))]
+        return alike
+
+    @property
+    def size(self) -> int:
+        """Number n_N + 2 n_H of unknowns of :meth:`lcp`."""
+        return 2 * len(self.free) - len(self.friction)
+
+    @property
+    def unknown_keys(self) -> tuple[Hashable, ...]:
+        """Name of each unknown of :meth:`lcp`: the contact's key with "N", "R" or "L"."""
+        frictional = [self.keys[i] for i in self.tangent]
+        return (
+            *((key, "N") for key in self.keys),
+            *((key, "R") for key in frictional),
+            *((key, "L") for key in frictional),
+        )
+
+    def dense(self) -> FloatArray:
+        """The Delassus matrix (m, m), multiplied out if only its factor is known."""
+        if self.delassus is not None:
+            return self.delassus
+        return np.ascontiguousarray(_as_dense(self.factor @ self.factor.T))
+
+    def lcp(self) -> Lcp:
+        """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
+        tangent, normals, n = self.tangent, len(self.friction), self.size
+        M, q = np.zeros((n, n)), np.zeros(n)
+        assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
+        factor = None if len(tangent) or self.factor is None else _as_dense(self.factor)
+        return Lcp(M, q, factor).measured_in(self.unknown_units.d)
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
+        check_solver(solver)
+        check_guess(guess)
+        keys, lcp = self.unknown_keys, self.lcp()
+        found = solver.solve(lcp, aligned(guess, keys))
+        if found.status is Status.NOT_UNIQUE:
+            found = self.told_apart(lcp, found, getattr(solver, "tolerance", 1e-10))
+        return replace(confirmed(self, found), keys=keys)
+
+    def exact_system(self) -> ExactSystem:
+        """:meth:`lcp` without the rounding of G_T mu, and of J J^T where only the factor is known."""
+        return contact_rows(self.delassus, self.factor, self.free, self.friction)
+
+    def told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
+        """Of several solutions those of different forces: xi_L of an open contact is any speed with xi_R >= 0."""
+        points: list[FloatArray] = []
+        for z in (self.unknowns(*self.forces(z)) for z in found.solutions):
+            if all(np.abs(z - p).max() > APART * max(np.abs(z).max(), np.abs(p).max()) for p in points):
+                points.append(z)
+        several = tuple(points) if len(points) > 1 else ()
+        told = accept(lcp, points[0], tolerance=tolerance, route=found.route, solutions=several)
+        return replace(told, active=found.active, iterations=found.iterations) if told.solved else found
+
+    def copositive_lcp(self) -> Lcp:
+        """Unknowns [lambda_N (n_N), beta_+, beta_-, sigma (n_H each)]: see :func:`assemble_copositive_lcp`."""
+        tangent, normals = self.tangent, len(self.friction)
+        M, q = self.lcp().data
+        n = normals + 3 * len(tangent)
+        M4, q4 = np.zeros((n, n)), np.zeros(n)
+        assemble_copositive_lcp(M, q, self.friction, tangent, normals, len(tangent), M4, q4)
+        forces, slip = np.split(self.unknown_units.d, [len(self.free)])
+        return Lcp(M4, q4).measured_in(np.concatenate([forces, forces[normals:], slip]))
+
+    def forces(self, z: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """(lambda_N (n_N,), lambda_T (n_H,)) of a solution z (n,) of :meth:`lcp`."""
+        tangent, normals = self.tangent, len(self.friction)
+        point = self._point(z)
+        out = np.zeros(normals), np.zeros(len(tangent))
+        split_friction_solution(point, self.friction, tangent, normals, len(tangent), *out)
+        return out
+
+    def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:
+        """z (n,) of :meth:`lcp` for forces lambda_N (n_N,), lambda_T (n_H,); xi_L from the velocity they cause."""
+        tangent, normals = self.tangent, len(self.friction)
+        pressed = point_of("lambda_normal", lambda_normal, normals)
+        rubbed = point_of("lambda_tangent", lambda_tangent, len(tangent))
+        slip = self.velocity(np.concatenate([pressed, rubbed]))[normals:]
+        edge = (self.friction * pressed)[tangent]
+        return np.concatenate([pressed, rubbed + edge, np.maximum(-slip, 0.0)])
+
+    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
+        """G @ forces + free (m,) for the forces [lambda_N, lambda_T] (m,)."""
+        x = point_of("forces", forces, len(self.free))
+        product = self.delassus @ x if self.delassus is not None else self.factor @ (self.factor.T @ x)
+        return np.asarray(product + self.free)
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """w of :meth:`lcp` without forming it: [v_N, xi_R = v_T + xi_L, lambda_L = 2 mu lambda_N - lambda_R]."""
+        tangent, normals = self.tangent, len(self.friction)
+        point = self._point(z)
+        pressed, right, left = np.split(point, [normals, normals + len(tangent)])
+        edge = (self.friction * pressed)[tangent]
+        velocity = self.velocity(np.concatenate([pressed, right - edge]))
+        return np.concatenate([velocity[:normals], velocity[normals:] + left, 2.0 * edge - right])
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """Natural-map residual of z (n,), that of :meth:`lcp`: dimensionless and the same in any units if scaled.
+
+        Else in the units of ``free``. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        """
+        if flag("scaled", scaled):
+            return self.residuals(z)[0]
+        worst, _, _ = self._residual_parts(self._point(z))
+        return worst
+
+    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
+        """The residual of z (n,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`.
+
+        Of :meth:`balanced`: relative to the terms that cancel in the velocities, and to the free velocity alone.
+        """
+        point = self._point(z)
+        worst, size, load = self.balanced()._residual_parts(self.unknown_units.inward(point))
+        return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def _residual_parts(self, point: FloatArray) -> tuple[float, float, float]:
+        """Absolute residual, size of its terms, max |free|; no more than BLOCK rows of the matrix at a time."""
+        if not np.isfinite(point).all():
+            return np.inf, np.inf, np.inf
+        with np.errstate(all="ignore"):
+            w = self.slack(point)
+            largest, terms = self._row_sizes(point)
+            worst = float(np.abs(np.minimum(largest * point, w)).max(initial=0.0))
+            size = float(terms.max(initial=0.0))
+            parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
+        return parts if np.isfinite(parts).all() else (np.inf, np.inf, np.inf)
+
+    def _row_sizes(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`lcp`."""
+        tangent, normals, m = self.tangent, len(self.friction), len(self.free)
+        count = len(tangent)
+        edge = scipy.sparse.csr_array((self.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
+        columns = scipy.sparse.block_array(
+            [[scipy.sparse.eye_array(normals), None], [-edge, scipy.sparse.eye_array(count)]], format="csr"
+        )
+        largest, terms = np.zeros(self.size), np.zeros(self.size)
+        size = np.abs(z)
+        for first in range(0, m, BLOCK):
+            rows = slice(first, min(first + BLOCK, m))
+            block = self.delassus[rows] if self.delassus is not None else self.factor[rows] @ self.factor.T
+            block = abs(block @ columns)
+            largest[rows] = _as_dense(block.max(axis=1)).ravel()
+            terms[rows] = block @ size[:m]
+        terms[:m] += np.abs(self.free)
+        largest[normals:m] = np.maximum(largest[normals:m], 1.0)
+        terms[normals:m] += size[m:]
+        mu = self.friction[tangent]
+        largest[m:] = np.maximum(2.0 * mu, 1.0)
+        terms[m:] = 2.0 * mu * size[tangent] + size[normals:m]
+        largest[largest == 0.0] = 1.0
+        return largest, terms
+
+    def _point(self, z: npt.ArrayLike) -> FloatArray:
+        return point_of("z", z, self.size)
+
+
+def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | None:
+    """The guess with z and basis brought to the unknowns ``keys`` by name; unknowns that are new start nonbasic."""
+    if guess is None or guess.keys is None or guess.keys == keys:
+        return guess
+    place = {key: i for i, key in enumerate(guess.keys)}
+    found = np.array([place.get(key, -1) for key in keys], dtype=np.int64)
+    known = found >= 0
+    z = np.where(known, guess.z[found], 0.0) if len(guess.z) else np.zeros(len(keys))
+    active = None
+    if guess.active is not None:
+        active = np.where(known, guess.active[found], 0) if len(guess.z) else np.zeros(len(keys), dtype=np.int64)
+    return replace(guess, z=z, w=np.zeros(len(keys)), active=active, keys=keys)
+
+
+def _as_dense(matrix: Any) -> FloatArray:
+    return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
+
+
+def is_sparse(value: Any) -> bool:
+    """Whether it is a matrix of scipy.sparse."""
+    return bool(scipy.sparse.issparse(value))
+
+
+def keys_of(value: Any) -> tuple[Hashable, ...]:
+    """Names of contacts; raises ModelError for what is no sequence of names."""
+    try:
+        keys = tuple(value) if not isinstance(value, str | bytes | set | dict) and hasattr(value, "__len__") else None
+        if keys is not None:
+            hash(keys)
+            return keys
+    except Exception:  # names without a hash, and sequences that are none
+        pass
+    raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
+
+
+def _read_factor(value: Any) -> Any:
+    """A factor as a contiguous array or a CSR array of finite numbers; None stays None."""
+    if value is None:
+        return None
+    if is_sparse(value):
+        if value.dtype.kind not in "iuf" or value.ndim != 2:
+            raise ModelError(f"factor is {shown(value)}: expected a matrix of real numbers")
+        sparse = scipy.sparse.csr_array(value, dtype=float, copy=True)
+        sparse.sum_duplicates()
+        check_finite("factor.data", sparse.data)
+        return sparse
+    return finite_array("factor", value, 2)

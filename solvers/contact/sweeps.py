@@ -1,0 +1,274 @@
+"""Sweeps over planar contacts with Coulomb friction: the compiled part of the block Gauss-Seidel iteration.
+
+The law of one contact, with the forces of all others held, is a problem in two unknowns,
+
+    0 <= v_N = a p + b t + r_N  _|_  p >= 0,    v_T = c p + d t + r_T,    t in -mu p Sign(v_T),
+
+solved exactly: open, sticking, or sliding one way or the other. Sources: Jean 1999; Jourdan, Alart & Jean 1998.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.certificate import judge
+from lcpflex.solvers.lcp.pivoting import block_pivots
+from lcpflex.solvers.problem import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
+
+__all__ = ["block_gauss_seidel", "solve_contact", "sweep_delassus", "sweep_factor"]
+
+OPEN, STICKING, FORTH, BACK = 0, 1, 2, 3  # state of a contact
+ROUND = 1e-14  # how far a sign may be off, relative to its terms
+SINGULAR = 1e-13  # relative determinant of a contact whose normal and tangent move together
+FIRST_LOOK = 8  # sweeps before the first look at the residual; each time twice as many
+EXCHANGES = 5  # of the active set in one attempt to finish
+RUNAWAY = 1e14  # growth of the forces that ends the iteration
+LAST_DIGIT = 1e-17  # change of a contact velocity, relative to the free one, below which no sweep changes anything
+
+
+@kernel
+def solve_contact(
+    a: float, b: float, c: float, d: float, r_n: float, r_t: float, mu: float
+) -> tuple[float, float, int]:
+    """Forces p, t and state of one contact: v_N = a p + b t + r_N, v_T = c p + d t + r_T, |t| <= mu p.
+
+    If no state fits (a Painleve pattern, a - mu |b| <= 0 while approaching), the forces that stop the approach without
+    friction.
+    """
+    if r_n >= 0.0:
+        return 0.0, 0.0, OPEN
+    det = a * d - b * c
+    if det > SINGULAR * a * d:
+        p = (b * r_t - d * r_n) / det
+        t = (c * r_n - a * r_t) / det
+        if p >= 0.0 and abs(t) <= mu * p * (1.0 + ROUND):
+            return p, min(max(t, -mu * p), mu * p), STICKING
+    best, p_best, t_best, state = np.inf, 0.0, 0.0, FORTH
+    for turn in range(2):
+        sign = -1.0 if turn == 0 else 1.0  # of the friction force: against sliding forth, against sliding back
+        stiffness = a + sign * mu * b
+        if stiffness > SINGULAR * a:
+            p = -r_n / stiffness
+            slip = c * p + d * sign * mu * p + r_t
+            wrong = sign * slip  # sliding forth has slip >= 0 and a negative force
+            if wrong < best:
+                best, p_best, t_best = wrong, p, sign * mu * p
+                state = FORTH if turn == 0 else BACK
+    if best < np.inf:
+        return p_best, t_best, state
+    return (-r_n / a if a > 0.0 else 0.0), 0.0, FORTH
+
+
+@kernel
+def _dot(row: FloatArray, x: FloatArray, n: int) -> float:
+    """Sum of row_j x_j in four sums side by side."""
+    s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 4
+    for j in range(0, whole, 4):
+        s0 += row[j] * x[j]
+        s1 += row[j + 1] * x[j + 1]
+        s2 += row[j + 2] * x[j + 2]
+        s3 += row[j + 3] * x[j + 3]
+    for j in range(whole, n):
+        s0 += row[j] * x[j]
+    return (s0 + s1) + (s2 + s3)
+
+
+@kernel
+def sweep_delassus(
+    G: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    tangent_of: IntArray,
+    forces: FloatArray,
+    states: IntArray,
+    sweeps: int,
+    target: float,
+) -> tuple[int, float]:
+    """Up to ``sweeps`` sweeps on G (m, m); (how many were made, largest change of a contact velocity in the last one).
+
+    free (m,), friction (n,); tangent_of (n,): tangential row of each contact, -1 without friction; forces (m,) and
+    states (n,) are advanced in place. Ends early once the change is ``target`` or less.
+    """
+    m, n, change = len(free), len(friction), np.inf
+    made = 0
+    while made < sweeps and change > target:
+        change = 0.0
+        for k in range(n):
+            row = G[k]
+            p = forces[k]
+            r_n = _dot(row, forces, m) + free[k] - row[k] * p
+            t = tangent_of[k]
+            if t < 0:
+                new = max(0.0, -r_n / row[k]) if row[k] > 0.0 else 0.0
+                states[k] = FORTH if new > 0.0 else OPEN
+            else:
+                side = G[t]
+                q = forces[t]
+                r_n -= row[t] * q
+                r_t = _dot(side, forces, m) + free[t] - side[k] * p - side[t] * q
+                new, rub, state = solve_contact(row[k], row[t], side[k], side[t], r_n, r_t, friction[k])
+                states[k] = state
+                change = max(change, abs(side[t] * (rub - q)))
+                forces[t] = rub
+            change = max(change, abs(row[k] * (new - p)))
+            forces[k] = new
+        made += 1
+        if not change < np.inf:
+            break
+    return made, change
+
+
+@kernel
+def _row_dot(start: int, end: int, place: IntArray, value: FloatArray, u: FloatArray) -> float:
+    total = 0.0
+    for e in range(start, end):
+        total += value[e] * u[place[e]]
+    return total
+
+
+@kernel
+def _row_add(start: int, end: int, place: IntArray, value: FloatArray, factor: float, u: FloatArray) -> None:
+    for e in range(start, end):
+        u[place[e]] += factor * value[e]
+
+
+@kernel
+def sweep_factor(
+    first: IntArray,
+    place: IntArray,
+    value: FloatArray,
+    block: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    tangent_of: IntArray,
+    u: FloatArray,
+    forces: FloatArray,
+    states: IntArray,
+    sweeps: int,
+    target: float,
+) -> tuple[int, float]:
+    """As :func:`sweep_delassus`, on the factor J with G = J J^T.
+
+    first (m + 1,), place, value: the rows of J in compressed form; block (n, 3): G_NN, G_NT and G_TT of each contact;
+    u (k,): J^T forces, kept up to date.
+    """
+    n, change = len(friction), np.inf
+    made = 0
+    while made < sweeps and change > target:
+        change = 0.0
+        for k in range(n):
+            t = tangent_of[k]
+            a, b, d = block[k, 0], block[k, 1], block[k, 2]
+            p = forces[k]
+            r_n = _row_dot(first[k], first[k + 1], place, value, u) + free[k] - a * p
+            if t < 0:
+                new = max(0.0, -r_n / a) if a > 0.0 else 0.0
+                states[k] = FORTH if new > 0.0 else OPEN
+            else:
+                q = forces[t]
+                r_n -= b * q
+                r_t = _row_dot(first[t], first[t + 1], place, value, u) + free[t] - b * p - d * q
+                new, rub, state = solve_contact(a, b, b, d, r_n, r_t, friction[k])
+                states[k] = state
+                change = max(change, abs(d * (rub - q)))
+                if rub != q:
+                    _row_add(first[t], first[t + 1], place, value, rub - q, u)
+                    forces[t] = rub
+            change = max(change, abs(a * (new - p)))
+            if new != p:
+                _row_add(first[k], first[k + 1], place, value, new - p, u)
+                forces[k] = new
+        made += 1
+        if not change < np.inf:
+            break
+    return made, change
+
+
+@kernel
+def _take_point(
+    G: FloatArray, free: FloatArray, friction: FloatArray, tangent_of: IntArray, forces: FloatArray, z: FloatArray
+) -> None:
+    """z = [lambda_N, lambda_R, xi_L] of the three-unknown form for the forces [lambda_N, lambda_T] as they are."""
+    m, n = len(free), len(friction)
+    for k in range(n):
+        z[k] = forces[k]
+        t = tangent_of[k]
+        if t >= 0:
+            z[t] = forces[t] + friction[k] * forces[k]
+            z[m - n + t] = max(-_dot(G[t], forces, m) - free[t], 0.0)
+
+
+@kernel
+def _take_basis(states: IntArray, tangent_of: IntArray, m: int, z: FloatArray, basis: IntArray) -> None:
+    """basis[:n] = 1 for those of [lambda_N, lambda_R, xi_L] that the states leave free to be positive."""
+    n = len(states)
+    for k in range(n):
+        state, t = states[k], tangent_of[k]
+        basis[k] = 0 if state == OPEN else 1
+        if t >= 0:
+            left = m - n + t
+            leaving = state == OPEN and z[left] > 0.0  # xi_L carries the speed, and lambda_R = 0 pays for it
+            basis[t] = 1 if state in (STICKING, BACK) or leaving else 0
+            basis[left] = 1 if state == BACK or leaving else 0
+
+
+@kernel
+def block_gauss_seidel(
+    G: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    tangent_of: IntArray,
+    M: FloatArray,
+    q: FloatArray,
+    forces: FloatArray,
+    states: IntArray,
+    z: FloatArray,
+    point: FloatArray,
+    table: FloatArray,
+    basis: IntArray,
+    tolerance: float,
+    sweep_limit: int,
+) -> tuple[int, int, int]:
+    """Sweep, look, try to finish on the active set; (status, sweeps, 1 if finished there).
+
+    G, free, friction, tangent_of, forces, states as of :func:`sweep_delassus`, forces the point to begin from; M (n, n)
+    and q (n,) the three-unknown form, on which points are judged. Out: z (n,) the best point, basis[:n] if solved.
+    Work: point (n,), table and basis of ``lemke_workspace(n)``.
+    """
+    m, n = len(free), len(q)
+    load = 0.0
+    for i in range(m):
+        load = max(load, abs(free[i]))
+    for i in range(n):
+        z[i] = 0.0
+        basis[i] = 0
+    least = judge(M, q, z, n, table[n])
+    target, look, sweeps = 0.1 * tolerance * load, FIRST_LOOK, 0
+    while least > tolerance and sweeps < sweep_limit:
+        made, change = sweep_delassus(
+            G, free, friction, tangent_of, forces, states, min(look, sweep_limit) - sweeps, target
+        )
+        sweeps += made
+        look *= 2
+        if not change < RUNAWAY * load:
+            return NUMERICAL_FAILURE, sweeps, 0
+        _take_point(G, free, friction, tangent_of, forces, point)
+        _take_basis(states, tangent_of, m, point, basis)
+        for finished in range(2):
+            if finished == 1:
+                solves, residual = block_pivots(M, q, n, point, table, basis, EXCHANGES)
+            else:
+                solves, residual = 1, judge(M, q, point, n, table[n])
+            if solves > 0 and residual < least:
+                least = residual
+                for i in range(n):
+                    z[i] = point[i]
+                if least <= tolerance:
+                    return SOLVED, sweeps, finished
+        if change <= target:
+            target *= 0.1
+            if target < LAST_DIGIT * load:
+                return NUMERICAL_FAILURE, sweeps, 0
+    return SOLVED if least <= tolerance else ITERATION_LIMIT, sweeps, 0

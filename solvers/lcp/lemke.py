@@ -1,0 +1,382 @@
+"""Lemke's algorithm on a condensed tableau.
+
+    w = q + M z + c z0:   start with z0 large enough, drive it to zero by complementary pivots.
+
+Guaranteed for P-matrices, and for copositive-plus ones (positive semidefinite included) where a ray means
+that no solution exists; elsewhere it may end on a ray although solutions exist, and then says RAY. Three measures make
+the textbook algorithm fit for floating point: the problem is scaled symmetrically; q carries a small
+deterministic perturbation instead of a lexicographic order, with the unperturbed right-hand side as a second column, so
+that a path of the perturbed problem ends in the solution of the true one; and what does not pass the
+residual test is tried again with another perturbation, scaling and covering vector c.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.arguments import check_guess, posed
+from lcpflex.solvers.certificate import judge
+from lcpflex.solvers.clock import grown
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.lcp.pivoting import block_pivots
+from lcpflex.solvers.problem import (
+    ITERATION_LIMIT,
+    NUMERICAL_FAILURE,
+    RAY,
+    SOLVED,
+    Lcp,
+    PosedProblem,
+    Solution,
+    Status,
+    accept,
+)
+from lcpflex.solvers.lcp.tableau import (
+    CANDIDATE,
+    COLUMNS,
+    DIRECTION,
+    EXTRA,
+    ROWS,
+    SCALE,
+    SHIFTED,
+    SLIP,
+    TRUE,
+    WAITING,
+    enter,
+    exchange,
+    flush,
+    leaving_row,
+)
+
+__all__ = ["Lemke", "attempt", "lemke", "lemke_workspace"]
+
+GOLDEN = 0.6180339887498949
+GOOD = 1e-12  # residual that needs no repair
+TARGET = 1e-10  # residual at which the ladder of retries ends
+REPAIRS = 6  # exchanges allowed when the final basis is put right on the original data
+RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
+ATTEMPTS = 26
+BASIS = "basis of the guess"
+LATE = 10  # attempts after which only those go on that ended near a solution, each with another cover
+
+
+def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
+    """Work arrays (table, basis) of :func:`lemke` for problems of up to ``capacity`` unknowns.
+
+    table (capacity + 13, capacity + 1): the tableau, then the rows that ``tableau`` names;
+    basis (4 capacity + 2,): labels of the rows and columns of the tableau, and the columns of the labels.
+    """
+    return np.empty((capacity + EXTRA, capacity + 1)), np.empty(4 * capacity + 2, dtype=np.int64)
+
+
+@kernel
+def _scale(M: FloatArray, n: int, sweeps: int, table: FloatArray) -> None:
+    """s, in its row of the table, such that the rows and columns of s_i M_ij s_j have maxima near 1 (Ruiz 2001)."""
+    scale, rows, columns = table[n + SCALE], table[n + DIRECTION], table[n + CANDIDATE]
+    for j in range(n):
+        scale[j] = 1.0
+    for _ in range(max(sweeps, 1)):
+        for j in range(n):
+            columns[j] = 0.0
+        largest = 0.0
+        for i in range(n):
+            row, own = M[i], scale[i]
+            for j in range(n):
+                columns[j] = max(columns[j], abs(row[j]) * own)
+            rows[i] = _peak(row, scale, n)
+            largest = max(largest, rows[i])
+        for i in range(n):
+            peak = largest if sweeps == 0 else scale[i] * max(columns[i], rows[i])
+            if peak > 0.0:
+                scale[i] /= np.sqrt(peak)
+
+
+@kernel
+def _peak(row: FloatArray, scale: FloatArray, n: int) -> float:
+    """max |row_j| scale_j; four side by side, or each would wait for the one before."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    whole = n - n % 4
+    for j in range(0, whole, 4):
+        a = max(a, abs(row[j]) * scale[j])
+        b = max(b, abs(row[j + 1]) * scale[j + 1])
+        c = max(c, abs(row[j + 2]) * scale[j + 2])
+        d = max(d, abs(row[j + 3]) * scale[j + 3])
+    for j in range(whole, n):
+        a = max(a, abs(row[j]) * scale[j])
+    return max(max(a, b), max(c, d))
+
+
+@kernel
+def _start(
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, cover: int, size: float, load: float
+) -> int:
+    """Fill the tableau with the scaled problem; the row in which z0 enters. Labels: w_i is i, z_i n + i, z0 2 n.
+
+    cover: number of the vector c, ones for 0; size: of the perturbation, relative to |q|; load: |q| as scaled.
+    """
+    scale, true, shifted, c = table[n + SCALE], table[n + TRUE], table[n + SHIFTED], table[n + COLUMNS]
+    for i in range(n):
+        row, source, factor = table[i], M[i], scale[i]
+        for j in range(n):
+            row[j] = factor * source[j] * scale[j]
+        row[n] = 0.0
+        true[i] = factor * q[i] / load
+        shifted[i] = true[i] + size * (0.5 + _spread(i, cover + 1))
+        c[i] = 1.0 if cover == 0 else 0.5 + _spread(i, cover + 3)
+    for k in range(2 * n + 1):
+        basis[k] = k
+    for k in range(n + 1):
+        basis[3 * n + 1 + k] = k  # column of the label n + k
+    return _lowest(n, shifted, c)
+
+
+@kernel
+def _spread(i: int, k: int) -> float:
+    """Fraction in [0, 1): multiples of the golden ratio are spread evenly and never repeat."""
+    value = (i + 1) * GOLDEN * k
+    return value - math.floor(value)
+
+
+@kernel
+def _lowest(n: int, b: FloatArray, c: FloatArray) -> int:
+    """Row that needs the largest z0 to become nonnegative."""
+    chosen, lowest = 0, np.inf
+    for i in range(n):
+        if b[i] < lowest * c[i]:
+            chosen, lowest = i, b[i] / c[i]
+    return chosen
+
+
+@kernel
+def _path(
+    table: FloatArray, basis: IntArray, n: int, r: int, perturbation: float, load: float, pivot_limit: int
+) -> tuple[int, int]:
+    """Complementary pivots from z0 in the last column, entering in row r, until z0 leaves; (status, pivots).
+
+    Out: the candidate z and the direction of a ray in their rows of the table; basis[:n] = 1 where z is basic.
+    """
+    true, shifted = table[n + TRUE], table[n + SHIFTED]
+    pivots, restarts, status, s, waiting = 0, 0, ITERATION_LIMIT, n, min(n, 0)  # a literal would compile callees twice
+    while pivots < pivot_limit:
+        waiting = exchange(table, n, r, s, waiting)
+        pivots += 1
+        left = basis[r]
+        basis[r], basis[n + s] = basis[n + s], left
+        if left != 2 * n:
+            if waiting == WAITING:
+                flush(table, n)
+                waiting -= WAITING
+            basis[2 * n + 1 + left] = s
+            s = basis[2 * n + 1 + (left + n if left < n else left - n)]
+            enter(table, n, s, waiting)
+            r = leaving_row(table, basis, n, waiting)
+            if r < 0:
+                status = RAY if restarts == 0 else NUMERICAL_FAILURE
+                break
+            continue
+        deepest, size = 0.0, 0.0
+        for i in range(n):
+            size = max(size, abs(true[i]))
+            deepest = max(deepest, -true[i])
+        if deepest <= SLIP * size or restarts == RESTARTS:
+            status = SOLVED
+            break
+        # The perturbation was not small for this problem: go on from here, with one small beside what is missing.
+        restarts += 1
+        for k in range(waiting, WAITING):
+            for j in range(n + 1):
+                table[n + COLUMNS + k, j] = 0.0
+                table[n + ROWS + k, j] = 0.0
+        flush(table, n)
+        waiting -= waiting
+        for i in range(n):
+            table[i, s] = 0.0
+            table[n + COLUMNS, i] = 1.0
+            shifted[i] = true[i] + deepest * perturbation * (0.5 + _spread(i, restarts))
+        r = _lowest(n, shifted, table[n + COLUMNS])
+    _read_off(table, basis, n, s, waiting, load, status)
+    return status, pivots
+
+
+@kernel
+def _read_off(table: FloatArray, basis: IntArray, n: int, s: int, waiting: int, load: float, status: int) -> None:
+    """Candidate (and ray) from the final tableau, in the units of the original problem."""
+    scale, candidate, ray = table[n + SCALE], table[n + CANDIDATE], table[n + DIRECTION]
+    true, entered = table[n + TRUE], table[n + COLUMNS + waiting]
+    for i in range(n):
+        candidate[i] = 0.0
+        ray[i] = 0.0
+    for i in range(n):
+        k = basis[i] - n
+        if 0 <= k < n:
+            candidate[k] = max(true[i], 0.0) * load * scale[k]
+            if status == RAY:
+                ray[k] = max(entered[i], 0.0) * scale[k]
+    k = basis[n + s] - n
+    if status == RAY and 0 <= k < n:
+        ray[k] = scale[k]
+    for i in range(n):
+        basis[n + i] = 0  # labels below n are still to be read: the flags are collected behind them
+    for i in range(n):
+        if n <= basis[i] < 2 * n:
+            basis[basis[i]] = 1
+    for i in range(n):
+        basis[i] = basis[n + i]
+
+
+@kernel
+def attempt(
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, number: int, pivot_limit: int
+) -> tuple[int, int, float]:
+    """One path, with the scaling, perturbation and cover of that number; (status, pivots, residual of its end).
+
+    M, q, n, table, basis, pivot_limit as of :func:`lemke`. Out: the candidate in table[n + CANDIDATE, :n], basis[:n].
+    Attempt 0 must come first, and later ones in order, for most keep the scaling of the one before.
+    """
+    trivial = True
+    for i in range(n):
+        table[n + CANDIDATE, i] = 0.0
+        basis[i] = 0
+        if not q[i] >= 0.0:
+            trivial = False
+    if trivial:
+        return SOLVED, 0, 0.0
+    if number in (0, 1, 2, 3, 8) or number >= LATE:
+        # None shows what scaling spoilt; many sweeps serve stacks with mass ratios near 1e8.
+        sweeps = 0 if number == 2 else 10 if number == 8 else 2
+        if number == 0 or number >= LATE:
+            sweeps = (number + 1) % 2
+        _scale(M, n, sweeps, table)
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]) * table[n + SCALE, i])
+    if not 0.0 < load < np.inf:
+        for i in range(n):
+            table[n + CANDIDATE, i] = 0.0
+        return NUMERICAL_FAILURE, 0, np.inf
+    perturbation = 1e-8
+    if number in (1, 5):
+        perturbation = 1e-6
+    elif number in (3, 6, 8):
+        perturbation = 1e-4
+    elif number == 4:
+        perturbation = 1e-11
+    elif number >= LATE - 1:
+        perturbation = 1e-5 if number % 4 < 2 else 1e-4
+    r = _start(M, q, n, table, basis, number, perturbation, load)
+    status, pivots = _path(table, basis, n, r, perturbation, load, pivot_limit)
+    return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
+
+
+@kernel
+def lemke(
+    M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray, pivot_limit: int
+) -> tuple[int, int]:
+    """Solve 0 <= z _|_ M z + q >= 0; returns (status, pivots), status as the integers of :class:`Status`.
+
+    M (cap, cap) and q (cap,): the leading n x n block and first n entries count and are not changed. Out: z (cap,),
+    first n entries (the best point found if not solved). Work: table, basis of ``lemke_workspace(cap)``; afterwards
+    basis[:n] is 1 where z is basic if solved, and table[n + DIRECTION, :n] the direction of the ray after RAY.
+    pivot_limit: for each path. SOLVED here means a natural residual of 1e-10 or less.
+    """
+    for i in range(n):
+        z[i] = 0.0
+    best, status, total = np.inf, ITERATION_LIMIT, 0
+    candidate = table[n + CANDIDATE]
+    for number in range(ATTEMPTS):
+        if number >= LATE and status != NUMERICAL_FAILURE:
+            break
+        ended, pivots, residual = attempt(M, q, n, table, basis, number, pivot_limit)
+        total += pivots
+        if residual > GOOD and ended != RAY:
+            # Repair from the basis where the path ended; from nothing if it hit the limit (Murty's matrices).
+            if ended == ITERATION_LIMIT:
+                for i in range(n):
+                    basis[i] = 0
+            limit = 10 * n + 20 if ended == ITERATION_LIMIT else REPAIRS
+            if residual < best:
+                best = residual
+                for i in range(n):
+                    z[i] = candidate[i]
+            solves, repaired = block_pivots(M, q, n, candidate, table, basis, limit)
+            if solves > 0:
+                residual = repaired
+        if residual < best:
+            best = residual
+            for i in range(n):
+                z[i] = candidate[i]
+        if best <= TARGET:
+            return SOLVED, total
+        if ended in (SOLVED, NUMERICAL_FAILURE):
+            status = NUMERICAL_FAILURE
+        elif ended == RAY and status != NUMERICAL_FAILURE:
+            status = RAY
+    return status, total
+
+
+@dataclass(frozen=True, slots=True)
+class Lemke:
+    """Lemke's algorithm, for any matrix; the default solver of contact problems with friction.
+
+    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed on one path, None for 1000 + 50 n.
+    Raises ModelError for a tolerance or limit that is not positive.
+    """
+
+    tolerance: float = 1e-10
+    pivot_limit: int | None = None
+
+    def __post_init__(self) -> None:
+        keep_settings(self, "pivot_limit")
+
+    def refuses(self, problem: Lcp | PosedProblem) -> str:
+        """Empty: Lemke's algorithm takes every problem."""
+        return ""
+
+    def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
+        """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""
+        check_guess(guess)
+        if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
+            return posed(problem).solve_by(self, guess)
+        n = problem.size
+        M, q = problem.data
+        table, basis = lemke_workspace(n)
+        route = "lemke"
+        if guess is not None and guess.active is not None and guess.active.shape == (n,):
+            z = np.zeros(n)
+            basis[:n] = guess.active == 1
+            solves, residual = block_pivots(M, q, n, z, table, basis, REPAIRS)
+            if solves > 0 and residual <= self.tolerance:
+                return accept(
+                    problem,
+                    z,
+                    tolerance=self.tolerance,
+                    iterations=solves,
+                    route=BASIS,
+                    active=basis[:n].copy(),
+                )
+            route = f"{BASIS} (failed) > lemke"
+        limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
+        (code, pivots, residual), cut = grown(
+            lambda most: attempt(M, q, n, table, basis, 0, most), limit, n, lambda found: found[0] == ITERATION_LIMIT
+        )
+        z = table[n + CANDIDATE, :n]
+        if residual > GOOD and not cut:
+            # Called by itself, for the ladder of attempts takes time to compile and is seldom needed.
+            z = np.zeros(n)
+            (code, pivots), cut = grown(
+                lambda most: lemke(M, q, n, z, table, basis, most), limit, n, lambda found: found[0] != SOLVED
+            )
+        status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status.TIME_LIMIT if cut else Status(code)
+        return accept(
+            problem,
+            z,
+            tolerance=self.tolerance,
+            status=status,
+            iterations=pivots,
+            route=route,
+            active=basis[:n].copy() if status is Status.SOLVED else None,
+            certificate=table[n + DIRECTION, :n].copy() if status is Status.RAY else None,
+        )
