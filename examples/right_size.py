@@ -10,7 +10,7 @@ the picture: error against cost.
 from pathlib import Path
 
 import lcpflex as lf
-from lcpflex.studies.model_order import right_size
+from lcpflex.studies import right_size
 
 TOLERANCE = 0.05  # of where both bodies are, and of the impulse between them
 DURATION = 0.02

@@ -26,9 +26,7 @@ from lcpflex.dynamics.impact_laws import Newton, Poisson
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
-from lcpflex.studies import Criteria, Outcome, StabilityMap, Verdict, outcome_legend
-from lcpflex.studies.stability_maps import acceleration_level
-from lcpflex.studies.stability_maps import study as stability
+from lcpflex.studies import Criteria, Outcome, StabilityMap, Verdict, acceleration_level, outcome_legend, stability
 
 NEWMARK, ALPHA = "Newmark, contact on positions", "nonsmooth generalised-alpha"
 

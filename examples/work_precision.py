@@ -20,7 +20,7 @@ from pathlib import Path
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.runs.simulate import Stepper
-from lcpflex.studies.convergence import work_precision
+from lcpflex.studies import work_precision
 
 CONTACT = (0.5, 0.5 + 2.0 / 3.0)  # of the bar of the gallery: it touches, the wave comes back
 LIMIT = 0.2  # wall time of a run [s]

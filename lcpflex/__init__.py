@@ -91,7 +91,7 @@ _HOME = {
 _PACKAGES = {  # loaded when they are first named
     "advice": "lcpflex.checks.resolution_rules",
     "gallery": "lcpflex.gallery",
-    "laws": "lcpflex.contact.laws",
+    "laws": "lcpflex.force_laws",
     "meshes": "lcpflex.bodies.fem.meshes",
     "solvers": "lcpflex.solvers",
     "studies": "lcpflex.studies",
@@ -189,29 +189,20 @@ def _missing(module: str, name: str, known: list[str]) -> AttributeError:
 
 
 class _Package(ModuleType):
-    """The import system binds each loaded submodule on its package; ``lf.simulate`` stays the function."""
+    """A module that is pickled by its name, for scripts whose functions and globals go to other processes."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """By its name, for scripts whose functions and globals go to other processes."""
         return import_module, (self.__name__,)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if name == "simulate" and isinstance(value, ModuleType):
-            value = value.simulate
-        super().__setattr__(name, value)
 
 
 sys.modules[__name__].__class__ = _Package
 
 if TYPE_CHECKING:
-    from lcpflex.studies.stability_maps.admissible_accelerations import admissible_accelerations
     from lcpflex.bodies.bar import Bar
     from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.reduction.interface import Interface
-    from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.fem.matrix_files import matrices_from_files
-    from lcpflex.bodies.reduction.damping import Rayleigh
+    from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction.component_modes import (
         craig_bampton,
         free_interface,
@@ -219,22 +210,25 @@ if TYPE_CHECKING:
         sub_regional,
         unreduced,
     )
+    from lcpflex.bodies.reduction.damping import Rayleigh
+    from lcpflex.bodies.reduction.interface import Interface
+    from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-    from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
+    from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.results.energy_balance import EnergyGrowth
-    from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
-    from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
-    from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
     from lcpflex.results.problem_log import RecordProblems
     from lcpflex.results.result import Result
     from lcpflex.runs.resume import resume
-    from lcpflex.scene.scene import Scene
     from lcpflex.runs.simulate import simulate
+    from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
+    from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.scene.scene import Scene
     from lcpflex.scene.slots import Slot, SlotParts
+    from lcpflex.scene.user_system import UserSystem
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lcp.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
@@ -244,4 +238,4 @@ if TYPE_CHECKING:
     from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
     from lcpflex.steppers.moreau_jean.stepper import MoreauJean
     from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
-    from lcpflex.scene.user_system import UserSystem
+    from lcpflex.studies.stability_maps.admissible_accelerations import admissible_accelerations

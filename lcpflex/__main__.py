@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex import __version__
-from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, shown, writable_path
-from lcpflex.cli.reading import called, check_picture, in_file, load_named
-from lcpflex.cli.parser import Parser
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli.chart import add_chart
 from lcpflex.cli.cross_check import add_cross_check
+from lcpflex.cli.parser import Parser
+from lcpflex.cli.reading import called, check_picture, in_file, load_named
 from lcpflex.cli.right_size import add_right_size
 from lcpflex.cli.stability import add_stability
-from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import LcpflexError, ModelError, StepError, nearest, shown, writable_path
 
 if TYPE_CHECKING:
     from lcpflex.gallery import Case

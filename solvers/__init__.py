@@ -15,25 +15,30 @@ if __name__ != "lcpflex.solvers":
 
 if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto, solve_lcp
-    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
-    from lcpflex.solvers.clock import TimeLimit
     from lcpflex.solvers.benchmark.comparison import CrossCheck, all_solvers, cross_check
-    from lcpflex.solvers.contact.cone import ConvexFriction
-    from lcpflex.solvers.lcp.enumeration import Enumeration
     from lcpflex.solvers.benchmark.fclib import load_fclib, save_fclib
     from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
+    from lcpflex.solvers.benchmark.replays import Replay, replay
+    from lcpflex.solvers.benchmark.siconos_files import (
+        load_siconos,
+        load_siconos_contacts,
+        load_siconos_lcp,
+        load_siconos_mlcp,
+    )
+    from lcpflex.solvers.clock import TimeLimit
+    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
+    from lcpflex.solvers.contact.cone import ConvexFriction
     from lcpflex.solvers.contact.problem import ContactProblem
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem
+    from lcpflex.solvers.lcp.enumeration import Enumeration
     from lcpflex.solvers.lcp.gauss_seidel import GaussSeidel
     from lcpflex.solvers.lcp.lemke import Lemke
-    from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
     from lcpflex.solvers.lcp.newton import MinMapNewton
-    from lcpflex.solvers.user_solver import OwnSolver
     from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
+    from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
-    from lcpflex.solvers.benchmark.replays import Replay, replay
-    from lcpflex.solvers.benchmark.siconos_files import load_siconos, load_siconos_contacts, load_siconos_lcp, load_siconos_mlcp
-    from lcpflex.solvers.contact.spatial import SpatialContactProblem
+    from lcpflex.solvers.user_solver import OwnSolver
 
 __all__ = [
     "Auto",

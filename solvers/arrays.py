@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import numbers
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["as_array", "check_finite", "finite_array", "nothing"]

@@ -20,19 +20,21 @@ import numpy.typing as npt
 from lcpflex.errors import ModelError, SolverError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
-from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.clock import expired, out_of_time
+from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.contact.lcp_forms import from_copositive
-from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
-from lcpflex.solvers.lcp.farkas import candidate
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
+from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
+from lcpflex.solvers.lcp.farkas import candidate
 from lcpflex.solvers.lcp.lemke import Lemke, lemke
-from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.lcp.newton import MinMapNewton
 from lcpflex.solvers.lcp.perturbed import PERTURBED, TRIALS, perturbed_newton
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting, principal_pivoting
+from lcpflex.solvers.lcp.proofs import FULL, exact_solution
+from lcpflex.solvers.lcp.tableau import EXTRA
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import (
     NEARLY,
     SOLVED,
@@ -45,8 +47,6 @@ from lcpflex.solvers.problem import (
     accept,
     confirmed,
 )
-from lcpflex.solvers.lcp.proofs import FULL, exact_solution
-from lcpflex.solvers.lcp.tableau import EXTRA
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers, whole_number
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.solvers.lcp.proofs import Proof
 from lcpflex.solvers.status import Status
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, as_number, shown
 from lcpflex.basics.options import is_number
+from lcpflex.errors import ModelError, as_number, shown
 
 __all__ = ["check_limit", "check_tolerance", "keep_settings"]
 

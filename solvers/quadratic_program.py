@@ -30,12 +30,12 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.guard import guarded
+from lcpflex.solvers.lcp.polishing import equilibrium, polish, shortest
+from lcpflex.solvers.lcp.proofs import NEAR, Proof, infeasibility, nearly_infeasible
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.lcp.polishing import equilibrium, polish, shortest
 from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.program_backends import Answer, Program
-from lcpflex.solvers.lcp.proofs import NEAR, Proof, infeasibility, nearly_infeasible
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 

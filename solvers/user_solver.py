@@ -14,15 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import one_of
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.answers import Answer, asked
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
 from lcpflex.solvers.limits import check_tolerance
-from lcpflex.solvers.user_process import Worker
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.user_process import Worker
 
 __all__ = ["OwnSolver", "as_solver", "is_ours", "name_of", "named_solvers", "own_part"]
 

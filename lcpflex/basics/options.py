@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.basics.arguments import flag
+from lcpflex.errors import ModelError, as_number, in_range, shown
 
 __all__ = ["at_least", "is_number", "keep_at_least", "keep_flag", "keep_number", "keep_number_or_none"]
 

@@ -74,10 +74,16 @@ if TYPE_CHECKING:
     from lcpflex.bodies.beam import Beam
     from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
     from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.reduction.interface import Interface
     from lcpflex.bodies.matrices import Matrices
+    from lcpflex.bodies.reduction.component_modes import (
+        craig_bampton,
+        free_interface,
+        residual_compliance,
+        sub_regional,
+        unreduced,
+    )
     from lcpflex.bodies.reduction.damping import Rayleigh
-    from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+    from lcpflex.bodies.reduction.interface import Interface
+    from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-    from lcpflex.bodies.reduction.stiffening import Stiffening

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.body import Body, Displacement, whole_number
-from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.fem.line_elements import LineModes, stretching_modes
+from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
     check_positive,
@@ -21,9 +21,6 @@ from lcpflex.bodies.line_body import (
     locator,
     strip,
 )
-from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
-from lcpflex.bodies.fem.line_elements import LineModes, stretching_modes
-from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.reduction.damping import (
     Damping,
     check_damping,
@@ -33,6 +30,9 @@ from lcpflex.bodies.reduction.damping import (
     vanish,
     with_residual,
 )
+from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
+from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 

@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_loads
-from lcpflex.bodies.reduction.beam_stiffening import Line, axis_of, bent_under_tension, spinning
 from lcpflex.bodies.body import Body, Displacement, array_of, whole_number
-from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.fem.line_elements import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
+from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
     check_positive,
@@ -23,9 +21,8 @@ from lcpflex.bodies.line_body import (
     locator,
     strip,
 )
-from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
-from lcpflex.bodies.fem.line_elements import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
-from lcpflex.bodies.fem.material import check_material
+from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_loads
+from lcpflex.bodies.reduction.beam_stiffening import Line, axis_of, bent_under_tension, spinning
 from lcpflex.bodies.reduction.damping import (
     Damping,
     check_damping,
@@ -36,6 +33,9 @@ from lcpflex.bodies.reduction.damping import (
     vanish,
     with_residual,
 )
+from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
+from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray

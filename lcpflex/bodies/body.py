@@ -21,9 +21,9 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import array_of, whole_number
 from lcpflex.basics.arguments import mapping_of as named
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
 

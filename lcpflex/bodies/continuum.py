@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.arguments import positive
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
+from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.reduction.interface import Interfaces
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.planar_mesh import planar_mesh
-from lcpflex.bodies.reduction.damping import Damping
-from lcpflex.bodies.reduction.component_modes import free_interface
-from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
+from lcpflex.bodies.reduction.component_modes import free_interface
+from lcpflex.bodies.reduction.damping import Damping
+from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
-from lcpflex.basics.arguments import positive
 
 __all__ = ["Continuum"]
 
@@ -40,7 +40,8 @@ class Continuum:
 
     Parameters
     ----------
-    mesh : a scikit-fem mesh (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2; :mod:`lcpflex.bodies.fem.meshes` makes some), or the
+    mesh : a scikit-fem mesh (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2; :mod:`lcpflex.bodies.fem.meshes` makes some),
+    or the
         name of a file that meshio reads (Gmsh, Abaqus, VTK, ...) with one kind of planar element. Places [m]
     density : [kg/m^3]
     youngs_modulus : [Pa]

@@ -9,10 +9,10 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from lcpflex.basics.arguments import positive
 from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.errors import in_range
-from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
 

@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Body, array_of, named
 from lcpflex.bodies.fem.finite_elements import FiniteElements, rigid_motions
-from lcpflex.bodies.reduction.interface import Interfaces
-from lcpflex.bodies.reduction.damping import Damping
 from lcpflex.bodies.reduction.component_modes import free_interface
+from lcpflex.bodies.reduction.damping import Damping
+from lcpflex.bodies.reduction.interface import Interfaces
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 

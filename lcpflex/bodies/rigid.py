@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import positive
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Outline, Round, array_of, named
 from lcpflex.errors import ModelError, shown
-from lcpflex.basics.arguments import positive
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Box", "Disc", "Polygon", "RigidBody"]

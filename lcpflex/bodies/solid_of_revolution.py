@@ -8,16 +8,16 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
+from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.reduction.interface import Interfaces
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh, planar_mesh
-from lcpflex.bodies.reduction.damping import Damping
-from lcpflex.bodies.reduction.component_modes import free_interface
-from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
+from lcpflex.bodies.reduction.component_modes import free_interface
+from lcpflex.bodies.reduction.damping import Damping
+from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError
 
 __all__ = ["SolidOfRevolution"]

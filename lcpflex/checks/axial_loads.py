@@ -19,18 +19,18 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.kinematics.points import point_position, point_velocity
-from lcpflex.contact.rows import contact_point, contact_rows
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.contact.near import near
+from lcpflex.contact.rows import contact_point, contact_rows
 from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.joint_rows import joint_rows
+from lcpflex.kinematics.points import point_position, point_velocity
 from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.results.result import Result
-from lcpflex.scene.scene import Compiled
 from lcpflex.results.stated_error import CLAMPED
 
 __all__ = ["with_axial_loads"]

@@ -13,17 +13,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.force_laws.elastic.kernels import elastic_stiffness
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
 from lcpflex.dynamics.shortening import add_tangent
 from lcpflex.dynamics.start import violation
+from lcpflex.force_laws.elastic.kernels import elastic_stiffness
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from lcpflex.results.result import Result
-from lcpflex.scene.scene import Compiled
 
 __all__ = ["kept_depths"]
 

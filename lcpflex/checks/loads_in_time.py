@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
 from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
@@ -19,7 +20,6 @@ from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
 from lcpflex.results.result import Result, material_shapes, world_places
-from lcpflex.scene.scene import Compiled
 
 __all__ = ["unseen_loads"]
 

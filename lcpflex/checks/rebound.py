@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibrations
 from lcpflex.dynamics.start import violation
 from lcpflex.jit.struct import pack
 from lcpflex.results.result import Result
-from lcpflex.scene.scene import Compiled
 
 __all__ = ["rebounds"]
 

@@ -1,4 +1,5 @@
-"""Whether meshes and modes were fine enough for the contacts of a run: the advice of :mod:`lcpflex.checks.resolution_rules`, looked up.
+"""Whether meshes and modes were fine enough for the contacts of a run: the advice of
+:mod:`lcpflex.checks.resolution_rules`, looked up.
 
 Looked at is the push of each contact that transfers most impulse: a time in which its impulse grows from one stored
 instant to the next. Its duration tells which frequencies it excited. What is too short to be measured (impacts in no
@@ -16,9 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.checks.resolution_rules import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.result import Result
-from lcpflex.scene.scene import Compiled
 
 __all__ = ["unresolved"]
 

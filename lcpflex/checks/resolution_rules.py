@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from lcpflex.basics.arguments import flag
 from lcpflex.bodies.body import Body
 from lcpflex.errors import ModelError, as_number, in_range, shown
-from lcpflex.basics.arguments import flag
 
 if TYPE_CHECKING:
     from lcpflex.bodies.fem.finite_elements import FiniteElements

@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from lcpflex.errors import ModelError, in_range
 from lcpflex.cli.reading import add_files, check_files, deliver, duration_of, methods_named, outputs_named
+from lcpflex.errors import ModelError, in_range
 
 __all__ = ["add_chart"]
 
@@ -33,9 +33,9 @@ def add_chart(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]
 
 def _chart(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and advice, write the files. 1 if no method has a sound run, 130 after Ctrl-C."""
-    from lcpflex.studies.outputs import known_outputs, standard_outputs
     from lcpflex.studies.convergence.methods import standard_methods
     from lcpflex.studies.convergence.work_precision import work_precision
+    from lcpflex.studies.outputs import known_outputs, standard_outputs
 
     check_files(request)
     if request.repeats < 1:

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lcpflex.errors import ModelError, nearest, writable_path
 from lcpflex.cli.reading import called, check_picture, in_file, load_named
+from lcpflex.errors import ModelError, nearest, writable_path
 
 __all__ = ["add_cross_check"]
 
@@ -38,9 +38,9 @@ def _cross_check(request: argparse.Namespace) -> int:
     from tqdm import tqdm
 
     from lcpflex.solvers.arguments import check_repeats
+    from lcpflex.solvers.benchmark.replays import replay
     from lcpflex.solvers.clock import check_time_limit
     from lcpflex.solvers.limits import check_tolerance
-    from lcpflex.solvers.benchmark.replays import replay
 
     check_picture("--plot", request.plot)
     if request.csv is not None:

@@ -11,8 +11,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
-from lcpflex.errors import LcpflexError, ModelError, nearest, shown, writable_path
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import LcpflexError, ModelError, nearest, shown, writable_path
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.cli.reading import (
     add_files,
     check_files,
@@ -18,6 +17,7 @@ from lcpflex.cli.reading import (
     load_named,
     outputs_named,
 )
+from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["add_right_size"]
 
@@ -53,8 +53,8 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
 
 def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
     """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
-    from lcpflex.studies.model_order.scenes import known_outputs
     from lcpflex.studies.model_order.right_size import right_size
+    from lcpflex.studies.model_order.scenes import known_outputs
 
     check_files(request)
     in_range("--tolerance", request.tolerance, 0.0, 1.0, open_ends=True)

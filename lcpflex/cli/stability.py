@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli.reading import check_picture, in_file, load_named, outputs_named
+from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
 from lcpflex.studies.outcome import Criteria
 from lcpflex.studies.outputs import known_outputs
-from lcpflex.basics.whole_file import whole_file
 
 __all__ = ["add_stability"]
 

@@ -11,19 +11,20 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, Shortening
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.contact.shapes import compile_contacts
-from lcpflex.scene.contact_rules import by_rules
+from lcpflex.compile.compiled_scene import Compiled, Layout
+from lcpflex.compile.contact_surfaces import compile_contacts
+from lcpflex.compile.missing_compliance import missing_compliance
+from lcpflex.compile.reduced_scene import reduced_scene
 from lcpflex.dynamics.time_functions import Materials, SignalTable, State
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
+from lcpflex.model.arrays import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
+from lcpflex.scene.contact_rules import by_rules
+from lcpflex.scene.declared import DeclaredContact, Parts
+from lcpflex.scene.handles import Placed, PlacedSurface
 from lcpflex.scene.joints import Joint, Prismatic, Weld
 from lcpflex.scene.loads import Force, Load, Spring, Torque, TorsionSpring
-from lcpflex.compile.missing_compliance import missing_compliance
-from lcpflex.model.arrays import Bodies, Contacts, Joints, Loads, Model, PointTable, frozen
-from lcpflex.scene.handles import Placed, PlacedSurface
-from lcpflex.compile.reduced_scene import reduced_scene
-from lcpflex.scene.scene import Compiled, DeclaredContact, Layout, Parts
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.start import Violation

@@ -23,14 +23,14 @@ import numpy as np
 
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.line_interfaces import LineStatics
-from lcpflex.errors import ModelError
 from lcpflex.compile.surface_interfaces import Acting, acting_on
+from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.declared import DeclaredContact, Parts
     from lcpflex.scene.handles import Placed
-    from lcpflex.scene.scene import DeclaredContact, Parts
 
 __all__ = ["MISSING", "deficits", "missing_compliance"]
 

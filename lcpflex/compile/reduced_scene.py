@@ -9,8 +9,8 @@ from lcpflex.scene.substitution import remade
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import Body
-    from lcpflex.jit.kernel import FloatArray
     from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.scene import Scene
 
 __all__ = ["reduced_scene"]

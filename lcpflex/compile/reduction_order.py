@@ -15,20 +15,20 @@ import numpy.typing as npt
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.body import Body, array_of, whole_number
-from lcpflex.bodies.reduction.interface import Interface
-from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.component_modes import undeformed
+from lcpflex.bodies.reduction.damping import Damping, check_damping
+from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.compile.missing_compliance import deficits
 from lcpflex.compile.surface_interfaces import Acting, acting_on
+from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.declared import DeclaredContact
+    from lcpflex.scene.handles import Placed
     from lcpflex.scene.joints import Joint
     from lcpflex.scene.loads import Load
-    from lcpflex.scene.handles import Placed
-    from lcpflex.scene.scene import DeclaredContact
 
 __all__ = ["ReductionOrder", "order_of"]
 

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.bodies.reduction.interface import Interface
-from lcpflex.contact.shapes import Kind
+from lcpflex.bodies.surface import Kind
 from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, Joint, PointOnLine, Prismatic, Revolute
 from lcpflex.scene.loads import Force, Load, Torque, TorsionSpring
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.placed_point import PlacedPoint
-    from lcpflex.contact.shapes import Surface
+    from lcpflex.bodies.surface import Surface
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene.scene import DeclaredContact
+    from lcpflex.scene.declared import DeclaredContact
 
 __all__ = ["Acting", "acting_on", "chosen_nodes_of", "normals_of"]
 

@@ -1,0 +1,5 @@
+"""Contact geometry: which surfaces are near each other, the gaps between them, and their rows W and biases w.
+
+To add a kind of feature that others may touch: :mod:`.feature_blocks` (its number and bounds), :mod:`.features` (its
+gap).
+"""

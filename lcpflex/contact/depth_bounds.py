@@ -13,7 +13,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["below_chain", "below_hole", "is_solid", "whole_section"]
+__all__ = ["below_chain", "below_hole", "is_solid"]
 
 SAMPLES = (1e-6, 0.5, 1.0 - 1e-6)  # places on a segment from where the way through the solid is measured
 SLACK = 1.01  # on exact bounds, so that nothing is lost half-way between two sides
@@ -57,22 +57,6 @@ def below_hole(center: FloatArray, radius: float, outline: FloatArray | None) ->
     s = np.clip((apart * step).sum(axis=1) / np.maximum((step * step).sum(axis=1), 1e-300), 0.0, 1.0)
     wall = float(np.hypot(*(apart - s[:, None] * step).T).min()) - radius
     return min(radius, 0.5 * wall) if wall > 0.0 else radius
-
-
-def whole_section(half: FloatArray) -> FloatArray:
-    """Closed outline of the section of a solid of revolution about y = 0 from that of its upper half (k, 2).
-
-    Both are counter-clockwise. One that does not touch the axis, as of a ring, stays what it is.
-    """
-    on_axis = half[:, 1] == 0.0
-    if on_axis.all() or not on_axis.any():
-        return half
-    last = int(np.flatnonzero(on_axis & ~np.roll(on_axis, -1))[0])  # from where the loop leaves the axis
-    loop = np.roll(half, -last, axis=0)
-    back = 1 + int(np.flatnonzero(loop[1:, 1] == 0.0)[0]) if np.any(loop[1:, 1] == 0.0) else len(loop)
-    upper = loop[: back + 1]
-    lower = upper[(-2 if back < len(loop) else -1) : 0 : -1] * np.array([1.0, -1.0])
-    return np.vstack([upper, lower])
 
 
 def is_solid(places: FloatArray, closed: bool) -> bool:

@@ -1,6 +1,6 @@
 """Which surfaces are near each other: bounding circles first, then slaves against features one by one.
 
-A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.contact.shapes`). An entry of
+A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.bodies.surface`). An entry of
 the table is one pair (slave, feature) with its gap, normal and foot; what depends on the configuration is renewed by
 :func:`refresh`, with the feature kept.
 
@@ -14,10 +14,10 @@ import math
 
 import numpy as np
 
-from lcpflex.kinematics.points import local_place, point_position
 from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
 from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.points import local_place, point_position
 from lcpflex.model.arrays import Model
 
 __all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]

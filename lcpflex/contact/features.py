@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.kinematics.points import local_place
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.points import local_place
 from lcpflex.model.arrays import Model
 
 __all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "near_block", "over"]

@@ -14,15 +14,15 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.features import COINCIDENT, SEGMENT
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import (
     add_point_rows,
     add_rotation_row,
     point_motion,
     point_position,
 )
-from lcpflex.contact.detection import ContactTable
-from lcpflex.contact.features import COINCIDENT, SEGMENT
-from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 
 

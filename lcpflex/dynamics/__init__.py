@@ -1,0 +1,4 @@
+"""Mechanics at a state: inertia, forces, Delassus operators, and contact problems at three levels.
+
+The levels are acceleration (:mod:`.acceleration`), impulse (:mod:`.impulse`) and position (:mod:`.position`).
+"""

@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import refresh
-from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.dynamics.delassus import (
     apply_impulses,
     cholesky,
@@ -44,6 +43,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import assemble_friction_lcp
 

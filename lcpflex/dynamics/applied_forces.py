@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.dynamics.load_means import force_value
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import (
     add_point_row,
     add_rotation_row,
@@ -11,8 +13,6 @@ from lcpflex.kinematics.points import (
     point_position,
     point_velocity,
 )
-from lcpflex.dynamics.load_means import force_value
-from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 
 __all__ = ["applied_forces", "spring_energy"]

@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.contact.detection import refresh
 from lcpflex.contact.concave_corners import YIELDED, yield_to_deeper
+from lcpflex.contact.detection import refresh
+from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import (
     elastic_force,
     elastic_stiffness,
@@ -24,7 +25,6 @@ from lcpflex.force_laws.elastic.kernels import (
     stored_energy,
 )
 from lcpflex.force_laws.layout import END, LIMIT, PARAMETERS, LawRow
-from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model

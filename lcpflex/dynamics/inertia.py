@@ -9,9 +9,9 @@ so its inverse needs the 3 x 3 Schur complement R - B^T diag(1/d) B only. Where 
 bending (:mod:`lcpflex.dynamics.shortening`), diag(d) gets alpha_k times the second derivatives of that potential at q,
 and a dense factor. alpha_c = alpha_k = 0 gives the mass
 matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step of length h.
-G, for bodies that have it, is their stiffening by rotation (:mod:`lcpflex.bodies.reduction.stiffening`): deflections that draw
-the body together make it easier to spin, so that its stiffness omega^2 G and its torque come from one kinetic energy.
-Inertia terms: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference.
+G, for bodies that have it, is their stiffening by rotation (:mod:`lcpflex.bodies.reduction.stiffening`): deflections
+that draw the body together make it easier to spin, so that its stiffness omega^2 G and its torque come from one
+kinetic energy. Inertia terms: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference.
 """
 
 from __future__ import annotations

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.concave_corners import yield_to_deeper
-from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.dynamics.contact_memory import (
     pair_energy,
     pair_force,
@@ -24,6 +23,7 @@ from lcpflex.dynamics.inertia import factorise
 from lcpflex.dynamics.law_friction import rub
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, look, mobility, push
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 

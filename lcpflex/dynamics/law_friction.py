@@ -15,14 +15,14 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.force_laws.friction.kernels import friction_force
-from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
-from lcpflex.force_laws.history import ContactMemory
 from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
 from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, mobility, push
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.history import ContactMemory
+from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 

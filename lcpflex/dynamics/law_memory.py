@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import BY_LAW, ContactTable, contact_table
-from lcpflex.force_laws.layout import LawRow
 from lcpflex.force_laws.history import ContactMemory, contact_memory
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from lcpflex.contact.detection import detect
 from lcpflex.contact.rows import contact_rows
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, dot
 from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 
 __all__ = ["couple_joints", "factor_joints", "lay", "look", "mobility", "push"]

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Signals
 
 __all__ = ["force_value"]

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.kinematics.joint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.time_functions import State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
+from lcpflex.kinematics.joint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
 
 __all__ = ["Violation", "drive_rate", "project", "violation"]
 

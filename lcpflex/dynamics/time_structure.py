@@ -17,8 +17,8 @@ import numpy as np
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.scene.loads import Function
 from lcpflex.model.arrays import Model, Signals, frozen
+from lcpflex.scene.loads import Function
 
 __all__ = ["LEAST_LOOKS", "bends", "for_system", "probe_of", "probed", "with_instants", "with_signals"]
 

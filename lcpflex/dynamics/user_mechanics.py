@@ -13,11 +13,11 @@ from lcpflex.contact import detection
 from lcpflex.contact import rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics import mechanics
-from lcpflex.kinematics import joint_rows as constraint_rows
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.kinematics import joint_rows as constraint_rows
 from lcpflex.model.arrays import Model
 
 __all__ = ["Mechanics", "hooks"]

@@ -104,11 +104,25 @@ def __dir__() -> list[str]:
 
 
 if TYPE_CHECKING:
-    from lcpflex.force_laws.friction.bristles import Bristle, LuGre
     from lcpflex.force_laws.contact_law import ContactLaw
+    from lcpflex.force_laws.damping.dissipative import (
+        Jankowski,
+        KelvinVoigt,
+        KuwabaraKono,
+        PermanentIndentation,
+        Ristow,
+        Tsuji,
+    )
+    from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
+    from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
     from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
-    from lcpflex.force_laws.damping.dissipative import Jankowski, KelvinVoigt, KuwabaraKono, PermanentIndentation, Ristow, Tsuji
     from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+    from lcpflex.force_laws.elastic.hertz import Hertz
+    from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
+    from lcpflex.force_laws.elastic.materials import Material
+    from lcpflex.force_laws.elastic.power_fit import PowerFit, fit_power_law
+    from lcpflex.force_laws.elastic.power_law import PowerLaw
+    from lcpflex.force_laws.friction.bristles import Bristle, LuGre
     from lcpflex.force_laws.friction.laws import (
         Ambrosio,
         ArctangentCoulomb,
@@ -118,11 +132,4 @@ if TYPE_CHECKING:
         SmoothedCoulomb,
         Threlfall,
     )
-    from lcpflex.force_laws.elastic.hertz import Hertz
-    from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
-    from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-    from lcpflex.force_laws.elastic.materials import Material
     from lcpflex.force_laws.user_law import OwnLaw
-    from lcpflex.force_laws.elastic.power_fit import PowerFit, fit_power_law
-    from lcpflex.force_laws.elastic.power_law import PowerLaw
-    from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.laws import SmoothedCoulomb
 from lcpflex.force_laws.layout import (
     DAMPING,
@@ -22,7 +23,6 @@ from lcpflex.force_laws.layout import (
     FrictionLaw,
     LawRow,
 )
-from lcpflex.errors import ModelError, shown
 
 __all__ = ["ContactLaw", "law_row"]
 

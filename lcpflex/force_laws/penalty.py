@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from lcpflex.basics.options import keep_number
 from lcpflex.force_laws.layout import (
     DAMPING,
     ELASTIC,
@@ -17,7 +18,6 @@ from lcpflex.force_laws.layout import (
     TANH,
     LawRow,
 )
-from lcpflex.basics.options import keep_number
 
 __all__ = ["Penalty"]
 

@@ -13,14 +13,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.gallery.mechanisms import bars
-from lcpflex.gallery.mechanisms import coaxial
-from lcpflex.gallery.mechanisms import flexible
-from lcpflex.gallery.mechanisms import rigid
-from lcpflex.gallery.mechanisms import stops
-from lcpflex.gallery.mechanisms import user_systems
-from lcpflex.gallery.mechanisms.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms import bars, coaxial, flexible, rigid, stops, user_systems
+from lcpflex.gallery.mechanisms.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.mechanisms.claws import claw
 from lcpflex.gallery.mechanisms.coaxial import meshed_ball, meshed_rod, meshed_sphere_on_rod
 from lcpflex.gallery.mechanisms.flexible import hemisphere_pendulum, pendulum, sliding_beam

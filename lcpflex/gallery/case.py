@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lcpflex.scene.scene import Scene
     from lcpflex.runs.simulate import Stepper
+    from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Case"]

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.kinematics.points import (
     add_point_row,
     add_rotation_row,
@@ -26,7 +27,6 @@ from lcpflex.kinematics.points import (
     point_velocity,
 )
 from lcpflex.kinematics.signal_values import signal_value
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 
 __all__ = ["joint_residual", "joint_rows"]

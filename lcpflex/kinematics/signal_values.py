@@ -22,7 +22,7 @@ def function_value(address: int, component: int, t: float) -> tuple[float, float
 
 @kernel
 def signal_value(signals: Signals, index: int, t: float, external: FloatArray) -> tuple[float, float, float]:
-    """Value, first and second derivative at time t of function ``index`` (see :class:`lcpflex.model.arrays.Signals`)."""
+    """Value, first and second derivative at time t of function ``index``; see :class:`lcpflex.model.arrays.Signals`."""
     first = signals.first[index]
     if signals.kind[index] == 2:
         return external[first, 0], external[first, 1], external[first, 2]

@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import ModelError, path_of, shown
 
 __all__ = ["read", "write"]
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.results.summary import lost_in_contacts, scene_size, with_unit
 
 if TYPE_CHECKING:

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 from lcpflex.results.result import world_places
+from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
-    from lcpflex.scene.scene import Compiled
 
 __all__ = ["View", "draw_bodies", "draw_joints", "draw_surfaces", "view_of"]
 

@@ -12,10 +12,10 @@ from lcpflex.results.summary import with_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.drawing import View
     from lcpflex.results.result import Result
-    from lcpflex.scene.scene import Compiled
 
 __all__ = ["arrow_tips", "draw_forces", "usual_force"]
 

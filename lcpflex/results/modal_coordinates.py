@@ -10,8 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.jit.kernel import FloatArray, IntArray
-    from lcpflex.scene.scene import Compiled
 
 __all__ = ["ModalCoordinates", "modal_coordinates"]
 

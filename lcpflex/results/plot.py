@@ -15,20 +15,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
 from lcpflex.basics.arguments import check_axes
+from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.drawing import View, draw_bodies, draw_joints, draw_surfaces, view_of
 from lcpflex.results.drawn_forces import arrow_tips, draw_forces, usual_force
-from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.results.result import Result
-    from lcpflex.scene.scene import Compiled
 
 __all__ = ["animate", "draw"]
 

@@ -28,7 +28,8 @@ class RecordProblems:
     Attributes
     ----------
     path
-        The npz file (see :mod:`lcpflex.solvers.benchmark.files`); written at the end of the run, also of one that fails.
+        The npz file (see :mod:`lcpflex.solvers.benchmark.files`); written at the end of the run, also of one that
+        fails.
     every
         Keep each ``every``-th problem. If more than ``limit`` come together, every second one is dropped and
         ``every`` doubled, as often as needed.

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.force_laws.friction.creep import CREEP
-from lcpflex.results.energy_balance import Energies
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import absent, numbers
+from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
+from lcpflex.results.energy_balance import Energies
+from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from lcpflex.scene.scene import Compiled
+    from lcpflex.compile.compiled_scene import Compiled
 
     StateArray = NDArray[np.int8]
 
@@ -114,7 +114,8 @@ class ContactHistory:
 class Result:
     """A simulation at m stored instants, with nc declared contacts and ndof coordinates.
 
-    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal coordinates.
+    The layout of ``q`` and ``u`` is that of :mod:`lcpflex.model.arrays`: per body x, y, angle and its modal
+    coordinates.
 
     Where contacts share a load in more than one way, the forces of an instant are the least that give the motion; an
     event-driven run keeps only as many redundant supports as carry it. Impulses are those that the solver found.

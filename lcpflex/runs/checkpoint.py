@@ -30,16 +30,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
 from lcpflex.runs.stamp import described
-from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from types import FrameType
 
-    from lcpflex.runs.setup import Run, Setup
     from lcpflex.basics.stopwatch import Stopwatch
+    from lcpflex.runs.setup import Run, Setup
 
 __all__ = ["Checkpoint", "Checkpoints", "read"]
 

@@ -11,8 +11,8 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.runs.setup import Stepper
-    from lcpflex.scene.scene import Compiled
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["started_from"]
@@ -34,7 +34,7 @@ def started_from(
 
     Raises ModelError for what is no result, holds no instant, or is of other coordinates.
     """
-    from lcpflex.scene.scene import Compiled
+    from lcpflex.compile.compiled_scene import Compiled
 
     if not isinstance(initial, Result):
         raise ModelError(f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lcpflex.results.energy_balance import EnergyGrowth
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import flag, optional_flag
+from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import RecordProblems
 
 __all__ = ["checked_request"]

@@ -6,19 +6,20 @@ import os
 from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
+from lcpflex.basics.arguments import optional_flag
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
+from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
 from lcpflex.runs.object_tree import Arrays
-from lcpflex.basics.arguments import optional_flag
 from lcpflex.runs.setup import Options, Stepper, compiled_for, set_up
-from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node, stepper_node
 from lcpflex.runs.simulate import carry_out
+from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node, stepper_node
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.results.problem_log import RecordProblems
     from lcpflex.results.result import Result
-    from lcpflex.scene.scene import Compiled, Scene
+    from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["resume"]
@@ -127,7 +128,7 @@ def _stepper(kept: Checkpoint, given: Stepper | None) -> Any:
 
 def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper, options: Options) -> Any:
     """The compiled scene of the run, or the user's own system."""
-    from lcpflex.scene.scene import Compiled
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.scene.user_system import UserSystem
 
     if scene is None:

@@ -6,15 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
-from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import ModelError, shown
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import Recorder, RecordProblems
 
 if TYPE_CHECKING:
-    from lcpflex.scene.scene import Compiled, Scene
+    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.scene.scene import Scene
+    from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.run import Records
     from lcpflex.steppers.system import System
-    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Run", "Setup", "Stepper", "compiled_for", "set_up"]
 

@@ -9,30 +9,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.stopwatch import Stopwatch
 from lcpflex.checks.axial_loads import with_axial_loads
-from lcpflex.runs.checkpoint import Checkpoints
+from lcpflex.checks.kept_depth import kept_depths
+from lcpflex.checks.loads_in_time import unseen_loads
+from lcpflex.checks.rebound import rebounds
+from lcpflex.checks.resolution import unresolved
 from lcpflex.dynamics.impact_laws import Newton
+from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
 from lcpflex.results.energy_balance import GROWTH, Energies, EnergyGrowth, created, energy_warnings
-from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
-from lcpflex.runs.initial_state import started_from
-from lcpflex.checks.kept_depth import kept_depths
-from lcpflex.checks.rebound import rebounds
 from lcpflex.results.problem_log import Recorder, RecordProblems
-from lcpflex.checks.resolution import unresolved
 from lcpflex.results.result import ContactSpots, Event, Result
+from lcpflex.results.stated_error import stated_errors
+from lcpflex.runs.checkpoint import Checkpoints
+from lcpflex.runs.initial_state import started_from
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
-from lcpflex.results.stated_error import stated_errors
 from lcpflex.steppers.law_run import friction_warnings
-from lcpflex.basics.stopwatch import Stopwatch
-from lcpflex.checks.loads_in_time import unseen_loads
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.runs.checkpoint import Checkpoint
-    from lcpflex.scene.scene import Compiled, Scene
-    from lcpflex.steppers.system import System
+    from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
+    from lcpflex.steppers.system import System
 
 __all__ = ["Stepper", "carry_out", "simulate"]
 

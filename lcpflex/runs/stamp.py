@@ -19,8 +19,8 @@ import numpy as np
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.runs.setup import Setup, Stepper
-    from lcpflex.scene.scene import Compiled
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["described", "difference", "functions_of", "made", "same_arrays", "stepper_node"]
@@ -55,9 +55,9 @@ def made() -> dict[str, str]:
 @cache
 def _sources() -> str:
     """Hash of the sources of the package."""
-    home = Path(__file__).resolve().parent
+    home = Path(__file__).resolve().parents[1]
     digest = hashlib.sha256()
-    for path in sorted([*home.rglob("*.py"), *(home / "solvers").glob("*.py")]):
+    for path in sorted([*home.rglob("*.py"), *(home / "solvers").rglob("*.py")]):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from lcpflex.bodies.placed_point import check_pair
-from lcpflex.contact.shapes import Kind
+from lcpflex.bodies.surface import Kind
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene.handles import Placed, PlacedSurface
 from lcpflex.scene.slots import Slot, SlotParts
@@ -40,7 +40,8 @@ class Clearances:
         """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
 
         They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
-        for a name if omitted), and have the same friction and restitution, as in :meth:`lcpflex.scene.scene.Scene.contact`.
+        for a name if omitted), and have the same friction and restitution, as in
+        :meth:`lcpflex.scene.scene.Scene.contact`.
 
         ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
         as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the

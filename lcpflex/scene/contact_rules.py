@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lcpflex.scene.joints import Joint
+from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.handles import Placed, PlacedSurface, can_touch
-from lcpflex.scene.scene import ContactRule, DeclaredContact
+from lcpflex.scene.joints import Joint
 
 __all__ = ["by_rules"]
 

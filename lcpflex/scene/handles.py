@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.scene.scene import slots
+from lcpflex.basics.arguments import absent, flag, sequence_of
+from lcpflex.bodies import surface as shapes
 from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
-from lcpflex.contact import shapes
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import absent, flag, sequence_of
+from lcpflex.scene import slots
 
 if TYPE_CHECKING:
-    from lcpflex.contact.shapes import Surface
-    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.bodies.surface import Surface
     from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.slots import Slot
 
 __all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.options import is_number, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
 from lcpflex.errors import ModelError, shown
 from lcpflex.scene.loads import Motion, checked_motion
-from lcpflex.basics.options import is_number, keep_number
 
 __all__ = [
     "Distance",
@@ -191,10 +191,10 @@ class Distance:
 class DrivenAngle:
     """Rotary drive: angle_P - angle_Q - ``angle`` - f(t) = 0 (1 row). It holds no place: add a revolute joint.
 
-    ``motion`` f [rad] is a number, :class:`~lcpflex.scene.loads.Harmonic`, :class:`~lcpflex.scene.loads.Table` or Python function
-    of time. ``angle`` [rad] is the relative angle of the start configuration if omitted, so that f is the rotation
-    since then; 0 makes f the relative angle itself. Raises ModelError for points that cannot be joined or a motion
-    that is none.
+    ``motion`` f [rad] is a number, :class:`~lcpflex.scene.loads.Harmonic`, :class:`~lcpflex.scene.loads.Table` or
+    Python function of time. ``angle`` [rad] is the relative angle of the start configuration if omitted, so that f is
+    the rotation since then; 0 makes f the relative angle itself. Raises ModelError for points that cannot be joined or
+    a motion that is none.
     """
 
     P: PlacedPoint
@@ -218,8 +218,8 @@ class DrivenDisplacement:
     """Linear drive: axis_Q.(r_P - r_Q) - f(t) = 0 (1 row). It guides nothing: add a prismatic joint or a line.
 
     ``axis`` (2,) is fixed in the material at Q. ``motion`` f [m] is a number, :class:`~lcpflex.scene.loads.Harmonic`,
-    :class:`~lcpflex.scene.loads.Table` or Python function of time. Raises ModelError for points that cannot be joined, a
-    zero axis or a motion that is none.
+    :class:`~lcpflex.scene.loads.Table` or Python function of time. Raises ModelError for points that cannot be joined,
+    a zero axis or a motion that is none.
     """
 
     P: PlacedPoint

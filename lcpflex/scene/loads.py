@@ -32,12 +32,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import sequence_of
+from lcpflex.basics.options import is_number, keep_flag, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import sequence_of
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.basics.options import is_number, keep_flag, keep_number
 
 __all__ = [
     "Force",

@@ -6,148 +6,28 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.body import Body, Reducible, array_of
-from lcpflex.scene.clearances import Clearances
-from lcpflex.force_laws.law import Law
-from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.basics.arguments import absent, flag, told_by
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.bodies.body import Body, Reducible, array_of
+from lcpflex.errors import ModelError, ModelWarning, in_range, shown
+from lcpflex.force_laws.law import Law
+from lcpflex.scene.clearances import Clearances
+from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
+from lcpflex.scene.handles import Placed, PlacedSurface, can_touch, is_slave_of, listed
 from lcpflex.scene.joints import Joint
 from lcpflex.scene.loads import Force, Load, Spring, Torque, TorsionSpring
-from lcpflex.model.arrays import Axis, Model, refrozen
-from lcpflex.scene.handles import Placed, PlacedSurface, can_touch, is_slave_of, listed
 
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
-    from lcpflex.dynamics.compiled_function import CompiledFunction
-    from lcpflex.dynamics.time_functions import Callback, Materials, State
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.compile.reduction_order import ReductionOrder
-    from lcpflex.steppers.system import System
 
-__all__ = ["Compiled", "ContactRule", "DeclaredContact", "Layout", "Scene"]
-
-MARGIN = 0.2  # gaps are measured up to this part of the size of the scene
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Layout:
-    """What the indices of a compiled scene are called, and what is drawn of it."""
-
-    bodies: tuple[str, ...]
-    contacts: tuple[str, ...]
-    joints: tuple[str, ...]
-    outlines: tuple[tuple[int, IntArray, bool], ...]  # (body, material points, closed)
-    circles: tuple[tuple[int, float], ...]  # (material point, radius [m])
-    points: dict[tuple[str, str], int]  # (body, point) -> material point
-    resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
-    residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
-    axes: tuple[Axis | None, ...] = ()  # of beams
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Compiled:
-    """A scene as flat read-only arrays with its initial state; it does not change with the scene any more."""
-
-    model: Model
-    layout: Layout
-    q: FloatArray  # (ndof,) initial configuration
-    u: FloatArray  # (ndof,) initial velocity
-    size: float  # extent of the largest body [m]: what gaps are large or small against
-    n_external: int  # slots that callbacks fill
-    callbacks: tuple[Callback, ...] = field(default=(), repr=False)
-    laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
-    functions: tuple[CompiledFunction, ...] = field(default=(), repr=False)  # called by address while they live
-    materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced for this
-    warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
-    notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """By its fields; see ``_compiled_again``."""
-        return _compiled_again, tuple(getattr(self, part.name) for part in fields(self))
-
-    def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
-        """What Python functions of time and state are called with."""
-        from lcpflex.dynamics.time_functions import State
-
-        return State(time, q, u, self.model.bodies.dof, self.materials)
-
-    def system(self) -> System:
-        """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
-        from lcpflex.dynamics import mechanics
-        from lcpflex.dynamics.time_functions import Calls, supplier
-        from lcpflex.steppers.system import System
-
-        calls = Calls()
-        return System(
-            model=self.model,
-            q=self.q.copy(),
-            u=self.u.copy(),
-            n_external=self.n_external,
-            hooks={mechanics.supply: supplier(self.callbacks, calls, self.materials)} if self.callbacks else {},
-            dense=False,
-            margin=MARGIN * self.size,
-            names=self.layout.contacts,
-            laws=self.laws,
-            functions=self.functions,
-            contact_modes=tuple(contacts for _, contacts in self.layout.residual),
-            calls=calls if self.callbacks else None,
-            size=self.size,
-        )
-
-
-def _compiled_again(*values: Any) -> Compiled:
-    """A copy, or what is unpickled: its arrays are read-only again, and functions are where they are now."""
-    again = Compiled(*values)
-    signals = again.model.signals
-    if again.functions:
-        signals = signals._replace(address=np.array([function.address for function in again.functions]))
-    refrozen((again.q, again.u))
-    return replace(again, model=refrozen(again.model._replace(signals=signals)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DeclaredContact:
-    """Two surfaces and the law between them."""
-
-    pair: tuple[PlacedSurface, PlacedSurface]
-    friction: float
-    restitution: float
-    tangential_restitution: float
-    slave: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
-    law: Law | None = None  # continuous contact force; None: complementarity
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactRule:
-    """One law between all surfaces, but for excluded pairs."""
-
-    friction: float
-    restitution: float
-    tangential_restitution: float
-    exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
-    law: Law | None = None
-
-
-class Parts(NamedTuple):
-    """All that has been declared of a scene."""
-
-    placed: tuple[Placed, ...]
-    joints: dict[str, Joint]
-    loads: tuple[Load, ...]
-    contacts: dict[str, DeclaredContact]
-    rules: tuple[ContactRule, ...]
-    surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
-
-    def angle(self, body: int) -> float:
-        """Angle of a body at the start [rad]; 0 for the ground."""
-        return 0.0 if body < 0 else float(self.placed[body].start[0][2])
+__all__ = ["Scene"]
 
 
 class Scene(Clearances):
@@ -281,7 +161,7 @@ class Scene(Clearances):
         return self._placed[name]
 
     def join(self, joint: Joint) -> str:
-        """Add a joint or a drive of :mod:`lcpflex.scene.joints`; returns its name (joint1, joint2, ... if it has none)."""
+        """Add a joint or a drive of :mod:`lcpflex.scene.joints`; returns its name (joint1, joint2, ... if omitted)."""
         if not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         self._own("joint", joint.P)

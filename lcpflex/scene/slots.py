@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from lcpflex.contact import shapes
+from lcpflex.bodies import surface as shapes
 from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
-    from lcpflex.contact.shapes import Surface
+    from lcpflex.bodies.surface import Surface
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.handles import Place, Placed, PlacedSurface
 

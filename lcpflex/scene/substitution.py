@@ -23,7 +23,8 @@ from lcpflex.scene.handles import Placed, PlacedSurface, listed
 
 if TYPE_CHECKING:
     from lcpflex.compile.reduction_order import ReductionOrder
-    from lcpflex.scene.scene import Parts, Scene
+    from lcpflex.scene.declared import Parts
+    from lcpflex.scene.scene import Scene
 
 __all__ = ["exchanged", "remade", "settled"]
 

@@ -8,14 +8,14 @@ from functools import partial, reduce
 from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.errors import ModelError
+from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.scene.loads import Force, Function, Load
 
 if TYPE_CHECKING:
     from lcpflex.force_laws.law import Law
+    from lcpflex.scene.declared import Parts
     from lcpflex.scene.joints import Joint
-    from lcpflex.scene.scene import Parts
 
 __all__ = ["check_names", "functions_of"]
 

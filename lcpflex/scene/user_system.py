@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers
-from lcpflex.model.arrays import bodiless_model
+from lcpflex.errors import ModelError, in_range, shown
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -144,23 +143,9 @@ class UserSystem:
 
         ``indents`` tells of a contact whether the stepper has a force law for it, on whose indentation it may rest.
         """
-        from lcpflex.dynamics.user_mechanics import hooks
-        from lcpflex.steppers.system import System
+        from lcpflex.compile.user_system import system_of
 
-        q, u = self._functions.start(np.array(self.q, dtype=float), np.array(self.u, dtype=float), project, indents)
-        return System(
-            model=bodiless_model(
-                len(q), self._functions.n_joint, self.friction, self.restitution, self.tangential_restitution
-            ),
-            q=q,
-            u=u,
-            n_external=0,
-            hooks=hooks(self._functions),
-            dense=True,
-            margin=math.inf,
-            names=tuple(self.names),
-            probe=lambda t: self._functions.force(t, q.copy(), u.copy()),
-        )
+        return system_of(self, project, indents)
 
 
 OPTIONAL = (

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
@@ -26,10 +27,9 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
-from lcpflex.steppers.recorder import Tape
 
 __all__ = [
     "DEEPEST",

@@ -19,8 +19,8 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.lcp.lemke import Lemke
-from lcpflex.solvers.user_solver import OwnSolver, as_solver, own_part
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
+from lcpflex.solvers.user_solver import OwnSolver, as_solver, own_part
 from lcpflex.steppers.wedged import Wedged, parts
 
 __all__ = [

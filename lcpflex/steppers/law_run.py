@@ -8,14 +8,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.force_laws.layout import DAMPING_KIND, LIMIT, PERMANENT
-from lcpflex.force_laws.history import ContactMemory
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.history import ContactMemory
+from lcpflex.force_laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.steppers.user_functions import with_own_laws
 from lcpflex.steppers.system import System
+from lcpflex.steppers.user_functions import with_own_laws
 
 __all__ = [
     "begin_laws",

@@ -6,11 +6,11 @@ The metric is the matrix of the step, so that stiff modes follow statically.
 from __future__ import annotations
 
 from lcpflex.contact.detection import refresh
-from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import auto
 from lcpflex.steppers.recorder import Tape

@@ -8,8 +8,8 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.passages import Passages, swallowed
-from lcpflex.steppers.system import System
 from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.system import System
 
 __all__ = ["Records"]
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.steppers.doubtful import COUNT
 
 __all__ = ["SeveralMotions"]

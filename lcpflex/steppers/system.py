@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
-from lcpflex.force_laws.law import Law
 from lcpflex.contact.thickness import farthest, pass_thickness
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.law_memory import LawContacts, law_contacts
 from lcpflex.dynamics.time_functions import Calls
 from lcpflex.dynamics.workspace import Workspace, workspace
+from lcpflex.force_laws.law import Law
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.force_laws.layout import LawRow, UserLaw
 from lcpflex.dynamics.compiled_function import CompiledFunction
+from lcpflex.force_laws.layout import LawRow, UserLaw
 
 __all__ = ["with_own_functions", "with_own_laws"]
 

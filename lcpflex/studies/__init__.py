@@ -5,9 +5,7 @@ Each name is loaded when it is first used, so that the command line starts at on
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
@@ -70,28 +68,17 @@ def __dir__() -> list[str]:
     return sorted(__all__)
 
 
-class _Package(ModuleType):
-    """The import system binds each loaded module on its package; one named as its function stays the function."""
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if _HOME.get(name) == name and isinstance(value, ModuleType):
-            value = getattr(value, name)
-        super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package
-
 if TYPE_CHECKING:
-    from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
-    from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
     from lcpflex.studies.convergence.distance import graph_distance
-    from lcpflex.studies.outcome import Criteria, Outcome, Verdict
-    from lcpflex.studies.outputs import Output
-    from lcpflex.studies.model_order.right_size import right_size
-    from lcpflex.studies.stability_maps.study import stability
-    from lcpflex.studies.stability_maps.chart import outcome_legend
-    from lcpflex.studies.stability_maps.stability_map import StabilityMap
     from lcpflex.studies.convergence.methods import standard_methods
-    from lcpflex.studies.vibrations import Vibrations, small_vibrations
     from lcpflex.studies.convergence.points import WorkPoint, WorkPrecision
     from lcpflex.studies.convergence.work_precision import work_precision
+    from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
+    from lcpflex.studies.model_order.right_size import right_size
+    from lcpflex.studies.outcome import Criteria, Outcome, Verdict
+    from lcpflex.studies.outputs import Output
+    from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
+    from lcpflex.studies.stability_maps.chart import outcome_legend
+    from lcpflex.studies.stability_maps.stability_map import StabilityMap
+    from lcpflex.studies.stability_maps.study import stability
+    from lcpflex.studies.vibrations import Vibrations, small_vibrations

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import mapping_of, numbers, sequence_of
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["check_call", "check_curves", "checked_axes", "instance_of", "is_stepper", "series_of"]
 

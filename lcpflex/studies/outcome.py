@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.errors import ModelError, SolverError, StepError, in_range
+from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.results.stated_error import error_shares
+from lcpflex.results.summary import COARSE, scene_size, with_unit
 from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
-from lcpflex.results.summary import COARSE, scene_size, with_unit
 
 if TYPE_CHECKING:
     from lcpflex.results.energy_balance import Energies

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import numbers, sequence_of, text
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.results.result import Result
-    from lcpflex.scene.scene import Compiled
 
 __all__ = [
     "Measured",

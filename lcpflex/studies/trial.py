@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, StepError
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import simulate
 from lcpflex.studies.outputs import Measured, Output

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from lcpflex.scene.scene import Compiled, Scene
+    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.scene.scene import Scene
 
 __all__ = ["Vibrations", "small_vibrations"]
 

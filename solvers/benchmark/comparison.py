@@ -16,17 +16,17 @@ from typing import Any
 import numpy as np
 
 import lcpflex.solvers
-from lcpflex.errors import ModelError
 from lcpflex.basics.arguments import text
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem, posed
+from lcpflex.solvers.benchmark.records import version_of
 from lcpflex.solvers.certificate import is_symmetric
 from lcpflex.solvers.clock import TimeLimit, check_time_limit
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
 from lcpflex.solvers.problem import Lcp, Solution, Status
-from lcpflex.solvers.benchmark.records import version_of
+from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
 

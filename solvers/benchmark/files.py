@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, path_of
 from lcpflex.basics.arguments import SHOWN, lines_of, sequence_of, text
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.problem import Lcp
-from lcpflex.solvers.benchmark.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import ModelError, path_of
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.benchmark.stored import MARKS, AnyProblem, arrays_of, problem_of
+from lcpflex.solvers.problem import Lcp
 
 __all__ = ["Recorded", "load_problems", "load_text_lcp", "save_problems"]
 

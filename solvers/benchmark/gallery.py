@@ -1,7 +1,8 @@
 """Complementarity problems with known answers, by family, from fixed seeds.
 
 ``examples()`` yields all families at several sizes; the same seed gives the same problems to the bit. Sources are named
-where the families are made: :mod:`lcpflex.solvers.benchmark.matrix_families`, :mod:`lcpflex.solvers.benchmark.contact_families`.
+where the families are made: :mod:`lcpflex.solvers.benchmark.matrix_families`,
+:mod:`lcpflex.solvers.benchmark.contact_families`.
 """
 
 from __future__ import annotations

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError
 from lcpflex.basics.arguments import check_axes
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:

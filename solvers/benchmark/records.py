@@ -36,8 +36,9 @@ def _written(lines: Sequence[Sequence[object]]) -> str:
 def csv_of(checks: Sequence[CrossCheck]) -> str:
     """A line for each problem and solver below the names of the columns; numbers in full, times in seconds.
 
-    problem, kind, size: the problem's name, class and unknowns; then what :class:`lcpflex.solvers.benchmark.comparison.Row` says;
-    then machine, processor, cores, and the versions of Python, numpy, numba, scipy and lcpflex.
+    problem, kind, size: the problem's name, class and unknowns; then what
+    :class:`lcpflex.solvers.benchmark.comparison.Row` says; then machine, processor, cores, and the versions of Python,
+    numpy, numba, scipy and lcpflex.
     """
     from lcpflex.solvers.benchmark.comparison import Row
 

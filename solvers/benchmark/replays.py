@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import called, flag
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.benchmark import comparison as one
 from lcpflex.solvers.arguments import check_options, check_problem
+from lcpflex.solvers.benchmark import comparison as one
 from lcpflex.solvers.benchmark.comparison import CrossCheck, Row
-from lcpflex.solvers.problem import Solution
 from lcpflex.solvers.benchmark.records import as_csv, csv_of
+from lcpflex.solvers.problem import Solution
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -116,7 +116,7 @@ class Replay:
         return csv_of(self.checks)
 
     def plot(self, axes: Axes | None = None) -> Figure:
-        """Performance profile: see :func:`lcpflex.solvers.benchmark.profile.draw_profile`; without solvers of another model."""
+        """Performance profile: see :mod:`lcpflex.solvers.benchmark.profile`; without solvers of another model."""
         from lcpflex.solvers.benchmark.profile import draw_profile
 
         own = [i for i, row in enumerate(self.rows) if not row.model]
@@ -135,8 +135,8 @@ def replay(
 ) -> Replay:
     """Solve all ``problems`` by every solver and add up.
 
-    problems: those :func:`cross_check` takes, or :class:`lcpflex.solvers.benchmark.files.Recorded`. solvers, repeats, tolerance,
-    time_limit: as of :func:`cross_check`.
+    problems: those :func:`cross_check` takes, or :class:`lcpflex.solvers.benchmark.files.Recorded`. solvers, repeats,
+    tolerance, time_limit: as of :func:`cross_check`.
     warm: each solver starts from its own solution of the problem before, as in a simulation; else from nothing.
     progress: called with the numbers of problems done and in all. Raises ModelError if there is no problem or no
     solver, and as :func:`cross_check` does.

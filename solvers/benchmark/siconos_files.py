@@ -21,14 +21,14 @@ import re
 
 import numpy as np
 
-from lcpflex.errors import ModelError, path_of
 from lcpflex.basics.arguments import SHOWN, lines_of
+from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.contact.condensation import condensed, contact_problem
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.mixed.problems import MixedLcp
 from lcpflex.solvers.problem import Lcp
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = ["load_siconos", "load_siconos_contacts", "load_siconos_lcp", "load_siconos_mlcp"]
 

@@ -26,10 +26,10 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
+from lcpflex.solvers.problem import Lcp
 
 __all__ = ["MARKS", "AnyProblem", "arrays_of", "problem_of"]
 

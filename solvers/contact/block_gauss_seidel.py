@@ -24,6 +24,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import grown, remaining
+from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.contact.sweeps import (
     BACK,
     FIRST_LOOK,
@@ -36,7 +37,6 @@ from lcpflex.solvers.contact.sweeps import (
     sweep_delassus,
     sweep_factor,
 )
-from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.limits import keep_settings

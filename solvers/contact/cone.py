@@ -27,12 +27,12 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.guard import guarded, words_of
-from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.lcp.polishing import equilibrium, polish
-from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
-from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
+from lcpflex.solvers.guard import guarded, words_of
+from lcpflex.solvers.lcp.polishing import equilibrium, polish
+from lcpflex.solvers.lcp.proofs import infeasibility
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 
 __all__ = ["ConvexFriction"]
 

@@ -1,6 +1,7 @@
 """The convex relaxation of planar Coulomb friction as a problem: K ∋ lambda _|_ G lambda + free ∈ K*.
 
-In forces along the edges of its plane cones it is an LCP, symmetric and semidefinite. See :mod:`lcpflex.solvers.contact.cone`.
+In forces along the edges of its plane cones it is an LCP, symmetric and semidefinite. See
+:mod:`lcpflex.solvers.contact.cone`.
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
-from lcpflex.errors import ModelError
 from lcpflex.basics.arguments import flag, point_of
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.lcp.exact_systems import ExactSystem, relaxed_rows
 from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.lcp.exact_systems import ExactSystem, relaxed_rows
 from lcpflex.solvers.problem import (
     PROVED,
     Lcp,

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import point_of
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.contact.problem import keys_of

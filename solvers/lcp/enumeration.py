@@ -18,9 +18,9 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.lcp.proofs import exact_solution
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
-from lcpflex.solvers.lcp.proofs import exact_solution
 
 __all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import limited, remaining
-from lcpflex.solvers.problem import Lcp
 from lcpflex.solvers.lcp.proofs import Proof, infeasibility
+from lcpflex.solvers.problem import Lcp
 
 __all__ = ["candidate", "farkas", "proof_by_program"]
 

@@ -15,14 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.basics.options import keep_number
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.lemke import lemke_workspace
-from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.lcp.pivoting import block_pivots
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
     NUMERICAL_FAILURE,

@@ -21,19 +21,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
-from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.lcp.pivoting import block_pivots
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    NUMERICAL_FAILURE,
-    RAY,
-    SOLVED,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-)
 from lcpflex.solvers.lcp.tableau import (
     CANDIDATE,
     COLUMNS,
@@ -49,6 +37,18 @@ from lcpflex.solvers.lcp.tableau import (
     exchange,
     flush,
     leaving_row,
+)
+from lcpflex.solvers.limits import keep_settings
+from lcpflex.solvers.problem import (
+    ITERATION_LIMIT,
+    NUMERICAL_FAILURE,
+    RAY,
+    SOLVED,
+    Lcp,
+    PosedProblem,
+    Solution,
+    Status,
+    accept,
 )
 
 __all__ = ["Lemke", "attempt", "lemke", "lemke_workspace"]

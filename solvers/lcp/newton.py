@@ -17,8 +17,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
-from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.lcp.pivoting import solve_active
+from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,
     NUMERICAL_FAILURE,

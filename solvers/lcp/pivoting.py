@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.lcp.active_factor import backward
 from lcpflex.solvers.certificate import guarded_residual, row_parts
+from lcpflex.solvers.lcp.active_factor import backward
 
 __all__ = ["block_pivots", "solve_active"]
 

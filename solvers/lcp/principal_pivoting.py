@@ -21,10 +21,10 @@ import numpy as np
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import (
     ITERATION_LIMIT,

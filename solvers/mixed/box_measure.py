@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.balance import Units, in_units, lcp_units
-from lcpflex.solvers.mixed.boxes import box_parts
 from lcpflex.solvers.certificate import all_finite, guarded_residual, is_symmetric, strict_residual
+from lcpflex.solvers.mixed.boxes import box_parts
 
 __all__ = ["BoxMeasure"]
 

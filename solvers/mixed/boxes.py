@@ -1,4 +1,4 @@
-"""Compiled ways between a boxed problem and its LCP, and the residual of a box. See :mod:`lcpflex.solvers.mixed.problems`."""
+"""Compiled ways between a boxed problem and its LCP, and its residual: see :mod:`lcpflex.solvers.mixed.problems`."""
 
 from __future__ import annotations
 

@@ -18,18 +18,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.arguments import flag, numbers, point_of
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite
 from lcpflex.solvers.bilateral import OUTSIDE, eliminated, sum_of
-from lcpflex.solvers.mixed.box_measure import BoxMeasure
-from lcpflex.solvers.mixed.boxes import DOUBLE, FREE, box_parts, on_bounds, recover_box, reduce_box, sound_box
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
 from lcpflex.solvers.clock import out_of_time
-from lcpflex.solvers.lcp.exact_systems import ExactSystem, boxed_rows
 from lcpflex.solvers.guard import joined
+from lcpflex.solvers.lcp.exact_systems import ExactSystem, boxed_rows
+from lcpflex.solvers.mixed.box_measure import BoxMeasure
+from lcpflex.solvers.mixed.boxes import DOUBLE, FREE, box_parts, on_bounds, recover_box, reduce_box, sound_box
 from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed
 
 __all__ = ["BoxedLcp", "MixedLcp"]

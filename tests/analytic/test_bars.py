@@ -9,8 +9,8 @@ import numpy.typing as npt
 import pytest
 
 from lcpflex import EventDriven, MoreauJean, Result, gallery, simulate
-from lcpflex.gallery.mechanisms.bars import LENGTH, courant_step
 from lcpflex.gallery.acceptance.bars import prestressed_error
+from lcpflex.gallery.mechanisms.bars import LENGTH, courant_step
 
 WAVE_SPEED = 30.0
 CONTACT_TIME = 2.0 * LENGTH / WAVE_SPEED

@@ -8,8 +8,8 @@ import pytest
 import lcpflex as lf
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton
+from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.gallery.mechanisms.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
 STEPPERS = {

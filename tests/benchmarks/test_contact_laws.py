@@ -10,9 +10,9 @@ import pytest
 from scipy.special import lambertw
 
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
-from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
 from lcpflex.force_laws.elastic.hertz import Hertz
+from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw

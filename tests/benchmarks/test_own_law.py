@@ -8,8 +8,8 @@ from typing import Any
 import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
-from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 
 K, E = 1e6, 0.6

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 import lcpflex as lf
-from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton, unreduced
+from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.gallery.mechanisms.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
 FINE = 1.2e-3  # elements of the contact region [m]: 3000 coordinates of the whole meshes

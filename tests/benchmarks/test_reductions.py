@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 from scipy.sparse.linalg import eigsh
 
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance
 
 MODES = 20

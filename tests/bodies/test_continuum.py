@@ -15,8 +15,8 @@ from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from lcpflex.bodies import Bar, Beam
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 
 E, RHO, NU = 2e11, 7800.0, 0.3
 

@@ -58,8 +58,8 @@ def test_memory_and_frequencies_of_1e5_nodes() -> None:
 
 
 def coarse_frequencies() -> list[float]:
-    from lcpflex.bodies.fem import meshes
     from lcpflex.bodies.continuum import Continuum
+    from lcpflex.bodies.fem import meshes
     from lcpflex.bodies.reduction.component_modes import free_interface
 
     mesh = meshes.rectangle(2.0, 1.0, 20, 10)

@@ -8,8 +8,8 @@ from scipy.io import mmwrite
 from scipy.sparse import save_npz
 
 from lcpflex.bodies import Matrices
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.fem.matrix_files import matrices_from_files
 from lcpflex.errors import ModelError
 

@@ -9,8 +9,8 @@ import meshio
 import numpy as np
 import pytest
 
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.errors import ModelError, ModelWarning
 
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose

@@ -7,9 +7,15 @@ import pytest
 from scipy.spatial import Delaunay
 
 import lcpflex as lf
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.fem import meshes
+from lcpflex.bodies.reduction.component_modes import (
+    craig_bampton,
+    free_interface,
+    residual_compliance,
+    sub_regional,
+    unreduced,
+)
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 
 # Coarse linear meshes, for short runs: what is reduced has all of their stiffness, right or not.

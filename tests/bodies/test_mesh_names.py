@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import skfem
 
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import ModelError, ModelWarning
 

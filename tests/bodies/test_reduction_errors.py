@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.matrices import Matrices
-from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.reduction.component_modes import (
+    craig_bampton,
+    free_interface,
+    residual_compliance,
+    sub_regional,
+    unreduced,
+)
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import ModelError
 

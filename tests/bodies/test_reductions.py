@@ -9,12 +9,18 @@ import pytest
 from scipy.linalg import eigh
 
 import lcpflex as lf
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.matrices import Matrices
-from lcpflex.bodies.reduction.component_modes import craig_bampton, free_interface, residual_compliance, sub_regional, unreduced
-from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+from lcpflex.bodies.reduction.component_modes import (
+    craig_bampton,
+    free_interface,
+    residual_compliance,
+    sub_regional,
+    unreduced,
+)
 from lcpflex.bodies.reduction.stiffening import Stiffening
+from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 
 # Coarse linear meshes, for short runs: what is reduced has all of their stiffness, right or not.
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")

@@ -22,11 +22,11 @@ from lcpflex import (
     Weld,
     simulate,
 )
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.reduction.component_modes import craig_bampton
-from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
+from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.dynamics.static_modes import with_static_modes
 from lcpflex.errors import ModelError
 from lcpflex.scene.handles import Placed

@@ -11,8 +11,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.bodies.fem import meshes
-from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.reduction.component_modes import craig_bampton, residual_compliance, sub_regional, unreduced
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.errors import ModelError, ModelWarning
 
 ALUMINIUM = {"density": 2700.0, "youngs_modulus": 7e10}

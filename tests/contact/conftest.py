@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from lcpflex.bodies.body import MaterialPoint
+from lcpflex.bodies.surface import Surface
+from lcpflex.compile.contact_surfaces import compile_contacts
 from lcpflex.contact.detection import ContactTable, contact_table, detect
-from lcpflex.contact.shapes import Surface, compile_contacts
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model, PointTable, bodiless_model, frozen

@@ -15,7 +15,7 @@ import pytest
 import skfem
 
 import lcpflex as lf
-from lcpflex.contact import shapes
+from lcpflex.bodies import surface as shapes
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.jit.struct import pack
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from lcpflex.bodies import surface as shapes
 from lcpflex.bodies.body import MaterialPoint
-from lcpflex.contact import shapes
 from lcpflex.contact.detection import load_entry, refresh
 from lcpflex.contact.rows import contact_bias, contact_point, contact_rows
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from lcpflex.contact import shapes
+from lcpflex.bodies import surface as shapes
 from lcpflex.contact.detection import detect, refresh
 
 PI = math.pi

@@ -7,8 +7,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from lcpflex.bodies.surface import whole_section
 from lcpflex.contact.detection import contact_table, detect
-from lcpflex.contact.depth_bounds import whole_section
 from lcpflex.jit.struct import pack
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lcpflex.bodies import body
-from lcpflex.contact import shapes
+from lcpflex.bodies import surface as shapes
 from lcpflex.errors import ModelError
 
 

@@ -5,8 +5,13 @@ import pytest
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, MixedLcp, solve_lcp
+from lcpflex.solvers.benchmark.siconos_files import (
+    load_siconos,
+    load_siconos_contacts,
+    load_siconos_lcp,
+    load_siconos_mlcp,
+)
 from lcpflex.solvers.contact.condensation import condensed, planar_rows
-from lcpflex.solvers.benchmark.siconos_files import load_siconos, load_siconos_contacts, load_siconos_lcp, load_siconos_mlcp
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 RNG = np.random.default_rng(5)

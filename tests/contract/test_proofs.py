@@ -24,9 +24,9 @@ from lcpflex.solvers import (
     Status,
     accept,
 )
+from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from lcpflex.solvers.lcp.exact import Dictionary, Exhausted
 from lcpflex.solvers.lcp.proofs import Proof, exact_solution, infeasibility, proves
-from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from tests.contract.rational_judge import is_feasible, is_solvable, proves_infeasible
 
 ROWS = 6  # rows whose units are farther apart than the tolerance allows count as fulfilled

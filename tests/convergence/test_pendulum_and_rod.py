@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton
+from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.gallery.mechanisms.strikers import FINE, pendulum_and_rod, pendulum_with_hammer, rod_with_crown
 
 DURATION = 1.8e-4  # [s]

@@ -20,14 +20,14 @@ from lcpflex.dynamics.user_mechanics import hooks
 from lcpflex.jit import dispatch as linking
 from lcpflex.jit.dispatch import callees, link, reaching
 from lcpflex.jit.kernel import kernel
-from lcpflex.steppers.event_driven.stepper import loop as event_loop
-from lcpflex.steppers.generalized_alpha.stepper import stepper as generalized_alpha
-from lcpflex.steppers.generalized_alpha.stepper import adaptive as generalized_alpha_adaptive
-from lcpflex.steppers.massless_boundary.stepper import step as massless_step
-from lcpflex.steppers.moreau_jean.stepper import stepper as moreau_jean
-from lcpflex.steppers.moreau_jean.stepper import adaptive as moreau_jean_adaptive
-from lcpflex.steppers.smooth.stepper import explicit as smooth_explicit
-from lcpflex.steppers.smooth.stepper import slope as smooth_slope
+from lcpflex.steppers.event_driven import loop as event_loop
+from lcpflex.steppers.generalized_alpha import adaptive as generalized_alpha_adaptive
+from lcpflex.steppers.generalized_alpha import stepper as generalized_alpha
+from lcpflex.steppers.massless_boundary import step as massless_step
+from lcpflex.steppers.moreau_jean import adaptive as moreau_jean_adaptive
+from lcpflex.steppers.moreau_jean import stepper as moreau_jean
+from lcpflex.steppers.smooth import explicit as smooth_explicit
+from lcpflex.steppers.smooth import slope as smooth_slope
 
 LOOPS: dict[str, Any] = {
     "Moreau-Jean": moreau_jean.advance,

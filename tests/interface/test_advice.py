@@ -10,9 +10,9 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import meshes
-from lcpflex.checks import resolution_rules as advice
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reduction.component_modes import unreduced
+from lcpflex.checks import resolution_rules as advice
 from lcpflex.checks.resolution import _push, unresolved
 
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose

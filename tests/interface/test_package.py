@@ -48,7 +48,9 @@ def test_every_law_loads_and_is_documented(name: str) -> None:
 
 
 def test_simulate_stays_the_function_after_its_module_is_imported() -> None:
-    code = "import lcpflex as lf; import lcpflex.runs.simulate; print(callable(lf.simulate), type(lf.simulate).__name__)"
+    code = (
+        "import lcpflex as lf; import lcpflex.runs.simulate; print(callable(lf.simulate), type(lf.simulate).__name__)"
+    )
     assert run(code) == "True function"
 
 

@@ -17,9 +17,9 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery, meshes
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.scene.scene import Compiled
 
 COPIES = {"pickled": lambda thing: pickle.loads(pickle.dumps(thing)), "copied": deepcopy}
 

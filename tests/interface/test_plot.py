@@ -16,10 +16,10 @@ from PIL import Image
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.results.chart_words import stepper_words, told_apart
-from lcpflex.results.charts import shown_forces
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.results.chart_words import stepper_words, told_apart
+from lcpflex.results.charts import shown_forces
 from lcpflex.results.result import Result
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lcpflex.results.energy_balance import Energies
 from lcpflex.errors import ModelError
+from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import STICK, Result
 from lcpflex.results.summary import doubts
 

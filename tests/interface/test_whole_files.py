@@ -13,8 +13,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.__main__ import _save_figure
-from lcpflex.solvers.benchmark.files import save_problems
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.solvers.benchmark.files import save_problems
 
 
 @contextmanager

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder
 from lcpflex.force_laws.elastic.line_contact import Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_fit import fit_power_law
-from lcpflex.errors import ModelError, ModelWarning
 
 MM = 1e-3
 MATERIALS = {"steel": Material(207e9, 0.3), "aluminium": Material(70e9, 0.33)}

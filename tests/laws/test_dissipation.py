@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.contact_law import ContactLaw
-from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
@@ -24,13 +24,13 @@ from lcpflex.force_laws.damping.dissipative import (
     Tsuji,
 )
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
-from lcpflex.force_laws.layout import DAMPING
+from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
+from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.line_contact import Johnson
 from lcpflex.force_laws.elastic.materials import Material
-from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
-from lcpflex.errors import ModelError
+from lcpflex.force_laws.layout import DAMPING
+from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 STIFFNESS, MASS, SPEED = 4e7, 0.8, 1.5

@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
+from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
 from lcpflex.force_laws.elastic.hertz import Hertz
@@ -15,7 +16,6 @@ from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_fit import fit_power_law
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.errors import ModelError, ModelWarning
 
 STEEL = Material(207e9, 0.3)
 ALUMINIUM = Material(70e9, 0.33)

@@ -12,6 +12,8 @@ from scipy.special import gamma, lambertw
 
 from lcpflex.force_laws.contact_law import law_row
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
+from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
+from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.kernels import (
     elastic_force,
     elastic_stiffness,
@@ -19,12 +21,10 @@ from lcpflex.force_laws.elastic.kernels import (
     indentation_of,
     stored_energy,
 )
-from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-from lcpflex.force_laws.friction.laws import SmoothedCoulomb
-from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.friction.laws import SmoothedCoulomb
 
 MM = 1e-3
 STEEL = Material(207e9, 0.3)

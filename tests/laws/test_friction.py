@@ -10,8 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lcpflex as lf
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.friction.creep import CREEP
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.force_laws.friction.laws import (
     Ambrosio,
     ArctangentCoulomb,
@@ -23,10 +26,7 @@ from lcpflex.force_laws.friction.laws import (
     SmoothedCoulomb,
     Threlfall,
 )
-from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
-from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.errors import ModelError
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 

@@ -14,11 +14,11 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
-from lcpflex.force_laws.friction.laws import LuGre
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.friction.laws import LuGre
 from lcpflex.force_laws.normal_kernels import normal_force
 from lcpflex.force_laws.user_law import OwnLaw
-from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 
 K, E = 1e7, 0.6

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
@@ -22,7 +23,6 @@ from lcpflex.force_laws.damping.dissipative import (
 from lcpflex.force_laws.damping.hysteresis import HysteresisFactor
 from lcpflex.force_laws.damping.rebound import exact_factor, rebound_of_drag, rebound_of_factor, rebound_of_ratio
 from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
-from lcpflex.errors import ModelError
 
 F = HysteresisFactor
 PRESCRIBED = (0.1, 0.3, 0.5, 0.7, 0.9, 0.99)

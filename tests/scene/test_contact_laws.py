@@ -3,9 +3,9 @@
 import pytest
 
 import lcpflex as lf
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.errors import ModelError
 
 LAW = Penalty(stiffness=1e5, exponent=1.5)
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.dynamics.time_functions import MotionCallback, SignalTable
+from lcpflex.kinematics.signal_values import signal_value
 
 NOTHING = np.zeros((0, 3))
 

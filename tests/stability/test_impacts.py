@@ -9,8 +9,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
+from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,24 @@ import pytest
 from scipy.integrate import BDF
 
 import lcpflex as lf
-from lcpflex.force_laws.friction.bristles import Bristle, LuGre
 from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.damping.dissipative import (
+    Jankowski,
+    KelvinVoigt,
+    KuwabaraKono,
+    PermanentIndentation,
+    Ristow,
+    Tsuji,
+)
+from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
+from lcpflex.force_laws.damping.restitution import restitution_of
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
-from lcpflex.force_laws.damping.dissipative import Jankowski, KelvinVoigt, KuwabaraKono, PermanentIndentation, Ristow, Tsuji
+from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.kernels import indentation_of, stored_energy
+from lcpflex.force_laws.elastic.line_contact import Johnson
+from lcpflex.force_laws.elastic.materials import Material
+from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.friction.bristles import Bristle, LuGre
 from lcpflex.force_laws.friction.laws import (
     Ambrosio,
     ArctangentCoulomb,
@@ -25,13 +38,7 @@ from lcpflex.force_laws.friction.laws import (
     SmoothedCoulomb,
     Threlfall,
 )
-from lcpflex.force_laws.elastic.hertz import Hertz
-from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
 from lcpflex.force_laws.layout import END
-from lcpflex.force_laws.elastic.line_contact import Johnson
-from lcpflex.force_laws.elastic.materials import Material
-from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.force_laws.damping.restitution import restitution_of
 
 RADIUS = 0.1
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-12)

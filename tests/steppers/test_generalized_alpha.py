@@ -14,9 +14,9 @@ from lcpflex import gallery
 from lcpflex.gallery.mechanisms.bars import courant_step, elastic_bar
 from lcpflex.gallery.mechanisms.rigid import block_on_incline, stack
 from lcpflex.gallery.mechanisms.user_systems import impacting_bar, slider_crank, woodpecker
+from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.problem import Lcp, Solution, Status
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-from lcpflex.scene.user_system import UserSystem
 
 Array = npt.NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.dynamics.impact import SEGMENTS, energetic_segments
+from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 
 LAWS = (Newton(), Poisson(), Energetic(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True))
 NAMES = [repr(law) for law in LAWS]

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lcpflex as lf
-from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
-from lcpflex.force_laws.friction.kernels import friction_force
-from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.dynamics import law_friction
 from lcpflex.dynamics.law_friction import balanced_friction
+from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
+from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.jit.kernel import interpreted
 
 MASS, SPRING, PULL, WEIGHT, MU, STATIC = 0.25, 5e3, 0.02, 20.0, 0.3, 0.5

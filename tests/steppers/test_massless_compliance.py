@@ -17,8 +17,8 @@ from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.line_contact import Johnson
 from lcpflex.force_laws.elastic.materials import Material
-from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
 from lcpflex.gallery.mechanisms.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution

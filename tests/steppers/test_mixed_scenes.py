@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.force_laws.law import Law
-from lcpflex.force_laws.friction.bristles import LuGre
+from lcpflex.errors import ModelError, StepError
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.dissipative import PermanentIndentation, Tsuji
-from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
+from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.materials import Material
-from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from lcpflex.force_laws.friction.bristles import LuGre
+from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.errors import ModelError, StepError
+from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.model.arrays import OPEN
 
 HALF = ContactLaw(PowerLaw(2e6), HysteresisDamping(0.5))

@@ -11,8 +11,8 @@ import numpy as np
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.continuum import Continuum
+from lcpflex.bodies.fem import meshes
 from lcpflex.scene.scene import Scene
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}

@@ -12,9 +12,9 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery, studies
-from lcpflex.errors import ModelError
-from lcpflex.cli.reading import check_picture, load_named
 from lcpflex.cli.chart import add_chart
+from lcpflex.cli.reading import check_picture, load_named
+from lcpflex.errors import ModelError
 
 MINE = """
 import lcpflex as lf

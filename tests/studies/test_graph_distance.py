@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lcpflex.errors import ModelError
-from lcpflex.studies.convergence import distance as graph_distance
+from lcpflex.studies import graph_distance
 
 numbers = st.floats(-1.0, 1.0, allow_subnormal=False)
 graphs = st.integers(2, 12).flatmap(

@@ -12,11 +12,11 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.errors import ModelError
-from lcpflex.scene.substitution import settled
-from lcpflex.scene.scene import Scene
-from lcpflex.studies.model_order import right_size
 from lcpflex.cli.right_size import add_right_size
+from lcpflex.errors import ModelError
+from lcpflex.scene.scene import Scene
+from lcpflex.scene.substitution import settled
+from lcpflex.studies import right_size
 from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking, left_at, trend_of
 from lcpflex.studies.model_order.report import FidelityRun, RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lcpflex.studies import right_size
 from lcpflex.studies.model_order import search as fidelity_search
-from lcpflex.studies.model_order import right_size
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from tests.studies.fidelity_scenes import QUESTIONS, random_question

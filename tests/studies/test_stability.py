@@ -13,9 +13,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
-from lcpflex.studies import Criteria, Outcome, StabilityMap
-from lcpflex.studies.stability_maps import acceleration_level
-from lcpflex.studies.stability_maps import study as stability
+from lcpflex.studies import Criteria, Outcome, StabilityMap, acceleration_level, stability
 
 
 def oscillator(stiffness: float = 100.0) -> lf.Scene:

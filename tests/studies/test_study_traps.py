@@ -16,9 +16,7 @@ from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.scene.scene import Scene
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
-from lcpflex.studies import Outcome
-from lcpflex.studies.model_order import right_size
-from lcpflex.studies.stability_maps import study as stability
+from lcpflex.studies import Outcome, right_size, stability
 from lcpflex.studies.model_order.report import RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search

@@ -12,11 +12,11 @@ import numpy as np
 
 from lcpflex.bodies.body import Resolution
 from lcpflex.bodies.fem.assembly import Solid, geometric_stiffness, mass_matrix, stiffness_matrix
+from lcpflex.bodies.fem.boundary import boundary_of, names_of
 from lcpflex.bodies.fem.element_search import locator
 from lcpflex.bodies.fem.excess_stiffness import excess_stiffness
 from lcpflex.bodies.fem.finer_mesh import finer
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.fem.boundary import boundary_of, names_of
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.arguments import LARGEST_TEXT
 from lcpflex.bodies.fem.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.errors import ModelError, path_of, shown
-from lcpflex.basics.arguments import LARGEST_TEXT
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["read_mesh"]

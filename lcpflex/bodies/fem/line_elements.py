@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.reduction.eigenmodes import free_modes
 from lcpflex.bodies.reduction.damping import signed
+from lcpflex.bodies.reduction.eigenmodes import free_modes
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["LineModes", "bending_modes", "interpolate", "mixed_mass", "stretching_modes"]

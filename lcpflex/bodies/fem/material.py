@@ -6,8 +6,8 @@ import math
 import warnings
 from typing import Any
 
-from lcpflex.errors import ModelWarning, in_range
 from lcpflex.basics.arguments import positive
+from lcpflex.errors import ModelWarning, in_range
 
 __all__ = ["check_material"]
 

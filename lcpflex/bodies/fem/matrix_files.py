@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import lines_of
+from lcpflex.basics.arguments import numbers as numbers_in
 from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.errors import ModelError, path_of, shown
-from lcpflex.basics.arguments import lines_of
-from lcpflex.basics.arguments import numbers as numbers_in
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["matrices_from_files"]

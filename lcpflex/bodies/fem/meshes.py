@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.fem.grading import ELEMENTS, Zone, named_again, refined_to
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["bar", "graded", "grid", "half_disc", "half_section_of_rod", "half_section_of_sphere", "quadratic"]

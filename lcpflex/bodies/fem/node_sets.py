@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import sequence_of, unknown
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, shown
-from lcpflex.basics.arguments import sequence_of, unknown
 from lcpflex.jit.kernel import IntArray
 
 __all__ = ["Nodes", "chosen_nodes", "rows_of"]

@@ -11,8 +11,8 @@ import warnings
 
 import numpy as np
 
-from lcpflex.bodies.reduction.eigenmodes import FreeMesh, ritz
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh, ritz
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray
 

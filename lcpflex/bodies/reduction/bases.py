@@ -10,6 +10,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lcpflex.bodies.body import whole_number
+from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.node_sets import rows_of
+from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
+from lcpflex.bodies.reduction.damping import count_of_modes
 from lcpflex.bodies.reduction.eigenmodes import (
     EPS,
     FULL_LIMIT,
@@ -21,11 +25,7 @@ from lcpflex.bodies.reduction.eigenmodes import (
     orthonormal_frame,
     softest,
 )
-from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.reduction.orthonormal_basis import joined, own_basis
-from lcpflex.bodies.reduction.damping import count_of_modes
-from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 

@@ -5,7 +5,8 @@ Spun at 1 rad/s about p on its axis, with both ends free,
     N(x) = rho A ((L - p)^2 - (x - p)^2) / 2  behind p,   rho A (p^2 - (p - x)^2) / 2  before it
 
 which for p = L/2 has no jump: the tension of free flight. The axial force N0 between A and B, as
-:mod:`lcpflex.bodies.reduction.stiffening` says, adds the integral of N0 (w' - s)^2 from A to B, s the slope of the line A B.
+:mod:`lcpflex.bodies.reduction.stiffening` says, adds the integral of N0 (w' - s)^2 from A to B, s the slope of the
+line A B.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.reduction.line_interfaces import station
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.bodies.reduction.damping import signed
+from lcpflex.bodies.reduction.line_interfaces import station
 from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
@@ -81,7 +82,8 @@ def bent_under_tension(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The ``count`` lowest bending modes under the axial force, from all of those without it.
 
-    omega2 (n,), deflection and rotation (nodes, n) as :func:`lcpflex.bodies.fem.line_elements.bending_modes` gives them.
+    omega2 (n,), deflection and rotation (nodes, n) as :func:`lcpflex.bodies.fem.line_elements.bending_modes` gives
+    them.
 
     Raises
     ------

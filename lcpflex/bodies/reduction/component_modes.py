@@ -23,6 +23,9 @@ from typing import Protocol
 
 import numpy as np
 
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.fem.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.reduction.bases import (
     SHARE,
     boundary_basis,
@@ -33,14 +36,11 @@ from lcpflex.bodies.reduction.bases import (
     regional_basis,
     residual_basis,
 )
-from lcpflex.bodies.body import Body
+from lcpflex.bodies.reduction.damping import Damping, check_residual, count_of_modes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
-from lcpflex.bodies.fem.finite_elements import FiniteElements, body_of
 from lcpflex.bodies.reduction.interface import Interfaces
 from lcpflex.bodies.reduction.mesh_interfaces import interface_loads, of_mesh
 from lcpflex.bodies.reduction.mesh_levels import Held, reduced
-from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
-from lcpflex.bodies.reduction.damping import Damping, check_residual, count_of_modes
 from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError, shown
 

@@ -10,9 +10,9 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import numbers
 from lcpflex.bodies.body import Displacement, array_of, whole_number
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import numbers
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = [

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import flag, sequence_of
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import flag, sequence_of
 
 __all__ = ["Interface", "Interfaces", "interfaces_of"]
 

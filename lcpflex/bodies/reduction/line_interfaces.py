@@ -17,8 +17,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
+from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.stiffening import place_of
 from lcpflex.errors import in_range
 from lcpflex.jit.kernel import FloatArray, IntArray

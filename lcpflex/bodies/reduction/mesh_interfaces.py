@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.fem.nodal_material import Nodes, displacement_rows, material_weights, neighbours
 from lcpflex.bodies.fem.node_sets import chosen_nodes
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh
+from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 

@@ -125,8 +125,8 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         raise ModelError("axial_force: 'actual' was given for a mesh, expected it for a Beam, or a force in N")
     from scipy.sparse import csc_matrix
 
-    from lcpflex.bodies.reduction.eigenmodes import held_up, mesh_rank
     from lcpflex.bodies.fem.sparse_factor import NotPositive
+    from lcpflex.bodies.reduction.eigenmodes import held_up, mesh_rank
 
     _refuse_unknown_stress(mesh)
     force = stiffening.constant

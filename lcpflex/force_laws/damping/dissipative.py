@@ -12,8 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.arguments import finite_numbers
 from lcpflex.force_laws.damping.hysteresis import check_linear, fractions
+from lcpflex.force_laws.damping.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
 from lcpflex.force_laws.layout import (
     JANKOWSKI,
     KUWABARA_KONO,
@@ -23,9 +26,6 @@ from lcpflex.force_laws.layout import (
     VISCOUS,
     ElasticLaw,
 )
-from lcpflex.force_laws.damping.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
-from lcpflex.errors import ModelError
-from lcpflex.basics.options import keep_number
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
 

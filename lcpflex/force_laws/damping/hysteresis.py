@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.force_laws.arguments import numbers_of
-from lcpflex.force_laws.layout import HYSTERESIS, POWER, ElasticLaw
-from lcpflex.force_laws.damping.rebound import exact_factor, rebound_of_factor
-from lcpflex.errors import ModelError, shown
-from lcpflex.jit.kernel import FloatArray
 from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.arguments import numbers_of
+from lcpflex.force_laws.damping.rebound import exact_factor, rebound_of_factor
+from lcpflex.force_laws.layout import HYSTERESIS, POWER, ElasticLaw
+from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.damping.dissipative import (
     Jankowski,
     KelvinVoigt,
@@ -15,9 +17,7 @@ from lcpflex.force_laws.damping.dissipative import (
     Ristow,
     Tsuji,
 )
-from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.damping.hysteresis import HysteresisFactor
-from lcpflex.errors import ModelError, shown
 
 __all__ = ["DissipativeLaw", "prescribed_restitution", "restitution_of"]
 

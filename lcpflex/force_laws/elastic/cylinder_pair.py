@@ -6,9 +6,9 @@ import math
 import warnings
 from dataclasses import dataclass
 
+from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.force_laws.elastic.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.force_laws.elastic.round_surfaces import Shaped, radii_between
-from lcpflex.errors import ModelError, ModelWarning, in_range
 
 __all__ = ["CylinderPair"]
 

@@ -10,14 +10,14 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.arguments import numbers_of
-from lcpflex.force_laws.layout import LIU, PERSSON, POWER
 from lcpflex.force_laws.elastic.line_contact import check_pair
-from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.force_laws.layout import LIU, PERSSON, POWER
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.basics.options import keep_number
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from lcpflex.basics.options import keep_flag, keep_number
+from lcpflex.errors import ModelError, in_range
 from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.layout import POWER
 from lcpflex.force_laws.elastic.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.force_laws.elastic.round_surfaces import Shaped, radii_between
-from lcpflex.errors import ModelError, in_range
-from lcpflex.basics.options import keep_flag, keep_number
+from lcpflex.force_laws.layout import POWER
 
 __all__ = ["Hertz"]
 

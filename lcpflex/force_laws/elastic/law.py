@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.force_laws.elastic.loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
-from lcpflex.force_laws.arguments import numbers_of
-from lcpflex.force_laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.errors import ModelError, ModelWarning
+from lcpflex.force_laws.arguments import numbers_of
+from lcpflex.force_laws.elastic.loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
+from lcpflex.force_laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["ElasticFace"]

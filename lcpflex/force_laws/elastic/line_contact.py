@@ -18,12 +18,12 @@ import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from lcpflex.basics.options import keep_flag, keep_number
+from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.kernels import LAST_LOGARITHM
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.layout import LOGARITHMIC
-from lcpflex.errors import ModelError, ModelWarning, shown
-from lcpflex.basics.options import keep_flag, keep_number
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
 

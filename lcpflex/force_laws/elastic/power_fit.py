@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lcpflex.basics.arguments import sequence_of
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.basics.arguments import sequence_of
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["PowerFit", "fit_power_law"]

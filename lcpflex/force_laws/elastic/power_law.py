@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from lcpflex.basics.arguments import flag
+from lcpflex.errors import in_range
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.layout import POWER
-from lcpflex.errors import in_range
-from lcpflex.basics.arguments import flag
 
 __all__ = ["PowerLaw"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
-from lcpflex.contact.shapes import Kind, Surface
+from lcpflex.bodies.surface import Kind, Surface
 from lcpflex.errors import ModelError, shown
 
 __all__ = ["Shaped", "radii_between"]

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.force_laws.layout import BRISTLE, LUGRE
+from lcpflex.basics.options import keep_number
 from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
@@ -25,7 +25,7 @@ from lcpflex.force_laws.friction.static_friction import (
     slip_of,
     static_coefficient,
 )
-from lcpflex.basics.options import keep_number
+from lcpflex.force_laws.layout import BRISTLE, LUGRE
 
 __all__ = ["Bristle", "LuGre"]
 

@@ -17,7 +17,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.bristles import Bristle, LuGre
+from lcpflex.force_laws.friction.static_friction import (
+    check_static_friction,
+    common_shape,
+    keep_static_friction,
+    slip_of,
+    static_coefficient,
+)
 from lcpflex.force_laws.layout import (
     AMBROSIO,
     ARCTANGENT,
@@ -29,15 +38,6 @@ from lcpflex.force_laws.layout import (
     TANH,
     THRELFALL,
 )
-from lcpflex.force_laws.friction.static_friction import (
-    check_static_friction,
-    common_shape,
-    keep_static_friction,
-    slip_of,
-    static_coefficient,
-)
-from lcpflex.errors import ModelError, shown
-from lcpflex.basics.options import keep_number
 
 __all__ = [
     "Ambrosio",

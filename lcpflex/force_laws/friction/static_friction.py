@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.force_laws.arguments import finite_numbers
-from lcpflex.errors import ModelError, shown
-from lcpflex.jit.kernel import FloatArray
 from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.arguments import finite_numbers
+from lcpflex.jit.kernel import FloatArray
 
 LARGEST = 10**8  # forces at a time
 

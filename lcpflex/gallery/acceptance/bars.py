@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.bodies.bar import Bar
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance import measures
 from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.bars import LENGTH, cases, courant_step
 from lcpflex.gallery.mechanisms.user_systems import cases as user_cases

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance import measures
 from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases
 from lcpflex.gallery.mechanisms.flexible import pendulum

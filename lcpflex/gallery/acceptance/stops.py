@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.gallery.acceptance.table import measures
+from lcpflex.gallery.acceptance import measures
 from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity
 from lcpflex.gallery.mechanisms.stops import cases
 

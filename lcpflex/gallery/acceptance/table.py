@@ -3,7 +3,8 @@
     python -m lcpflex.gallery.acceptance.table          # runs everything and writes ACCURACY.md anew
 
 An error is |measured - reference| divided by the scale of the quantity. Each stepper has its step or tolerance, and
-for each quantity a bound on its error (:mod:`lcpflex.gallery.acceptance.bounds`), at most three times what the table shows.
+for each quantity a bound on its error (:mod:`lcpflex.gallery.acceptance.bounds`), at most three times what the table
+shows.
 """
 
 from __future__ import annotations
@@ -33,9 +34,10 @@ Each number is an error |computed - reference| / scale (scale: |reference|, or w
 step or tolerance that the line "with" names; a reference with few digits, and the time resolution of a method that
 locates no events (one step), limit what can be seen. Moreau-Jean and generalised-alpha are of order one across impacts
 and changes of stick, event-driven stepping meets its tolerances; elastic bars have the error of their mesh besides.
-"0" is below 1e-9, "-" a method that does not apply, with the
-reason below the table; seconds are those of one run on the machine that wrote the file.
-Written by `python -m lcpflex.gallery.acceptance.table`; the bounds that the tests hold are in `lcpflex/gallery/bounds.py`.
+"0" is below 1e-9, "-" a method that does not apply, with the reason below the table; seconds are those of one run on
+the machine that wrote the file.
+Written by `python -m lcpflex.gallery.acceptance.table`; the bounds that the tests hold are in
+`lcpflex/gallery/acceptance/bounds.py`.
 """
 
 
@@ -132,10 +134,10 @@ class Row:
 
 def checks() -> tuple[Check, ...]:
     """All of them."""
-    from lcpflex.gallery.acceptance.table import bars as checks_bars
-    from lcpflex.gallery.acceptance.table import coaxial as checks_coaxial
-    from lcpflex.gallery.acceptance.table import rigid as checks_rigid
-    from lcpflex.gallery.acceptance.table import stops as checks_stops
+    from lcpflex.gallery.acceptance import bars as checks_bars
+    from lcpflex.gallery.acceptance import coaxial as checks_coaxial
+    from lcpflex.gallery.acceptance import rigid as checks_rigid
+    from lcpflex.gallery.acceptance import stops as checks_stops
 
     modules = (checks_bars, checks_rigid, checks_stops, checks_coaxial)
     return tuple(check for module in modules for check in module.checks())
@@ -182,12 +184,12 @@ def document(tell: Callable[[str], object] = lambda line: None) -> str:
 
 def main() -> None:
     """Write ACCURACY.md into the package; what the campaign over random scenes has written there stays."""
-    path = Path(__file__).parents[1] / "ACCURACY.md"
+    path = Path(__file__).parents[2] / "ACCURACY.md"
     _, found, campaign = path.read_text(encoding="utf-8").partition(CAMPAIGN)
     path.write_text(document(print) + (f"\n{found}{campaign}" if found else ""), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    from lcpflex.gallery.acceptance.table import table as acceptance# under the name that the checks know it by
+    from lcpflex.gallery.acceptance import table as acceptance  # under the name that the checks know it by
 
     acceptance.main()

@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import whole_number
+from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["checked"]
 

@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.bar import Bar
-from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import DrivenDisplacement, PointOnLine, Weld
 from lcpflex.scene.loads import Force, Table
 from lcpflex.scene.scene import Scene

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.body import Body
+from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.reduction.component_modes import residual_compliance
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import in_range
-from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import Prismatic
 from lcpflex.scene.scene import Scene
 

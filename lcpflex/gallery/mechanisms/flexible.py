@@ -6,8 +6,8 @@ import math
 from functools import partial
 
 from lcpflex.bodies.beam import Beam
-from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import Revolute
 from lcpflex.scene.scene import Scene
 

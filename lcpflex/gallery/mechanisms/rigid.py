@@ -6,8 +6,8 @@ import math
 from functools import partial
 
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
-from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import Revolute
 from lcpflex.scene.loads import Force, Harmonic, Spring
 from lcpflex.scene.scene import Scene

@@ -7,8 +7,8 @@ import math
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
-from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.gallery.case import Case
+from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints import PointOnLine, Revolute
 from lcpflex.scene.loads import Spring
 from lcpflex.scene.scene import Scene

@@ -10,8 +10,8 @@ import numpy as np
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem.meshes import grid
-from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.bodies.reduction.component_modes import craig_bampton, sub_regional
+from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.scene.joints import Revolute
 from lcpflex.scene.scene import Scene

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.contact.detection import SEGMENT, ContactTable, detect, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
 from lcpflex.steppers.event_driven.root import asked, found, start, tell

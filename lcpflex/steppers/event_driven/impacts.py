@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.impact_laws import ENERGETIC, NEWTON, POISSON
 from lcpflex.dynamics.acceleration import lay_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_normals
+from lcpflex.dynamics.impact_laws import ENERGETIC, NEWTON, POISSON
 from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel

@@ -41,8 +41,8 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
-from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 from lcpflex.steppers.recorder import Tape, note_contact, note_laws, store_contacts, store_state
+from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 
 __all__ = ["CALM", "CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 

@@ -27,8 +27,8 @@ from lcpflex.dynamics.impulse import measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
-from lcpflex.solvers.lcp.enumeration import enumerate_active_sets
 from lcpflex.solvers.contact.problem import split_friction_solution
+from lcpflex.solvers.lcp.enumeration import enumerate_active_sets
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_driven.memory import (
     CONE,

@@ -12,17 +12,17 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.contact.detection import ContactTable
-from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.acceleration import ContactSets
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
-from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.lcp.enumeration import Enumeration
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver, Status
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.loop import (
     CALM,

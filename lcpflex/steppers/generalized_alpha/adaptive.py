@@ -68,11 +68,11 @@ from lcpflex.steppers.generalized_alpha.memory import STOPPED as AT_REST
 from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings
 from lcpflex.steppers.generalized_alpha.step import AGAIN, STEPPED, correct, give_up_smooth, predict
 from lcpflex.steppers.moreau_jean.step import grown, record
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
-from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledGeneralizedAlpha"]

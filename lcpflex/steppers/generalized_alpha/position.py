@@ -8,11 +8,11 @@ from __future__ import annotations
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.acceleration import condense_rows
-from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (

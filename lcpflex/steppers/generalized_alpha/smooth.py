@@ -17,7 +17,6 @@ from lcpflex.dynamics.acceleration import (
     sliding_sign,
 )
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (
     contact_biases,
@@ -31,6 +30,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import split_friction_solution
 from lcpflex.steppers.event_driven.memory import copy_entry

@@ -1,7 +1,7 @@
 """The problems of a generalised-alpha step, posed and applied one by one; here that of velocities.
 
-See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme. All contact problems of a step are solved at one place
-of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
+See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme. All contact problems of a step are solved at one
+place of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ from lcpflex.steppers.generalized_alpha.smooth import (
     pose_smooth,
     slip_mode,
 )
-from lcpflex.steppers.stepping_run import NOT_FINITE
 from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
+from lcpflex.steppers.stepping_run import NOT_FINITE
 
 __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
 

@@ -26,16 +26,16 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.generalized_alpha.adaptive import ControlledGeneralizedAlpha
@@ -62,6 +62,7 @@ from lcpflex.steppers.generalized_alpha.step import (
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean.step import grown, record
 from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, given_or, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
@@ -77,7 +78,6 @@ from lcpflex.steppers.stepping_run import (
     contact_trouble,
 )
 from lcpflex.steppers.system import System
-from lcpflex.steppers.recorder import Tape
 
 __all__ = ["GeneralizedAlpha"]
 

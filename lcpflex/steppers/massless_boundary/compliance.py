@@ -7,13 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from lcpflex.dynamics.contact_compliance import ContactCompliance
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.contact_law import law_row
 from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, indentation_of
 from lcpflex.force_laws.friction.laws import SmoothedCoulomb
 from lcpflex.force_laws.layout import LIMIT, OWN, ElasticLaw, LawRow
-from lcpflex.dynamics.contact_compliance import ContactCompliance
-from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 

@@ -1,4 +1,5 @@
-"""The compiled step of the massless-boundary scheme (see :class:`lcpflex.steppers.massless_boundary.stepper.MasslessBoundary`).
+"""The compiled step of the massless-boundary scheme (see
+:class:`lcpflex.steppers.massless_boundary.stepper.MasslessBoundary`).
 
 A step is made of equal parts, as many as stability asks for. Each part is predicted, its contact problem is solved, and
 if the contacts that this closes do not admit its length, it is taken back and made shorter.
@@ -10,7 +11,6 @@ import math
 
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.rows import contact_point
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
@@ -18,12 +18,13 @@ from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, f
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints
-from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 from lcpflex.steppers.recorder import Tape, note_certificate, note_contact, store_contacts, store_state
+from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
 
 __all__ = ["advance", "short_enough"]
 

@@ -23,8 +23,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.bodies.body import whole_number
-from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import contact_compliance
 from lcpflex.dynamics.impulse import METHOD
@@ -39,13 +39,13 @@ from lcpflex.dynamics.static_modes import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
+from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model
-from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.massless_boundary.compliance import (

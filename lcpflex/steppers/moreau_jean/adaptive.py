@@ -1,4 +1,4 @@
-"""Moreau-Jean time stepping with step control: the halves of :mod:`lcpflex.steppers.moreau_jean.stepper` in another loop."""
+"""Moreau-Jean time stepping with step control: the halves of :mod:`lcpflex.steppers.moreau_jean.step` in a loop."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ from lcpflex.steppers.adaptive import (
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
 from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
 from lcpflex.steppers.system import System
-from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledMoreauJean"]

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.rows import contact_point
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.inertia import stiffened
@@ -28,11 +27,10 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
-from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
-from lcpflex.steppers.system import System
 from lcpflex.steppers.recorder import (
     Tape,
     note_certificate,
@@ -42,6 +40,8 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
+from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
+from lcpflex.steppers.system import System
 from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
@@ -25,23 +26,22 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.solvers.auto import Auto
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.solvers.problem import LcpSolver
+from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean.adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
-from lcpflex.steppers.recorder import Tape
 
 __all__ = ["MoreauJean"]
 

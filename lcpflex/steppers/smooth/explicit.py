@@ -7,15 +7,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_memory import pair_place
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.runge_kutta import (
     STAGES,
     C,
@@ -57,7 +58,6 @@ from lcpflex.steppers.smooth.slope import (
     record,
     slope,
 )
-from lcpflex.steppers.recorder import Tape
 
 __all__ = [
     "SmoothSettings",

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.integrate import BDF, Radau
 
-from lcpflex.force_laws.layout import LawRow
-from lcpflex.force_laws.history import FREE
 from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.instants import time_left
+from lcpflex.force_laws.history import FREE
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.scales import scales_of, usual_state

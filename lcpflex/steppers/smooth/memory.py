@@ -7,18 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.contact.detection import detect
 from lcpflex.contact.concave_corners import yield_to_deeper
-from lcpflex.force_laws.layout import LawRow
-from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
+from lcpflex.contact.detection import detect
 from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import settle, unsettled
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System

@@ -2,9 +2,9 @@
 
     M udot = h + J^T lambda_J + W_N lambda_N(q, u) + W_T lambda_T(q, u),   J udot + b = 0
 
-Contact forces are functions of the state (:mod:`lcpflex.force_laws.penalty`); only joints have unknown ones. The vector y
-holds q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of loads and
-drives [J], and the normal and tangential impulse of each declared contact [N s].
+Contact forces are functions of the state (:mod:`lcpflex.force_laws.penalty`); only joints have unknown ones. The
+vector y holds q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of
+loads and drives [J], and the normal and tangential impulse of each declared contact [N s].
 """
 
 from __future__ import annotations
@@ -13,12 +13,9 @@ import math
 
 import numpy as np
 
-from lcpflex.contact.detection import detect
 from lcpflex.contact.concave_corners import yield_to_deeper
+from lcpflex.contact.detection import detect
 from lcpflex.contact.rows import contact_point
-from lcpflex.force_laws.elastic.kernels import indentation_of
-from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
-from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.dynamics.contact_memory import pair_energy, pair_force, pair_place, pair_stiffness
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, dot, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (
@@ -31,8 +28,12 @@ from lcpflex.dynamics.mechanics import (
     supply,
 )
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.force_laws.elastic.kernels import indentation_of
+from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.steppers.recorder import Tape, note_contact, store_contacts, store_state
 from lcpflex.steppers.smooth.memory import (
     CONTACT_DAMPING,
     DAMPING,
@@ -43,7 +44,6 @@ from lcpflex.steppers.smooth.memory import (
     WORK,
     SmoothMemory,
 )
-from lcpflex.steppers.recorder import Tape, note_contact, store_contacts, store_state
 
 __all__ = ["horizon", "mobility", "natural_frequency", "record", "slope"]
 

@@ -16,16 +16,16 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.force_laws.law import Law
-from lcpflex.force_laws.contact_law import ContactLaw
-from lcpflex.force_laws.layout import LawRow
-from lcpflex.errors import ModelError, shown
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.steppers.user_functions import with_own_laws
+from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws.contact_law import ContactLaw
+from lcpflex.force_laws.law import Law
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.smooth.explicit import SmoothSettings
 from lcpflex.steppers.smooth.run import FixedRun, SmoothRun
 from lcpflex.steppers.system import System
+from lcpflex.steppers.user_functions import with_own_laws
 
 __all__ = ["ExplicitRungeKutta", "Smooth", "Stiff", "Verlet"]
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.chart_style import looks_of
+from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:

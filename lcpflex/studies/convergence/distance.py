@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.basics.arguments import flag, numbers
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = ["graph_distance"]

@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.errors import in_range, writable_path
 from lcpflex.basics.arguments import flag, one_of, sequence_of
+from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import in_range, writable_path
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.trial import brief
-from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

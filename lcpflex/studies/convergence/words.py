@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lcpflex.results.summary import with_unit
 from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.outputs import scale_text
-from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:
     from lcpflex.studies.convergence.points import SceneStudy, WorkPoint

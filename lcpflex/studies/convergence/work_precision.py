@@ -2,7 +2,7 @@
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.studies.convergence import work_precision
+from lcpflex.studies import work_precision
 
 chart = work_precision(
     gallery.scenes()["stick_slip"],
@@ -24,11 +24,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.bodies.body import whole_number
-from lcpflex.results.energy_balance import EnergyGrowth
-from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.basics.arguments import optional_flag, positive, raised
+from lcpflex.bodies.body import whole_number
+from lcpflex.errors import LcpflexError, ModelError, in_range, shown
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.studies.convergence.equal_times import apart_at_equal_times, blur_at_equal_times
+from lcpflex.studies.convergence.methods import standard_methods
+from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
+from lcpflex.studies.convergence.reference import (
+    Reference,
+    analytic_reference,
+    converged_reference,
+    series_reference,
+    with_witnesses,
+)
 from lcpflex.studies.given_functions import is_stepper, series_of
 from lcpflex.studies.outputs import (
     Output,
@@ -39,16 +48,7 @@ from lcpflex.studies.outputs import (
     standard_outputs,
     unscaled,
 )
-from lcpflex.studies.convergence.reference import (
-    Reference,
-    analytic_reference,
-    converged_reference,
-    series_reference,
-    with_witnesses,
-)
-from lcpflex.studies.convergence.methods import standard_methods
 from lcpflex.studies.trial import Conditions, Trial, run_series
-from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
     from lcpflex.runs.simulate import Stepper

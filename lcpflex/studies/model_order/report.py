@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.errors import writable_path
-from lcpflex.studies.trial import brief
-from lcpflex.results.summary import with_unit
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import writable_path
+from lcpflex.results.summary import with_unit
+from lcpflex.studies.trial import brief
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,7 +1,7 @@
 """The smallest bodies that a scene needs: rigid, a few modes, many, or the full mesh.
 
 import lcpflex as lf
-from lcpflex.studies.model_order import right_size
+from lcpflex.studies import right_size
 
 found = right_size(scene, "impulses", 1e-2, duration=0.5, stepper=lf.MoreauJean(step=1e-4))
 print(found)                     # table and a sentence
@@ -15,15 +15,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
+from lcpflex.errors import LcpflexError, ModelError, in_range, shown
+from lcpflex.studies.given_functions import is_stepper
 from lcpflex.studies.model_order.estimate import left_at, trend_of
 from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
 from lcpflex.studies.model_order.scenes import FULL, Ladders, State, comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.steps import HalfSteps, half_steps
 from lcpflex.studies.model_order.verdict import contradictions, remedy
-from lcpflex.studies.given_functions import is_stepper
 from lcpflex.studies.trial import brief
 
 __all__ = ["right_size"]

@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from lcpflex.basics.arguments import raised, sequence_of
 from lcpflex.bodies.body import Body, Rung
 from lcpflex.errors import LcpflexError, ModelError, shown
-from lcpflex.scene.substitution import settled
-from lcpflex.basics.arguments import raised, sequence_of
 from lcpflex.scene.scene import Scene
+from lcpflex.scene.substitution import settled
+from lcpflex.scene.user_system import UserSystem
 from lcpflex.studies.outputs import (
     MOST,
     Output,
@@ -22,7 +23,6 @@ from lcpflex.studies.outputs import (
     trajectory,
     two_places,
 )
-from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.results.result import Result

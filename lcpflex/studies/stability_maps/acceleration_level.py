@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 from lcpflex.studies.outcome import Outcome, Verdict
+from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
 
 if TYPE_CHECKING:
     from lcpflex.scene.scene import Scene

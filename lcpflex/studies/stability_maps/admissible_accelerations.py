@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.arguments import numbers
 from lcpflex.contact.detection import detect
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
@@ -33,7 +34,6 @@ from lcpflex.dynamics.acceleration import (
 )
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range, shown
-from lcpflex.basics.arguments import numbers
 from lcpflex.jit.dispatch import link
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
@@ -43,8 +43,8 @@ if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.scene import Scene
-    from lcpflex.steppers.system import System
     from lcpflex.scene.user_system import UserSystem
+    from lcpflex.steppers.system import System
 
 __all__ = ["AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations"]
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError
 from lcpflex.basics.arguments import sequence_of, text
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.studies.outcome import Outcome
 from lcpflex.studies.stability_maps.stability_map import axis_label

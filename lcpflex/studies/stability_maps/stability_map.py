@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.basics.arguments import check_axes, unknown
+from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.benchmark.comparison import as_markdown
 from lcpflex.studies.given_functions import check_curves
 from lcpflex.studies.outcome import Outcome
-from lcpflex.basics.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,7 +1,7 @@
 """Stability maps: where in a plane of two parameters does a method work, and how does it fail elsewhere?
 
     from lcpflex import MoreauJean, gallery
-    from lcpflex.studies.stability_maps import study as stability
+    from lcpflex.studies import stability
 
     chart = stability(
         gallery.block_on_incline,
@@ -30,17 +30,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
+from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import simulate
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_maps.stability_map import StabilityMap
+from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
 from lcpflex.studies.time_limit import TimeLimit
 from lcpflex.studies.trial import scene_warnings
-from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
 
 if TYPE_CHECKING:
     from lcpflex.gallery.case import Case

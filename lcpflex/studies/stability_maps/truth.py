@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
 from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial

@@ -13,7 +13,7 @@ import numpy as np
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.studies.convergence import distance as graph_distance
+from lcpflex.studies import graph_distance
 
 SCENES: dict[str, tuple[Callable[[], lf.Scene], float, object]] = {
     "pendulum": (gallery.pendulum, 0.6, lf.MoreauJean(step=1e-5)),

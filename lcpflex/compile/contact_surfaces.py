@@ -1,182 +1,25 @@
-"""Surfaces of bodies and of the ground, and their compilation to flat arrays.
-
-A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs
-that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are slaves of
-everything, the nodes of a chain of half-planes, holes and (both ways) of another chain, if nothing else was chosen.
-"""
+"""Compilation of surfaces and declared contacts to flat arrays: slaves, features, and the passes between them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from enum import Enum
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
-from lcpflex.bodies.body import Chain, MaterialPoint, Outline
+from lcpflex.bodies.surface import NO_SLAVE, RANK, Kind, Surface, can_touch
+from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid
 from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
-from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid, whole_section
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, PointTable, frozen
 
-__all__ = [
-    "Kind",
-    "Surface",
-    "arc",
-    "can_touch",
-    "carried",
-    "chain",
-    "circle",
-    "compile_contacts",
-    "half_plane",
-    "hole",
-    "is_slave_of",
-    "node",
-    "on_body",
-]
+__all__ = ["compile_contacts"]
 
 STRAIGHT = 1e-12  # [rad] a corner of smaller turn is straight
 SMOOTH = 0.2  # [rad] on a flexible body, a hollow corner of smaller turn may be bent to a bulge
 HOLLOW = 0.01  # [rad] a foot does not leave a segment over a hollow corner of larger turn: the next one is in the way
-ROUND = 128  # corners of the polygon that stands for a round outline where the thickness of the solid is measured
-
-
-class Kind(Enum):
-    """What a surface is made of."""
-
-    NODE = "node"
-    CIRCLE = "circle"
-    CHAIN = "chain"
-    ARC = "arc"
-    HOLE = "hole"
-    HALF_PLANE = "half-plane"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Surface:
-    """One surface of a body, in its frame. Made by the functions of this module.
-
-    points: material points (nodes of a chain; centre of a circle, hole or arc; two points a metre apart of a
-    half-plane). radius [m] of circles, holes, arcs and discs. start, extent [rad] of arcs. closed: whether a chain ends
-    where it begins. outline (k, 2): closed outline of the body, which tells how deep the solid is below an open chain
-    or behind the wall of a hole; without it, as deep as the chain or hole is large. mirrored: whether the body is the
-    half section of a solid of revolution, which goes on beyond an end of a chain on its axis, y = 0. goes_over: whether
-    another surface goes on smoothly at both ends of an open chain, so that no corner is there to be touched.
-    wall [m]: thickness of the solid behind the wall of a hole, where another hole is nearer than the outline.
-    """
-
-    kind: Kind
-    points: tuple[MaterialPoint, ...]
-    radius: float = 0.0
-    start: float = 0.0
-    extent: float = 2.0 * math.pi
-    closed: bool = False
-    outline: FloatArray | None = None
-    mirrored: bool = False
-    goes_over: bool = False
-    wall: float = math.inf
-
-    def goes_on(self) -> tuple[bool, bool]:
-        """Whether the solid goes on beyond the beginning and the end of an open chain, though the chain does not."""
-        first, last = (float(self.points[k].place[1]) == 0.0 for k in (0, -1))
-        return self.mirrored and first, self.mirrored and last
-
-
-def node(point: MaterialPoint, radius: float = 0.0) -> Surface:
-    """A single material point, or a disc about it."""
-    return Surface(Kind.NODE if radius == 0.0 else Kind.CIRCLE, (point,), radius)
-
-
-def circle(center: MaterialPoint, radius: float) -> Surface:
-    """A disc, solid inside."""
-    return Surface(Kind.CIRCLE, (center,), radius)
-
-
-def hole(center: MaterialPoint, radius: float) -> Surface:
-    """A circular hole, solid outside."""
-    return Surface(Kind.HOLE, (center,), radius)
-
-
-def arc(center: MaterialPoint, radius: float, start: float, extent: float, hole: bool = False) -> Surface:
-    """Part of a circle from the angle ``start`` over ``extent`` [rad], body frame; solid inside; ``hole``: outside."""
-    return Surface(Kind.HOLE if hole else Kind.ARC, (center,), radius, start, extent)
-
-
-def half_plane(point: MaterialPoint, normal: npt.ArrayLike) -> Surface:
-    """Everything behind the line through ``point``; ``normal`` (2,) points out of the solid."""
-    direction = np.asarray(normal, dtype=float)
-    along = np.array([-direction[1], direction[0]]) / np.hypot(*direction)
-    return Surface(Kind.HALF_PLANE, (point, carried(point, along)))  # a second point a metre along the line
-
-
-def carried(point: MaterialPoint, offset: FloatArray) -> MaterialPoint:
-    """A point ``offset`` (2,) [m] from ``point``, carried rigidly by the material there."""
-    turned = np.array([-offset[1], offset[0]])
-    return MaterialPoint(point.place + offset, point.phi + point.psi[:, None] * turned, point.psi)
-
-
-def chain(points: Sequence[MaterialPoint], closed: bool = False, goes_over: bool = False) -> Surface:
-    """Straight pieces from node to node, solid on the left; ``goes_over``: its ends are no corners but go over to arcs.
-
-    A chain that ends where it begins is closed: ends that may be bulges would hide the solid behind them.
-
-    Raises
-    ------
-    ModelError
-        If two successive nodes coincide.
-    """
-    if not closed and not goes_over and len(points) > 3 and _coincide(points[0], points[-1]):
-        points, closed = points[:-1], True
-    places = np.array([point.place for point in points])
-    steps = np.diff(np.vstack([places, places[:1]]) if closed else places, axis=0)
-    if len(steps) and np.hypot(*steps.T).min() == 0.0:
-        raise ModelError(
-            f"chain: nodes {places.tolist()} were given, expected no two successive ones at the same place"
-        )
-    return Surface(Kind.CHAIN, tuple(points), closed=closed, goes_over=goes_over)
-
-
-def _coincide(a: MaterialPoint, b: MaterialPoint) -> bool:
-    """Whether two material points are one, however their body deforms."""
-    return np.array_equal(a.place, b.place) and np.array_equal(a.phi, b.phi) and np.array_equal(a.psi, b.psi)
-
-
-def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surface:
-    """``surface`` with the closed outline of its body, from which it takes how deep the solid is.
-
-    ``mirrored``: the body is the half section of a solid of revolution.
-    """
-    if isinstance(outline, Chain):
-        if not outline.closed:
-            return surface
-        places = np.array([point.place for point in outline.points])
-        if mirrored:
-            return replace(surface, outline=whole_section(places), mirrored=True)
-    else:
-        if outline.hole:
-            return surface
-        angle = np.arange(ROUND) * (2.0 * math.pi / ROUND)
-        places = outline.center.place + outline.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return replace(surface, outline=places)
-
-
-RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the slave; others are none
-NO_SLAVE = 4
-
-
-def can_touch(a: Surface, b: Surface) -> bool:
-    """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
-    ranks = [RANK.get(surface.kind, NO_SLAVE) for surface in (a, b)]
-    return min(ranks) < NO_SLAVE and max(ranks) > RANK[Kind.NODE]
-
-
-def is_slave_of(slave: Surface, master: Surface) -> bool:
-    """Whether ``slave`` has material points that may touch others, and ``master`` features to be touched."""
-    return slave.kind in RANK and master.kind is not Kind.NODE
 
 
 def compile_contacts(

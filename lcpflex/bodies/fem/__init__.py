@@ -1,0 +1,4 @@
+"""Finite elements of bodies: meshes, their files, boundaries and materials, and the matrices assembled from them.
+
+Meshing and assembly are scikit-fem's, files are meshio's. To add a mesh of a simple shape: :mod:`.meshes`.
+"""

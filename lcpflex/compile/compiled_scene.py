@@ -1,0 +1,90 @@
+"""A compiled scene: its arrays, their names, and what a stepper takes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from lcpflex.dynamics import mechanics
+from lcpflex.dynamics.compiled_function import CompiledFunction
+from lcpflex.dynamics.time_functions import Callback, Calls, Materials, State, supplier
+from lcpflex.force_laws.law import Law
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.arrays import Axis, Model, refrozen
+from lcpflex.steppers.system import System
+
+__all__ = ["Compiled", "Layout"]
+
+MARGIN = 0.2  # gaps are measured up to this part of the size of the scene
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layout:
+    """What the indices of a compiled scene are called, and what is drawn of it."""
+
+    bodies: tuple[str, ...]
+    contacts: tuple[str, ...]
+    joints: tuple[str, ...]
+    outlines: tuple[tuple[int, IntArray, bool], ...]  # (body, material points, closed)
+    circles: tuple[tuple[int, float], ...]  # (material point, radius [m])
+    points: dict[tuple[str, str], int]  # (body, point) -> material point
+    resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
+    residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
+    axes: tuple[Axis | None, ...] = ()  # of beams
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compiled:
+    """A scene as flat read-only arrays with its initial state; it does not change with the scene any more."""
+
+    model: Model
+    layout: Layout
+    q: FloatArray  # (ndof,) initial configuration
+    u: FloatArray  # (ndof,) initial velocity
+    size: float  # extent of the largest body [m]: what gaps are large or small against
+    n_external: int  # slots that callbacks fill
+    callbacks: tuple[Callback, ...] = field(default=(), repr=False)
+    laws: tuple[Law | None, ...] = ()  # of the declared contacts; None: by complementarity
+    functions: tuple[CompiledFunction, ...] = field(default=(), repr=False)  # called by address while they live
+    materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced for this
+    warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
+    notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By its fields; see ``_compiled_again``."""
+        return _compiled_again, tuple(getattr(self, part.name) for part in fields(self))
+
+    def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
+        """What Python functions of time and state are called with."""
+        return State(time, q, u, self.model.bodies.dof, self.materials)
+
+    def system(self) -> System:
+        """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
+        calls = Calls()
+        return System(
+            model=self.model,
+            q=self.q.copy(),
+            u=self.u.copy(),
+            n_external=self.n_external,
+            hooks={mechanics.supply: supplier(self.callbacks, calls, self.materials)} if self.callbacks else {},
+            dense=False,
+            margin=MARGIN * self.size,
+            names=self.layout.contacts,
+            laws=self.laws,
+            functions=self.functions,
+            contact_modes=tuple(contacts for _, contacts in self.layout.residual),
+            calls=calls if self.callbacks else None,
+            size=self.size,
+        )
+
+
+def _compiled_again(*values: Any) -> Compiled:
+    """A copy, or what is unpickled: its arrays are read-only again, and functions are where they are now."""
+    again = Compiled(*values)
+    signals = again.model.signals
+    if again.functions:
+        signals = signals._replace(address=np.array([function.address for function in again.functions]))
+    refrozen((again.q, again.u))
+    return replace(again, model=refrozen(again.model._replace(signals=signals)))

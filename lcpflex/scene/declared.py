@@ -1,0 +1,51 @@
+"""What has been declared of a scene: contacts, rules, and all parts together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from lcpflex.force_laws.law import Law
+from lcpflex.scene.handles import Placed, PlacedSurface
+from lcpflex.scene.joints import Joint
+from lcpflex.scene.loads import Load
+
+__all__ = ["ContactRule", "DeclaredContact", "Parts"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeclaredContact:
+    """Two surfaces and the law between them."""
+
+    pair: tuple[PlacedSurface, PlacedSurface]
+    friction: float
+    restitution: float
+    tangential_restitution: float
+    slave: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
+    law: Law | None = None  # continuous contact force; None: complementarity
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactRule:
+    """One law between all surfaces, but for excluded pairs."""
+
+    friction: float
+    restitution: float
+    tangential_restitution: float
+    exclude: tuple[tuple[Placed | PlacedSurface, Placed | PlacedSurface], ...]
+    law: Law | None = None
+
+
+class Parts(NamedTuple):
+    """All that has been declared of a scene."""
+
+    placed: tuple[Placed, ...]
+    joints: dict[str, Joint]
+    loads: tuple[Load, ...]
+    contacts: dict[str, DeclaredContact]
+    rules: tuple[ContactRule, ...]
+    surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
+
+    def angle(self, body: int) -> float:
+        """Angle of a body at the start [rad]; 0 for the ground."""
+        return 0.0 if body < 0 else float(self.placed[body].start[0][2])

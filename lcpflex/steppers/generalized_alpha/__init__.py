@@ -1,0 +1,1 @@
+"""Nonsmooth generalised-alpha: second order where nothing happens, impacts at velocity level."""

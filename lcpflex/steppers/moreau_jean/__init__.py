@@ -1,0 +1,1 @@
+"""Moreau-Jean time stepping: contact at impulse level, steps of fixed or controlled length."""

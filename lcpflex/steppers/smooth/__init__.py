@@ -1,0 +1,1 @@
+"""Scenes whose contacts are all continuous forces, as ordinary differential equations."""

@@ -1,0 +1,1 @@
+"""Problems in files, families with known answers, and comparisons of solvers."""
