@@ -1,72 +1,176 @@
-"""Named tuples of arrays handed to kernels as one pointer.
+"""Structs that kernels and Python share: arrays, numbers and further structs, handed to kernels as one pointer.
 
 Numba passes a named tuple of arrays by value: with the hundred arrays of a model, each call copies a thousand
-words and each function takes a second to compile. A packed tuple is a block of memory with the array descriptors,
-and kernels load just those that they use; ``model.bodies.mass[b]`` reads the same in a kernel and in Python.
+words and each function takes a second to compile. A struct is a block of memory with numbers and array descriptors,
+and kernels load just those that they use; ``work.n_contacts`` reads the same in a kernel and in Python, and a number is
+written in either.
+
+A struct is declared as a class of annotated fields with the shapes of its arrays:
+
+    @struct
+    class Work:
+        n_contacts: int
+        time: float
+        q: FloatArray = array("ndof")
+        rows: FloatArray = array("rows", 2, "width")
+        table: ContactTable
+
+    work = allocate(Work, {"ndof": 6, "rows": 10, "width": 3}, table=contact_table(8))
+
+:func:`pack` makes one of a named tuple of arrays, for what is read only.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, TypeVar, cast
+from typing import Any, TypeVar, cast, dataclass_transform
 
 import numpy as np
 
-__all__ = ["pack"]
+__all__ = ["allocate", "array", "copy_parts", "pack", "parts_of", "struct"]
 
 T = TypeVar("T")
+NUMBERS = {"int": np.dtype(np.int64), "float": np.dtype(np.float64)}
+DTYPES = {"IntArray": np.int64, "FloatArray": np.float64}
 
 
 class Packed:
-    """A named tuple with its block of memory. Attributes are those of the tuple, nested tuples packed likewise."""
+    """Fields and their block of memory. Numbers stand in the block; arrays and structs are attributes beside it."""
 
     _address: int
     _type: Any
+    _numbers: tuple[tuple[str, np.dtype[Any]], ...] = ()
 
     def __init__(self, values: Any) -> None:
         self._pack(type(values).__name__, dict(zip(values._fields, values, strict=True)))
 
     def _pack(self, label: str, values: dict[str, Any]) -> None:
-        from lcpflex.jit.struct_type import PackedType
+        from lcpflex.jit.struct_type import PackedType, number_type
 
         self._label = label
-        fields: list[tuple[str, Any]] = []
-        words: list[int] = []
+        names = [name for name, _ in self._numbers]
+        fields: list[tuple[str, Any]] = [(name, number_type(kind)) for name, kind in self._numbers]
+        words: list[int] = [0] * len(names)
         for name, value in values.items():
-            kept = value if isinstance(value, np.ndarray) else pack(value)
-            setattr(self, name, kept)
-            fields.append((name, _type_of(kept)))
-            words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
+            if name not in names:
+                kept = value if isinstance(value, np.ndarray) else pack(value)
+                vars(self)[name] = kept
+                fields.append((name, _type_of(kept)))
+                words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
         self._memory = np.array(words, dtype=np.int64)
         self._address = int(self._memory.ctypes.data)
         self._type = PackedType(label, tuple(fields))
+        for name in names:
+            setattr(self, name, values[name])
 
     @property
     def label(self) -> str:
-        """Name of the named tuple."""
+        """Name of the struct."""
         return self._label
 
+    def parts(self) -> dict[str, Any]:
+        """All fields by name."""
+        numbers = {name: getattr(self, name) for name, _ in self._numbers}
+        return numbers | {name: value for name, value in vars(self).items() if not name.startswith("_")}
+
     def with_parts(self, parts: dict[str, Any]) -> Packed:
-        """Another one like this, some of its arrays and packed tuples replaced."""
-        own = {name: value for name, value in vars(self).items() if not name.startswith("_")}
-        other = object.__new__(Packed)
-        other._pack(self._label, own | parts)
+        """Another one like this, some of its fields replaced."""
+        other = cast(Packed, object.__new__(type(self)))
+        other._pack(self._label, self.parts() | parts)
         return other
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its block holds addresses: a copy, or what is unpickled, gets one of its own."""
-        own = {name: value for name, value in vars(self).items() if not name.startswith("_")}
+        own = self.parts()
         frozen = [name for name, value in own.items() if isinstance(value, np.ndarray) and not value.flags.writeable]
-        return _packed_again, (self._label, own, frozen)
+        return _packed_again, (type(self), self._label, own, frozen)
 
 
-def _packed_again(label: str, values: dict[str, Any], frozen: list[str]) -> Packed:
+def _packed_again(kind: type[Packed], label: str, values: dict[str, Any], frozen: list[str]) -> Packed:
     """As it was: whether an array can be written to is part of the type that kernels are compiled for."""
     for name in frozen:
         values[name].setflags(write=False)
-    again = object.__new__(Packed)
+    again = object.__new__(kind)
     again._pack(label, values)
     return again
+
+
+def array(*shape: int | str) -> Any:
+    """Shape of a declared array: numbers, and names of dimensions that :func:`allocate` is told."""
+    return shape
+
+
+@dataclass_transform(kw_only_default=True, field_specifiers=(array,))
+def struct(declared: type[T]) -> type[T]:
+    """The class of structs with the annotated fields of ``declared``; numbers are 0 where they are not given.
+
+    Raises
+    ------
+    TypeError
+        When one is made, for a field that is missing or not declared.
+    """
+    annotations = dict(declared.__annotations__)
+    shapes = {name: vars(declared).get(name) for name in annotations}
+    numbers = tuple((name, NUMBERS[kind]) for name, kind in annotations.items() if kind in NUMBERS)
+
+    def begin(self: Packed, **values: Any) -> None:
+        given = {name: 0 for name, _ in numbers} | values
+        if set(given) != set(annotations):
+            raise TypeError(f"{declared.__name__} takes {sorted(annotations)}, not {sorted(given)}")
+        self._pack(declared.__name__, {name: given[name] for name in annotations})
+
+    scope = {
+        "__doc__": declared.__doc__,
+        "__module__": declared.__module__,
+        "__qualname__": declared.__qualname__,
+        "__init__": begin,
+        "__annotations__": annotations,
+        "_numbers": numbers,
+        "_shapes": shapes,
+        **{name: _number(place, kind) for place, (name, kind) in enumerate(numbers)},
+    }
+    return cast(type[T], type(declared.__name__, (Packed,), scope))
+
+
+def _number(place: int, kind: np.dtype[Any]) -> property:
+    """A number in the block of memory, for Python."""
+
+    def read(self: Any) -> Any:
+        return self._memory.view(kind)[place].item()
+
+    def write(self: Any, value: Any) -> None:
+        self._memory.view(kind)[place] = value
+
+    return property(read, write)
+
+
+def allocate(kind: type[T], dimensions: Mapping[str, int], **given: Any) -> T:
+    """A struct with the ``given`` fields; the other arrays are zeros of their declared shapes, other numbers zero."""
+    declared: Any = kind
+    made = dict(given)
+    for name, shape in declared._shapes.items():
+        if name not in made and shape is not None:
+            sizes = tuple(dimensions[size] if isinstance(size, str) else size for size in shape)
+            made[name] = np.zeros(sizes, DTYPES[declared.__annotations__[name]])
+    make = cast(Callable[..., T], kind)
+    return make(**made)
+
+
+def parts_of(values: Any) -> dict[str, Any]:
+    """The fields of a struct by name."""
+    return cast(Packed, values).parts()
+
+
+def copy_parts(source: Any, target: Any) -> None:
+    """Content of one struct into another, whose arrays are at least as large; what is beyond stays."""
+    for name, value in parts_of(source).items():
+        if isinstance(value, np.ndarray):
+            getattr(target, name)[tuple(slice(size) for size in value.shape)] = value
+        elif isinstance(value, Packed):
+            copy_parts(value, getattr(target, name))
+        else:
+            setattr(target, name, value)
 
 
 def _descriptor(array: np.ndarray[Any, Any]) -> list[int]:

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 from numba.core import cgutils, types
-from numba.core.imputils import lower_getattr_generic
+from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import NativeValue, models, register_model, typeof_impl, unbox
 
 from lcpflex.jit.struct import Packed
 
-__all__ = ["PackedType"]
+__all__ = ["PackedType", "number_type"]
 
 WORD = 8  # bytes; every field is a number of whole words
 
 
 class PackedType(types.Type):
-    """A pointer to array descriptors and further packed tuples; ``fields``: (name, type) in the order of memory."""
+    """A pointer to numbers, array descriptors and further structs; ``fields``: (name, type) in the order of memory."""
 
     def __init__(self, label: str, fields: tuple[tuple[str, Any], ...]) -> None:
         self.fields = fields
@@ -29,8 +29,13 @@ class PackedType(types.Type):
         for field, kind in self.fields:
             if field == name:
                 return offset, kind
-            offset += WORD * (1 if isinstance(kind, PackedType) else 5 + 2 * kind.ndim)
+            offset += WORD * (5 + 2 * kind.ndim if isinstance(kind, types.Array) else 1)
         raise AttributeError(name)
+
+
+def number_type(kind: Any) -> Any:
+    """Numba's type of a number in the block: an integer or a float of one word."""
+    return types.int64 if kind == "int64" else types.float64
 
 
 @register_model(PackedType)
@@ -69,12 +74,16 @@ class PackedAttributes(AttributeTemplate):  # type: ignore[misc]
 
 @lower_getattr_generic(PackedType)  # type: ignore[untyped-decorator]
 def load_field(context: Any, builder: Any, kind: PackedType, value: Any, name: str) -> Any:
-    """Code for ``packed.name``: one array descriptor, or the pointer to a packed tuple.
+    """Code for ``packed.name``: a number, one array descriptor, or the pointer to a struct.
 
-    The block is never written after it was made. Saying so of each of its words (``invariant.load``) spares loops to
-    load them again after every store to an array.
+    Descriptors and pointers are never written after the block was made. Saying so of each of their words
+    (``invariant.load``) spares loops to load them again after every store to an array.
     """
     offset, found = kind.place(name)
+    block = context.get_value_type(found)
+    at = builder.bitcast(cgutils.pointer_add(builder, value, offset), block.as_pointer())
+    if isinstance(found, types.Number):
+        return builder.load(at)
     never_written = builder.module.add_metadata([])
 
     def words(at: Any, block: Any) -> Any:
@@ -88,5 +97,15 @@ def load_field(context: Any, builder: Any, kind: PackedType, value: Any, name: s
         loaded.set_metadata("invariant.load", never_written)
         return loaded
 
+    return words(at, block)
+
+
+@lower_setattr_generic(PackedType)  # type: ignore[untyped-decorator]
+def store_number(context: Any, builder: Any, sig: Any, args: Any, name: str) -> None:
+    """Code for ``packed.name = number``."""
+    kind, _ = sig.args
+    offset, found = kind.place(name)
+    if not isinstance(found, types.Number):
+        raise TypeError(f"{name} is not a number: only numbers of a struct can be set in kernels")
     block = context.get_value_type(found)
-    return words(builder.bitcast(cgutils.pointer_add(builder, value, offset), block.as_pointer()), block)
+    builder.store(args[1], builder.bitcast(cgutils.pointer_add(builder, args[0], offset), block.as_pointer()))

@@ -80,8 +80,8 @@ def _freeze_whole(value: Any, name: str, arrays: Arrays, known: dict[int, str] |
             return {"scalar": name}
         return {"array": name} if value.flags.writeable else {"array": name, "fixed": True}
     if isinstance(value, Packed):
-        kept = [field for field in _attributes(value) if not field.startswith("_") and field not in CONSTANT]
-        return {"packed": value.label, "fields": {field: part(field, getattr(value, field)) for field in kept}}
+        kept = {field: item for field, item in value.parts().items() if field not in CONSTANT}
+        return {"packed": value.label, "fields": {field: part(field, item) for field, item in kept.items()}}
     if isinstance(value, tuple) and hasattr(value, "_fields"):
         return {
             "values": _class_name(type(value), name),
@@ -226,11 +226,14 @@ def _array(stored: npt.NDArray[Any], live: Any) -> npt.NDArray[Any]:
 
 
 def _packed(kept: dict[str, Any], live: Any, part: Any) -> Any:
-    """``live`` with the arrays of ``kept``; another packed tuple where one of them is of another size."""
+    """``live`` with the content of ``kept``; another struct where one of its arrays is of another size."""
     if not isinstance(live, Packed):
-        raise ValueError("a packed tuple, where none is")
+        raise ValueError("a struct, where none is")
     found = {field: part(field, item, getattr(live, field)) for field, item in kept.items()}
-    if all(getattr(live, field) is value for field, value in found.items()):
+    for field, value in found.items():
+        if isinstance(value, int | float):
+            setattr(live, field, value)
+    if all(getattr(live, field) is value or isinstance(value, int | float) for field, value in found.items()):
         return live
     return live.with_parts(found)
 
