@@ -344,7 +344,7 @@ def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> i
     at = table.bound
     n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
     for w in range(len(slaves)):
-        if table.collects[0] != ALL and table.by_law[model.contacts.pass_law[w]] != table.collects[0]:
+        if table.collects != ALL and table.by_law[model.contacts.pass_law[w]] != table.collects:
             continue
         a = slaves[w]
         b = features[w]

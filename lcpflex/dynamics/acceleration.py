@@ -125,9 +125,9 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
         refresh(model, q, work.table, k)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = n_tangent
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = n_tangent
     for k in range(n):
         sets.tangent_of[k] = -1
     for j in range(n_tangent):
@@ -137,8 +137,8 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
 @kernel
 def condense_rows(work: Workspace) -> None:
     """Condensed Gc and bc of the rows laid, for the right-hand side ``work.free``."""
-    n_joint = work.step_size[0]
-    total = n_joint + work.step_size[1] + work.step_size[2]
+    n_joint = work.n_joint
+    total = n_joint + work.n_contacts + work.n_tangents
     delassus(work.rows, work.solved, work.row_body, total, work.G)
     cholesky(work.G, n_joint, work.lower)
     condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
@@ -150,12 +150,12 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     lay_rows(model, t, q, u, n, work, sets)
     forces(model, t, q, u, work)
     law_forces(model, t, q, u, 0.0, work)
-    contact_biases(model, q, u, n, work.step_size[2], work.step_size[0], work)
+    contact_biases(model, q, u, n, work.n_tangents, work.n_joint, work)
     for i in range(len(q)):
         work.free_u[i] = work.total[i]
     solve_vector(model, work, work.free_u)
-    n_joint = work.step_size[0]
-    total = n_joint + n + work.step_size[2]
+    n_joint = work.n_joint
+    total = n_joint + n + work.n_tangents
     free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     for r in range(total):
         work.free[r] += work.bias[r]
@@ -170,7 +170,7 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 
     Sliding friction counts at the level of forces only, sticking not at that of positions.
     """
-    n = work.step_size[1]
+    n = work.n_contacts
     n_stick = 0
     level = sets.level[0]
     if level != POSITION:
@@ -196,11 +196,11 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 @kernel
 def pose_sets(work: Workspace, sets: ContactSets) -> int:
     """The LCP 0 <= [gddot_N, xi_R, lambda_L] _|_ [lambda_N, lambda_R, xi_L] >= 0; returns the size of H."""
-    n = work.step_size[1]
+    n = work.n_contacts
     sets.level[0] = FORCE
     n_stick = reduce_sets(work, sets)
     assemble_friction_lcp(sets.reduced, sets.right, work.mu, sets.stick, n, n_stick, work.M, work.q)
-    work.step_size[3] = n + 2 * n_stick
+    work.lcp_size = n + 2 * n_stick
     return n_stick
 
 
@@ -302,9 +302,9 @@ def spread(work: Workspace, sets: ContactSets) -> None:
     """Forces or impulses p of all rows from the solution of the reduced system."""
     level = sets.level[0]
     n_stick = sets.level[1]
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    total = n_joint + n + work.step_size[2]
+    n_joint = work.n_joint
+    n = work.n_contacts
+    total = n_joint + n + work.n_tangents
     for r in range(n_joint + n, total):
         work.p[r] = 0.0
     for k in range(n):
@@ -322,9 +322,9 @@ def fixed_forces(work: Workspace, sets: ContactSets) -> None:
     """Constraint forces ``work.p`` with the sets as they are, and the acceleration in ``work.free_u``."""
     sets.level[0] = FORCE
     n_stick = reduce_sets(work, sets)
-    solve_consistent(sets, work.step_size[1] + n_stick)
+    solve_consistent(sets, work.n_contacts + n_stick)
     spread(work, sets)
-    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
 
 
@@ -342,7 +342,7 @@ def position_errors(model: Model, t: float, q: FloatArray, n: int, work: Workspa
     for k in range(n):
         work.free[n_joint + k] = work.table.gap[k]
         gap_drift = max(gap_drift, abs(work.table.gap[k]))
-    for r in range(n_joint + n, n_joint + n + work.step_size[2]):
+    for r in range(n_joint + n, n_joint + n + work.n_tangents):
         work.free[r] = 0.0
     return joint_drift, gap_drift
 
@@ -367,7 +367,7 @@ def project(
     left = 6 + (1 if velocities else 0)  # corrections: of positions, the last of velocities
     while left > 0:
         lay_rows(model, t, q, u, n, work, sets)
-        total = n_joint + n + work.step_size[2]
+        total = n_joint + n + work.n_tangents
         worst = position_errors(model, t, q, n, work)
         if joint_drift + gap_drift == 0.0:
             joint_drift = worst[0]

@@ -142,12 +142,12 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
     extent = 1.0
     for i in range(len(work.middle)):
         extent = max(extent, abs(work.middle[i]))
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         if work.closed[k] == FOLLOWS:
             largest = max(largest, work.normal[k], compliance.least[work.table.law[k]])
-    allowed = ACCURATE * largest + work.certificate[0] * unit[0]
+    allowed = ACCURATE * largest + work.certified * unit[0]
     worst = 0.0
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         if work.closed[k] == FOLLOWS:
             law = work.table.law[k]
             stiffness = elastic_stiffness(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
@@ -160,7 +160,7 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
 def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
     """Keep the largest indentation of each law; returns the first that has left its range, or -1."""
     if compliance.some[0] != 0:
-        for k in range(work.step_size[1]):
+        for k in range(work.n_contacts):
             law = work.table.law[k]
             if work.closed[k] == FOLLOWS and -work.table.gap[k] > compliance.worst[law]:
                 compliance.worst[law] = -work.table.gap[k]
@@ -174,7 +174,7 @@ def compliance_energy(compliance: ContactCompliance, work: Workspace) -> float:
     """Energy that the laws store at the present gaps [J]."""
     total = 0.0
     if compliance.some[0] != 0:
-        for k in range(work.step_size[1]):
+        for k in range(work.n_contacts):
             law = work.table.law[k]
             if work.closed[k] == FOLLOWS:
                 total += stored_energy(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])

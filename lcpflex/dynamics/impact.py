@@ -19,8 +19,8 @@ SEGMENTS = 8  # slip, stick or slip back; compression, restitution: at most four
 @kernel
 def shift_normals(work: Workspace, least: FloatArray) -> None:
     """Pose the LCP for impulses p_N >= least instead of p_N >= 0: its unknown is then p_N - least."""
-    m = work.step_size[3]
-    n = work.step_size[1]
+    m = work.lcp_size
+    n = work.n_contacts
     for i in range(m):
         for k in range(n):
             work.q[i] += work.M[i, k] * least[k]
@@ -85,10 +85,10 @@ def energetic_segments(
 @kernel
 def lay_impulse(work: Workspace, normal: float, tangential: float) -> None:
     """Impulses ``work.p`` of all rows, of which those of a single contact are given; joints answer them."""
-    n_joint = work.step_size[0]
-    total = n_joint + 1 + work.step_size[2]
+    n_joint = work.n_joint
+    total = n_joint + 1 + work.n_tangents
     work.p[n_joint] = normal
-    if work.step_size[2] > 0:
+    if work.n_tangents > 0:
         work.p[n_joint + 1] = tangential
     joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
     for r in range(n_joint):

@@ -29,10 +29,7 @@ from lcpflex.solvers.problem import SOLVED
 
 __all__ = [
     "AUTO",
-    "KNOWN",
     "LEMKE",
-    "METHOD",
-    "REMEMBERED",
     "SOLUTION_KNOWN",
     "WEDGED_KNOWN",
     "distribute",
@@ -43,8 +40,7 @@ __all__ = [
     "solve_lcp",
 ]
 
-METHOD, REMEMBERED, KNOWN = 0, 1, 2  # entries of Workspace.solving
-LEMKE, AUTO = 0, 1  # solving[METHOD]
+LEMKE, AUTO = 0, 1  # Workspace.method
 NOTHING_KNOWN, BASIS_KNOWN, SOLUTION_KNOWN, WEDGED_KNOWN = 0, 1, 2, 3  # solving[KNOWN]
 FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
 RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
@@ -58,9 +54,9 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     there by their bias, W(q+)^T u+ ~ W^T u+ + lead w, so that a hinge or a rolling contact loses no energy to the
     linearisation. Normal velocity below ``velocity_threshold`` [m/s] is not reflected (e_N = 0).
     """
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    n_tangent = work.step_size[2]
+    n_joint = work.n_joint
+    n = work.n_contacts
+    n_tangent = work.n_tangents
     total = n_joint + n + n_tangent
     free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     if lead > 0.0:
@@ -76,7 +72,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
             if abs(before) > velocity_threshold:
                 work.free[n_joint + k] += e_n * before
             else:
-                work.stopped[0] = max(work.stopped[0], -before)
+                work.stopped = max(work.stopped, -before)
     for j in range(n_tangent):
         e_t = model.contacts.tangential_restitution[work.table.law[work.tangent[j]]]
         if e_t > 0.0:
@@ -86,7 +82,7 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
     cholesky(work.G, n_joint, work.lower)
     condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
-    work.step_size[3] = n + 2 * n_tangent
+    work.lcp_size = n + 2 * n_tangent
 
 
 @kernel
@@ -95,12 +91,12 @@ def recall_basis(work: Workspace) -> None:
 
     Not from which forces were positive: the basic unknowns of a degenerate contact may be zero.
     """
-    n = work.step_size[1]
-    n_tangent = work.step_size[2]
-    count = work.solving[REMEMBERED]
-    if work.solving[KNOWN] >= SOLUTION_KNOWN:
+    n = work.n_contacts
+    n_tangent = work.n_tangents
+    count = work.n_remembered
+    if work.known >= SOLUTION_KNOWN:
         return
-    for i in range(work.step_size[3]):
+    for i in range(work.lcp_size):
         work.basis[i] = 0
     j = 0
     place = 0
@@ -117,14 +113,14 @@ def recall_basis(work: Workspace) -> None:
             place = (place + 1) % count
         if frictional:
             j += 1
-    work.solving[KNOWN] = BASIS_KNOWN
+    work.known = BASIS_KNOWN
 
 
 @kernel
 def remember_basis(work: Workspace) -> None:
     """Keep the basis of the problem just solved, for :func:`recall_basis`."""
-    n = work.step_size[1]
-    n_tangent = work.step_size[2]
+    n = work.n_contacts
+    n_tangent = work.n_tangents
     j = 0
     for k in range(n):
         work.last_key[k] = work.table.key[k]
@@ -135,7 +131,7 @@ def remember_basis(work: Workspace) -> None:
             work.last_basis[k, 1] = work.basis[n + j]
             work.last_basis[k, 2] = work.basis[n + n_tangent + j]
             j += 1
-    work.solving[REMEMBERED] = n
+    work.n_remembered = n
 
 
 @kernel
@@ -145,12 +141,12 @@ def measure(work: Workspace) -> None:
     Its residual, and what an algorithm makes of it, are then the same in any units of mass, length and time. D_k is
     read off the condensed operator Gc, where M may hold the friction of sliding contacts.
     """
-    n = work.step_size[1]
-    m = work.step_size[3]
+    n = work.n_contacts
+    m = work.lcp_size
     own, tangent, Gc, M, d = work.contact_units, work.tangent, work.Gc, work.M, work.units
     for k in range(n):
         own[k] = Gc[k, k]
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         own[tangent[j]] = max(own[tangent[j]], Gc[n + j, n + j])
     contact_units(own, n)
     n_tangent = (m - n) // 2
@@ -169,56 +165,56 @@ def measure(work: Workspace) -> None:
 
 @kernel
 def judge(work: Workspace, wedged: bool) -> None:
-    """Both sizes of the residual of z, in the units of :func:`measure`, to ``work.certificate``.
+    """Both sizes of the residual of z, in the units of :func:`measure`, to ``work``.
 
     Relative to the terms that cancel in w, and to the free velocity alone, which counts as no less than 1e-3 of the
     terms of which it is made: what is left of it below that may be rounding. wedged: by the terms alone, whatever they
     leave of the free velocity.
     """
-    n = work.step_size[1]
+    n = work.n_contacts
     own, tangent, terms = work.contact_units, work.tangent, work.terms
-    worst, size, load = residual_parts(work.alike, work.load, work.z, work.step_size[3])
+    worst, size, load = residual_parts(work.alike, work.load, work.z, work.lcp_size)
     for k in range(n):
         load = max(load, FLOOR * own[k] * terms[k])
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         load = max(load, FLOOR * own[tangent[j]] * terms[n + j])
     if wedged:
         worst = max(worst, ROUNDING * size)  # w is not known any better
-        work.certificate[0] = terms_residual(worst, max(size, load), load)
+        work.certified = terms_residual(worst, max(size, load), load)
     else:
-        work.certificate[0] = guarded_residual(worst, max(size, load), load)
-    work.certificate[2] = strict_residual(worst, load)
+        work.certified = guarded_residual(worst, max(size, load), load)
+    work.relative_residual = strict_residual(worst, load)
 
 
 @kernel
 def solve_lcp(work: Workspace) -> int:
-    """Solve the posed LCP in units of its contacts; 0 where solved. Residuals and pivots go to ``work.certificate``.
+    """Solve the posed LCP in units of its contacts; 0 where solved. Residuals and pivots go to ``work``.
 
-    By Lemke's method, or as :class:`lcpflex.solvers.Auto` does (``solving[METHOD]``). What is known beforehand,
-    ``solving[KNOWN]``, counts once: nothing, the basis to start from in ``work.basis``, the solution in ``work.z``, or
+    By Lemke's method, or as :class:`lcpflex.solvers.Auto` does (``work.method``). What is known beforehand,
+    ``work.known``, counts once: nothing, the basis to start from in ``work.basis``, the solution in ``work.z``, or
     there the best that could be found of wedged bodies.
     """
-    m = work.step_size[3]
-    known = work.solving[KNOWN]
-    work.solving[KNOWN] = NOTHING_KNOWN
+    m = work.lcp_size
+    known = work.known
+    work.known = NOTHING_KNOWN
     measure(work)
     if known >= SOLUTION_KNOWN:
         for i in range(m):
             work.z[i] /= work.units[i]
         judge(work, known == WEDGED_KNOWN)
-        if work.certificate[0] <= RESCUED:  # and the caller judges it by his own tolerance
+        if work.certified <= RESCUED:  # and the caller judges it by his own tolerance
             finish(work)
             return SOLVED
     status, pivots = SOLVED, m
-    if work.solving[METHOD] == AUTO:
-        symmetric = work.step_size[2] == 0
+    if work.method == AUTO:
+        symmetric = work.n_tangents == 0
         warm = known == BASIS_KNOWN
         status, pivots = auto(work.alike, work.load, m, work.z, work.tableau, work.basis, symmetric, warm)
     else:
         status, pivots = lemke(work.alike, work.load, m, work.z, work.tableau, work.basis, 1000 + 50 * m)
     judge(work, False)
-    work.certificate[1] = pivots
-    if work.certificate[0] <= TARGET:
+    work.pivots = pivots
+    if work.certified <= TARGET:
         status = SOLVED
     finish(work)
     return status
@@ -228,18 +224,18 @@ def solve_lcp(work: Workspace) -> int:
 def finish(work: Workspace) -> None:
     """z in the units of the posed problem; what was known of the terms of its free velocities was for it alone."""
     z, d, terms = work.z, work.units, work.terms
-    for i in range(work.step_size[3]):
+    for i in range(work.lcp_size):
         z[i] *= d[i]
-    for r in range(work.step_size[1] + work.step_size[2]):
+    for r in range(work.n_contacts + work.n_tangents):
         terms[r] = 0.0
 
 
 @kernel
 def distribute(work: Workspace) -> None:
     """Impulses p of all rows (joints, normals, tangents) from the solution z of the LCP."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    n_tangent = work.step_size[2]
+    n_joint = work.n_joint
+    n = work.n_contacts
+    n_tangent = work.n_tangents
     split_friction_solution(work.z, work.mu, work.tangent, n, n_tangent, work.normal, work.tangential)
     for k in range(n):
         work.p[n_joint + k] = work.normal[k]

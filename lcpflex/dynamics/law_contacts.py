@@ -46,7 +46,7 @@ def law_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, w
         return
     n = look(model, q, 0.0, laws)
     yield_to_deeper(laws.table, n)
-    laws.stored[0] = 0.0
+    laws.stored = 0.0
     for k in range(n):
         laws.p[k, 0] = 0.0
         laws.p[k, 1] = 0.0
@@ -62,7 +62,7 @@ def law_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, w
         push(model, laws, laws.rows, r, elastic, work.conservative)
         push(model, laws, laws.rows, r, force - elastic, work.dissipative)
         laws.p[k, 0] = force
-        laws.stored[0] += pair_energy(memory, law, place, depth)
+        laws.stored += pair_energy(memory, law, place, depth)
         laws.sticks[k] = 0
     rub(model, t, q, u, h, work)
     for i in range(len(q)):
@@ -77,13 +77,13 @@ def law_forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace
     Part of the slip at its end is what set-valued contacts did not let happen: friction of that slip did not act.
     """
     laws = work.laws
-    n = laws.found[0]
+    n = laws.n_touching
     for k in range(n):
         laws.last[k, 0] = laws.table.key[k] if laws.p[k, 0] > 0.0 else -1.0
         laws.last[k, 1] = laws.p[k, 1] / laws.p[k, 0] if laws.p[k, 0] > 0.0 else 0.0
         laws.last[k, 2] = laws.sticks[k]
     law_forces(model, 0.0, q, u, 0.0, work)
-    for k in range(laws.found[0]):
+    for k in range(laws.n_touching):
         for i in range(n):
             if laws.last[i, 0] == laws.table.key[k]:
                 laws.p[k, 1] = laws.last[i, 1] * laws.p[k, 0]
@@ -156,7 +156,7 @@ def hold_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Work
     """Take from the G_NN of all entries what joints do not let happen."""
     laws = work.laws
     factor_joints(model, t, q, u, work)
-    for k in range(laws.found[0]):
+    for k in range(laws.n_touching):
         r = lay(model, q, k, laws)
         mobility(model, laws, r, work)
         laws.inverse[k, k] -= couple_joints(laws, r)
@@ -173,7 +173,7 @@ def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Worksp
         return True
     factorise(model.bodies, q, 0.0, 0.0, work.arrow)
     begins = begun(model, q, u, roundings(q), work)
-    n = laws.found[0]
+    n = laws.n_touching
     for k in range(n):
         if laws.table.gap[k] < 0.0:
             law, depth, rate = laws.table.law[k], -laws.table.gap[k], abs(laws.rate[k])
@@ -184,8 +184,8 @@ def take_note(model: Model, t: float, q: FloatArray, u: FloatArray, work: Worksp
                 moving = pair_force(laws.memory, law, place, depth, rate)[0]
                 still = pair_force(laws.memory, law, place, depth, 0.0)[0]
                 damping = 0.5 * max(moving - still, 0.0) / rate * laws.inverse[k, k]
-            laws.stored[1] = max(laws.stored[1], damping + math.sqrt(damping * damping + stiffness))
+            laws.stiffest = max(laws.stiffest, damping + math.sqrt(damping * damping + stiffness))
     if begins and len(laws.joint) > 0:
         hold_joints(model, t, q, u, work)
-    laws.found[1] = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)
-    return laws.found[1] < 0 and laws.found[2] == 0
+    laws.out_of_range = settle(model, laws.memory, laws.table, n, laws.rate, laws.inverse, laws.states)
+    return laws.out_of_range < 0 and laws.too_small == 0

@@ -126,7 +126,7 @@ def balanced_friction(
 @kernel
 def recall(laws: LawContacts, k: int) -> float:
     """Friction over normal force that entry k had in the step before: from there the sweeps set out."""
-    for i in range(laws.found[3]):
+    for i in range(laws.n_before):
         if laws.before[i, 0] == laws.table.key[k]:
             return laws.before[i, 1]
     return 0.0
@@ -163,7 +163,7 @@ def rub(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Wo
     factorised.
     """
     laws = work.laws
-    n = laws.found[0]
+    n = laws.n_touching
     n_joint = len(laws.joint)
     dof = model.bodies.dof
     for i in range(len(q)):
@@ -203,7 +203,7 @@ def rub(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Wo
         if sweep >= 0 and worst <= SETTLED:
             break
     if h > 0.0:
-        laws.found[3] = n
+        laws.n_before = n
         for k in range(n):
             laws.before[k, 0] = laws.table.key[k]
             laws.before[k, 1] = laws.p[k, 1] / laws.p[k, 0] if laws.p[k, 0] > 0.0 else 0.0
@@ -216,7 +216,7 @@ def compare_friction(model: Model, q: FloatArray, u: FloatArray, h: float, work:
     ``rub`` knows nothing of set-valued contacts: what they hold, friction by law was made to hold, too.
     """
     laws = work.laws
-    for k in range(laws.found[0]):
+    for k in range(laws.n_touching):
         law = laws.table.law[k]
         mu = model.contacts.friction[law]
         normal = laws.p[k, 0]

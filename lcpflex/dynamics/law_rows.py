@@ -20,9 +20,9 @@ def look(model: Model, q: FloatArray, margin: float, laws: LawContacts) -> int:
     """Contacts by law with gap <= margin [m] into their table; returns how many."""
     n = detect(model, q, margin, laws.table)
     if n > len(laws.table.key):
-        laws.found[2] = 1
+        laws.too_small = 1
         n = 0
-    laws.found[0] = n
+    laws.n_touching = n
     return n
 
 

@@ -93,10 +93,10 @@ def pose_position(
     n_joint = len(work.residual)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
     total = n + n_tangent
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = n_tangent
-    work.step_size[3] = n + 2 * n_tangent
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = n_tangent
+    work.lcp_size = n + 2 * n_tangent
     if n_tangent > 0:
         contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
     spread(work, flexibility, n_joint, n_joint + total)
@@ -136,13 +136,13 @@ def pose_position(
 @kernel
 def split_forces(work: Workspace, unit: FloatArray) -> None:
     """Forces [N] of the contact rows, work.normal, work.tangential and work.p, from the solution z."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
-    split_friction_solution(work.z, work.mu, work.tangent, n, work.step_size[2], work.normal, work.tangential)
+    n_joint = work.n_joint
+    n = work.n_contacts
+    split_friction_solution(work.z, work.mu, work.tangent, n, work.n_tangents, work.normal, work.tangential)
     for k in range(n):
         work.normal[k] *= unit[0]
         work.p[n_joint + k] = work.normal[k]
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         work.tangential[j] *= unit[0]
         work.p[n_joint + n + j] = work.tangential[j]
 
@@ -153,8 +153,8 @@ def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> 
     for i in range(len(q)):
         if flexibility[i] > 0.0:
             q[i] = 0.0
-    n_joint = work.step_size[0]
-    for r in range(n_joint, n_joint + work.step_size[1] + work.step_size[2]):
+    n_joint = work.n_joint
+    for r in range(n_joint, n_joint + work.n_contacts + work.n_tangents):
         if work.p[r] != 0.0:
             for i in range(2):
                 b = work.row_body[r, i]
@@ -191,7 +191,7 @@ def semidefinite(A: FloatArray, n: int, scale: FloatArray) -> bool:
 @kernel
 def stiffens(work: Workspace, r: int) -> bool:
     """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
-    n = work.step_size[1]
+    n = work.n_contacts
     if r < n:
         return work.z[r] > 0.0
     k = work.tangent[r - n]
@@ -214,8 +214,8 @@ def admissible(
         for i in range(bodies.dof[b] + 3, bodies.dof[b + 1]):
             if flexibility[i] == 0.0 and not bodies.stiffness[i - 3 * (b + 1)] < square:
                 return False
-    n_joint = work.step_size[0]
-    total = work.step_size[1] + work.step_size[2]
+    n_joint = work.n_joint
+    total = work.n_contacts + work.n_tangents
     springs = 0
     for r in range(total):
         if stiffens(work, r):

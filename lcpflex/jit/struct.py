@@ -27,8 +27,9 @@ from functools import cache
 from typing import Any, TypeVar, cast, dataclass_transform
 
 import numpy as np
+import numpy.typing as npt
 
-__all__ = ["allocate", "array", "copy_parts", "pack", "parts_of", "struct"]
+__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "struct"]
 
 T = TypeVar("T")
 NUMBERS = {"int": np.dtype(np.int64), "float": np.dtype(np.float64)}
@@ -76,7 +77,7 @@ class Packed:
 
     def with_parts(self, parts: dict[str, Any]) -> Packed:
         """Another one like this, some of its fields replaced."""
-        other = cast(Packed, object.__new__(type(self)))
+        other = object.__new__(type(self))
         other._pack(self._label, self.parts() | parts)
         return other
 
@@ -160,6 +161,12 @@ def allocate(kind: type[T], dimensions: Mapping[str, int], **given: Any) -> T:
 def parts_of(values: Any) -> dict[str, Any]:
     """The fields of a struct by name."""
     return cast(Packed, values).parts()
+
+
+def numbers_of(values: Any) -> npt.NDArray[np.int64]:
+    """The words of the numbers of a struct itself: to keep, and to write back."""
+    packed = cast(Packed, values)
+    return packed._memory[: len(packed._numbers)]
 
 
 def copy_parts(source: Any, target: Any) -> None:

@@ -124,14 +124,14 @@ def is_of_energy(warning: str) -> bool:
     return any(words in warning for words in (CREATED, GREW, UNEXPLAINED, NOT_FINITE))
 
 
-def created(gain: FloatArray, cause: str) -> str:
+def created(gain: tuple[float, float, float], cause: str) -> str:
     """How much energy contact impulses created, when, and why."""
     return f"{CREATED}: {gain[0]:.4g} J in all, most at once {gain[1]:.4g} J at t = {gain[2]:.6g} s ({cause})"
 
 
 def energy_warnings(
     energies: Energies,
-    gain: FloatArray,
+    gain: tuple[float, float, float],
     complete: bool,
     energy_growth: EnergyGrowth,
     steps: int,

@@ -86,7 +86,7 @@ class Recorder:
         """Look at the problem just solved (or not) in the work memory of the stepper."""
         number = self.seen
         self.seen += 1
-        failed = not work.certificate[0] <= UNSOLVED
+        failed = not work.certified <= UNSOLVED
         if self.request.hardest is None:
             if failed or number % self.stride == 0:
                 self._keep(np.inf if failed else 0.0, number, work)
@@ -111,12 +111,12 @@ class Recorder:
 
     def _hardness(self, work: Workspace) -> float:
         if self.request.by == "condition":
-            m = int(work.step_size[1] + work.step_size[2])
+            m = int(work.n_contacts + work.n_tangents)
             return condition(work.Gc[:m, :m])
-        return float(work.certificate[0 if self.request.by == "residual" else 1])
+        return float(work.certified if self.request.by == "residual" else work.pivots)
 
     def _keep(self, hardness: float, number: int, work: Workspace) -> None:
-        n = int(work.step_size[1])
+        n = int(work.n_contacts)
         contacts = [self.names[law] for law in work.table.law[:n].tolist()]
         counts = sorted({name: contacts.count(name) for name in contacts}.items())
         name = f"problem {number}: " + (", ".join(f"{count} x {name}" for name, count in counts) or "no contact")

@@ -284,7 +284,7 @@ def _collect(
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
             *energy_warnings(
-                energies, run.records.tape.gain, complete, options.energy_growth, run.steps, growth, _tolerance(stepper)
+                energies, run.records.gain, complete, options.energy_growth, run.steps, growth, _tolerance(stepper)
             ),
         ),
         complete=complete,
@@ -327,7 +327,7 @@ class _WithoutGrowth:
 
     def _grown(self) -> str:
         """Why the energy created so far is too much; empty if it is not."""
-        gain = self._run.records.tape.gain
+        gain = self._run.records.gain
         if gain[0] <= 2.0 * self._known:
             return ""
         self._known = float(gain[0])

@@ -17,17 +17,15 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Counts, Tape, copy_counts
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
@@ -145,54 +143,32 @@ class Limits(NamedTuple):
     velocity_threshold: float  # negative: from the tolerances
 
 
-class Backup(NamedTuple):
+@struct
+class Backup:
     """What a rejected step is undone with: state, running sums of the tape, contacts held."""
 
-    q: FloatArray  # (ndof,)
-    u: FloatArray  # (ndof,)
-    long_q: FloatArray  # (ndof,) state after the one long step
-    long_u: FloatArray  # (ndof,)
-    sums: FloatArray  # (4,)
-    worst: FloatArray  # (6,)
-    gain: FloatArray  # (3,)
-    total_impulse: FloatArray  # (laws, 2)
-    held: IntArray  # (1,)
-    held_key: IntArray  # (capacity,)
-    held_gap: FloatArray  # (capacity,)
-    at: FloatArray  # (ndof,) a configuration within the step
+    q: FloatArray = array("ndof")
+    u: FloatArray = array("ndof")
+    long_q: FloatArray = array("ndof")  # state after the one long step
+    long_u: FloatArray = array("ndof")
+    counts: Counts
+    total_impulse: FloatArray = array("laws", 2)
+    n_held: int
+    held_key: IntArray = array("contacts")
+    held_gap: FloatArray = array("contacts")
+    at: FloatArray = array("ndof")  # a configuration within the step
 
 
 def backup(system: System, capacity: int) -> Backup:
     """Memory for ``capacity`` contacts."""
-    ndof = len(system.q)
-    zeros = np.zeros
-    return pack(
-        Backup(
-            q=zeros(ndof),
-            u=zeros(ndof),
-            long_q=zeros(ndof),
-            long_u=zeros(ndof),
-            sums=zeros(4),
-            worst=zeros(6),
-            gain=zeros(3),
-            total_impulse=zeros((system.n_laws, 2)),
-            held=np.zeros(1, dtype=np.int64),
-            held_key=np.zeros(capacity, dtype=np.int64),
-            held_gap=zeros(capacity),
-            at=zeros(ndof),
-        )
-    )
+    sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
+    return allocate(Backup, sizes, counts=allocate(Counts, {}))
 
 
 @kernel
-def copy_counts(source: Tape | Backup, target: Tape | Backup) -> None:
-    """Running sums of a tape to a backup, or back."""
-    for i in range(len(source.sums)):
-        target.sums[i] = source.sums[i]
-    for i in range(len(source.worst)):
-        target.worst[i] = source.worst[i]
-    for i in range(len(source.gain)):
-        target.gain[i] = source.gain[i]
+def copy_totals(source: Tape | Backup, target: Tape | Backup) -> None:
+    """What a tape has counted, to a backup or back."""
+    copy_counts(source.counts, target.counts)
     for law in range(len(source.total_impulse)):
         target.total_impulse[law, 0] = source.total_impulse[law, 0]
         target.total_impulse[law, 1] = source.total_impulse[law, 1]
@@ -206,9 +182,9 @@ def put_by(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Back
         kept.u[i] = u[i]
         kept.long_q[i] = q[i]
         kept.long_u[i] = u[i]
-    copy_counts(tape, kept)
-    held = work.step_size[4]
-    kept.held[0] = held
+    copy_totals(tape, kept)
+    held = work.n_held
+    kept.n_held = held
     for k in range(held):
         kept.held_key[k] = work.held_key[0, k]
         kept.held_gap[k] = work.held_gap[0, k]
@@ -220,9 +196,9 @@ def put_back(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Ba
     for i in range(len(q)):
         q[i] = kept.q[i]
         u[i] = kept.u[i]
-    copy_counts(kept, tape)
-    held = kept.held[0]
-    work.step_size[4] = held
+    copy_totals(kept, tape)
+    held = kept.n_held
+    work.n_held = held
     for k in range(held):
         work.held_key[0, k] = kept.held_key[k]
         work.held_gap[0, k] = kept.held_gap[k]
@@ -269,7 +245,7 @@ def unmet(model: Model, q: FloatArray, laws: LawContacts, table: ContactTable) -
     sunk = 0.0
     for k in range(min(count, len(table.key))):
         known = table.by_law[table.law[k]] == SET_VALUED
-        for i in range(laws.found[0]):
+        for i in range(laws.n_touching):
             known = known or (laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k])
         if not known:
             sunk = max(sunk, -table.gap[k])

@@ -10,46 +10,45 @@ from __future__ import annotations
 from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["COUNT", "keep_doubtful"]
+__all__ = ["keep_doubtful"]
 
 COUPLED = 0.5  # mu |G_NT| / G_NN of a contact from which on its problems are looked at
-COUNT, KIND = 0, 1  # entries of Workspace.doubtful_kind
 
 
 @kernel
 def keep_doubtful(work: Workspace, t: float) -> None:
     """Keep the contact problem just solved, of the step from time ``t`` [s], where it may have several solutions."""
-    n = work.step_size[1]
-    if work.step_size[2] == 0 or n > DOUBTFUL_CONTACTS:
+    n = work.n_contacts
+    if work.n_tangents == 0 or n > DOUBTFUL_CONTACTS:
         return
     kind = n
     coupled = False
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         k = work.tangent[j]
         c = work.mu[k] * abs(work.Gc[k, n + j])
         coupled = coupled or c > COUPLED * work.Gc[k, k]
         kind = 2 * kind + (1 if c > work.Gc[k, k] else 0)
     if not coupled:
-        work.doubtful_kind[KIND] = 0
+        work.doubtful_kind = 0
         return
     for k in range(n):
         kind = 4 * kind + (2 if work.bc[k] < 0.0 else 0) + (1 if work.z[k] > 0.0 else 0)
-    for j in range(work.step_size[2]):
-        right, left = work.z[n + j] > 0.0, work.z[n + work.step_size[2] + j] > 0.0
+    for j in range(work.n_tangents):
+        right, left = work.z[n + j] > 0.0, work.z[n + work.n_tangents + j] > 0.0
         kind = 4 * kind + (2 if right else 0) + (1 if left else 0)
-    if kind == work.doubtful_kind[KIND]:
+    if kind == work.doubtful_kind:
         return
-    work.doubtful_kind[KIND] = kind
-    if work.doubtful_kind[COUNT] < len(work.doubtful):
-        write_problem(work, t, work.doubtful[work.doubtful_kind[COUNT]])
-        work.doubtful_kind[COUNT] += 1
+    work.doubtful_kind = kind
+    if work.n_doubtful < len(work.doubtful):
+        write_problem(work, t, work.doubtful[work.n_doubtful])
+        work.n_doubtful += 1
 
 
 @kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     """Time, sizes, laws, friction, free velocities, Delassus operator and solution, one after the other."""
-    n = work.step_size[1]
-    m = n + work.step_size[2]
+    n = work.n_contacts
+    m = n + work.n_tangents
     row[0], row[1], row[2] = t, n, m
     at = 3
     for k in range(n):
@@ -61,5 +60,5 @@ def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
         for s in range(m):
             row[at + m + r * m + s] = work.Gc[r, s]
     at += m + m * m
-    for i in range(work.step_size[3]):
+    for i in range(work.lcp_size):
         row[at + i] = work.z[i]

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import AUTO, KNOWN, LEMKE, SOLUTION_KNOWN, WEDGED_KNOWN, measure, solve_lcp
+from lcpflex.dynamics.impulse import AUTO, LEMKE, SOLUTION_KNOWN, WEDGED_KNOWN, measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import SolverError
 from lcpflex.jit.dispatch import Hooks
@@ -88,12 +88,12 @@ class PythonSolve:
 
 
 def _put(work: Workspace, solution: Solution) -> None:
-    m = int(work.step_size[3])
+    m = int(work.lcp_size)
     work.z[:m] = solution.z
     work.basis[:m] = solution.z > 0.0 if solution.active is None else solution.active
-    work.certificate[0] = solution.residual
-    work.certificate[1] = solution.iterations
-    work.certificate[2] = getattr(solution, "strict", math.nan)
+    work.certified = solution.residual
+    work.pivots = solution.iterations
+    work.relative_residual = getattr(solution, "strict", math.nan)
 
 
 class Rescue:
@@ -135,7 +135,7 @@ class Rescue:
         self._at = at
         if self._times > MOST_RESCUES:
             return False
-        points = [work.z[: int(work.step_size[3])].copy()]
+        points = [work.z[: int(work.lcp_size)].copy()]
         if type(self._solver) is Auto:
             solution = self._solver.attempt(posed_problem(work), None, TRIALS)
             # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
@@ -149,7 +149,7 @@ class Rescue:
             return False
         self._wedged.note(work, at)
         work.z[: len(best)] = best
-        work.solving[KNOWN] = WEDGED_KNOWN
+        work.known = WEDGED_KNOWN
         return True
 
     def remarks(self, name: Callable[[int], str]) -> list[str]:
@@ -160,12 +160,12 @@ class Rescue:
 def put_solution(work: Workspace, solution: Solution) -> None:
     """Leave in ``work`` what is known to solve the problem posed there, for when it is posed again."""
     _put(work, solution)
-    work.solving[KNOWN] = SOLUTION_KNOWN
+    work.known = SOLUTION_KNOWN
 
 
 def posed_lcp(work: Workspace) -> Lcp:
     """The LCP in ``work``, measured as the compiled solver would."""
-    m = int(work.step_size[3])
+    m = int(work.lcp_size)
     measure(work)
     return Lcp(work.M[:m, :m], work.q[:m]).measured_in(work.units[:m].copy())
 
@@ -177,8 +177,8 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     unsymmetric. Contacts that share a key (two at one place) come as an LCP, and so does a problem that is shifted, as
     the expansion of Poisson's impact is.
     """
-    n = int(work.step_size[1])
-    n_tangent = (int(work.step_size[3]) - n) // 2
+    n = int(work.n_contacts)
+    n_tangent = (int(work.lcp_size) - n) // 2
     m = n + n_tangent
     keys = tuple(work.table.key[:n].tolist())
     if len(set(keys)) < n or work.q[m : m + n_tangent].any():
@@ -189,7 +189,7 @@ def posed_problem(work: Workspace) -> Lcp | ContactProblem:
     friction[tangent] = 0.5 * twice_mu[np.arange(n_tangent), tangent]
     delassus = work.M[:m, :m].copy()
     delassus[:, tangent] += delassus[:, n:] * friction[tangent]
-    if n_tangent == work.step_size[2] and np.allclose(delassus, work.Gc[:m, :m], rtol=1e-12, atol=0.0):
+    if n_tangent == work.n_tangents and np.allclose(delassus, work.Gc[:m, :m], rtol=1e-12, atol=0.0):
         delassus = work.Gc[:m, :m]  # the same without the rounding
     return ContactProblem(delassus, work.q[:m], friction, keys)
 
@@ -198,6 +198,6 @@ def _unsolved(work: Workspace, status: int, tolerance: float) -> str:
     """Why the contact problem in ``work`` does not count as solved."""
     found = Status(status) if status else Status.INACCURATE
     return (
-        f"the contact problem of size {work.step_size[3]} was not solved: {found.name.lower().replace('_', ' ')}, "
-        f"natural-map residual {work.certificate[0]:.3g} (tolerance {tolerance:g})"
+        f"the contact problem of size {work.lcp_size} was not solved: {found.name.lower().replace('_', ' ')}, "
+        f"natural-map residual {work.certified:.3g} (tolerance {tolerance:g})"
     )

@@ -104,9 +104,9 @@ def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed
 def law_trouble(names: Sequence[str], work: Workspace) -> str:
     """Why a run cannot go on after contacts by law have taken note."""
     laws = work.laws
-    if laws.found[2]:
+    if laws.too_small:
         return f"more than {len(laws.table.key)} pairs of contacts by law are near at once"
-    return too_deep(names, laws.memory, int(laws.found[1]))
+    return too_deep(names, laws.memory, int(laws.out_of_range))
 
 
 def too_deep(names: Sequence[str], memory: ContactMemory, law: int) -> str:

@@ -10,7 +10,7 @@ import math
 from lcpflex.contact.detection import bound
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.recorder import FARTHEST, LEAST, PASSES, Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["PASSED", "may_pass", "set_out", "set_out_freely"]
 
@@ -39,13 +39,13 @@ def travelled(model: Model, b: int, q: FloatArray, tape: Tape) -> float:
     sway = 0.0
     for m in range(d + 3, model.bodies.dof[b + 1]):
         sway += abs(q[m] - tape.before[m])
-    return tape.thin[FARTHEST] * abs(q[d + 2] - tape.before[d + 2]) + tape.sway[b] * sway
+    return tape.farthest * abs(q[d + 2] - tape.before[d + 2]) + tape.sway[b] * sway
 
 
 @kernel
 def may_pass(model: Model, q: FloatArray, tape: Tape) -> bool:
     """Whether two bodies may have moved, in the step to q, by more than they can be inside each other."""
-    least = tape.thin[LEAST]
+    least = tape.thinnest
     if least == math.inf:
         return False
     most = 0.0
@@ -63,7 +63,7 @@ def passes_near(model: Model, q: FloatArray, tape: Tape) -> bool:
     at = tape.table.bound
     bound(model, q, tape.table)
     for w in range(len(c.pass_slave)):
-        if tape.thin[PASSES + w] == math.inf:
+        if tape.pass_thickness[w] == math.inf:
             continue
         moved = 0.0
         x = 0.0
@@ -78,7 +78,7 @@ def passes_near(model: Model, q: FloatArray, tape: Tape) -> bool:
                 moved += travelled(model, b, q, tape)
             sign = -1.0
         moved += math.hypot(x, y)
-        if moved <= tape.thin[PASSES + w]:
+        if moved <= tape.pass_thickness[w]:
             continue
         i = c.pass_slave[w]
         j = c.pass_feature[w]

@@ -38,7 +38,7 @@ def project_joints(
             work.bias[j] = -work.residual[j]
         cholesky_solve(work.lower, n_joint, work.bias)
         apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
-    tape.worst[2] = max(tape.worst[2], drift)
+    tape.counts.worst_drift = max(tape.counts.worst_drift, drift)
 
 
 @kernel
@@ -46,7 +46,7 @@ def held_at(work: Workspace, k: int) -> float:
     """Gap at which contact k is to be held: where it was when it closed; its present gap if it just did."""
     key = work.table.key[k]
     gap = min(work.table.gap[k], 0.0)
-    for i in range(work.step_size[4]):
+    for i in range(work.n_held):
         if work.held_key[0, i] == key:
             return max(work.held_gap[0, i], gap)
     return gap
@@ -59,12 +59,12 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
     ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
     would do work; to let it sink further, step by step over a curved surface, would have no bound.
     """
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     m = 0
     held = 0
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         gap = work.table.gap[k]
-        tape.worst[1] = max(tape.worst[1], -gap)
+        tape.counts.worst_penetration = max(tape.counts.worst_penetration, -gap)
         if work.p[n_joint + k] <= 0.0:
             continue
         target = held_at(work, k)
@@ -81,7 +81,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
     for i in range(held):
         work.held_key[0, i] = work.held_key[1, i]
         work.held_gap[0, i] = work.held_gap[1, i]
-    work.step_size[4] = held
+    work.n_held = held
     return m
 
 
@@ -93,8 +93,8 @@ def project_contacts(
 
     min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus matrix.
     """
-    n_joint = work.step_size[0]
-    for k in range(work.step_size[1]):
+    n_joint = work.n_joint
+    for k in range(work.n_contacts):
         refresh(model, q, work.table, k)
     m = hold_contacts(step, tolerance, active, work, tape)
     if m == 0:

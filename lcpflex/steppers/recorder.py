@@ -1,13 +1,6 @@
-"""What a run writes down: flat buffers that compiled loops fill and the driver empties.
-
-Sums (per run): energy lost to 0 friction, 1 impacts and contact closing, 2 damping; 3 work of loads and drives [J].
-Peaks (since the last stored instant): 0 natural-map residual, 1 penetration [m], 2 joint drift, 3 size of the contact
-problem, 4 pivots, 5 the residual relative to the free velocity alone.
-"""
+"""What a run writes down: flat buffers that compiled loops fill and the driver empties."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,14 +9,13 @@ from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
 __all__ = [
-    "FARTHEST",
-    "LEAST",
-    "PASSES",
+    "Counts",
     "Tape",
+    "copy_counts",
     "note_certificate",
     "note_contact",
     "note_gain",
@@ -33,39 +25,58 @@ __all__ = [
     "tape",
 ]
 
-LEAST, FARTHEST, PASSES = range(3)  # entries of Tape.thin
+
+@struct
+class Counts:
+    """What a run has counted so far; the worst ones since the last stored instant."""
+
+    lost_friction: float  # energy lost to friction [J]
+    lost_impacts: float  # to impacts and contact closing [J]
+    lost_damping: float  # [J]
+    supplied: float  # work of loads and drives [J]
+    worst_residual: float  # natural-map residual
+    worst_penetration: float  # [m]
+    worst_drift: float  # of joints
+    worst_size: float  # of the contact problem
+    worst_pivots: float
+    worst_relative: float  # residual relative to the free velocity alone
+    gained: float  # energy created by contact impulses [J]
+    largest_gain: float  # at once [J]
+    gain_time: float  # of the largest one [s]
 
 
-class Tape(NamedTuple):
+@struct
+class Tape:
     """Room for ``capacity`` instants and for a number of touching points over all of them."""
 
-    filled: IntArray  # (2,) instants and spots written
-    times: FloatArray  # (capacity,)
-    q: FloatArray  # (capacity, ndof)
-    u: FloatArray  # (capacity, ndof)
-    force: FloatArray  # (capacity, laws, 2)
-    impulse: FloatArray  # (capacity, laws, 2)
-    state: IntArray  # (capacity, laws)
-    gap: FloatArray  # (capacity, laws)
-    energies: FloatArray  # (capacity, 7) kinetic, elastic, potential, then the sums
-    peaks: FloatArray  # (capacity, 6)
-    spots: FloatArray  # (spot capacity, 9) instant, law, x, y, n_x, n_y, force N, force T, state
+    n_instants: int  # written
+    n_points: int
+    times: FloatArray = array("capacity")
+    q: FloatArray = array("capacity", "ndof")
+    u: FloatArray = array("capacity", "ndof")
+    force: FloatArray = array("capacity", "laws", 2)
+    impulse: FloatArray = array("capacity", "laws", 2)
+    state: IntArray = array("capacity", "laws")
+    gap: FloatArray = array("capacity", "laws")
+    energies: FloatArray = array("capacity", 7)  # kinetic, elastic, potential; lost to friction, impacts, damping; work
+    peaks: FloatArray = array("capacity", 6)  # the worst ones of Counts, in their order
+    spots: FloatArray = array("spots", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
-    margin: FloatArray  # (1,) gaps larger than this are not measured [m]
+    margin: float  # gaps larger than this are not measured [m]
     # what bodies may pass through in a step (lcpflex.contact.thickness)
-    thin: FloatArray  # (2 + passes,) least thickness; farthest point of a surface from its frame; of each pass [m]
+    thinnest: float  # [m]
+    farthest: float  # point of a surface from its frame [m]
+    pass_thickness: FloatArray  # of each pass [m]
     sway: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
-    before: FloatArray  # (ndof,) configuration at the start of the step
-    after: FloatArray  # (ndof,) and at its end, where it is to be examined
+    before: FloatArray = array("ndof")  # configuration at the start of the step
+    after: FloatArray = array("ndof")  # and at its end, where it is to be examined
     free: FloatArray  # (ndof,) where its first velocity leads; NaN under schemes that move no body out of another
     # running values
-    local: FloatArray  # (2, ndof) magnitudes of the errors that error control has accepted, summed, of q and of u
-    sums: FloatArray  # (4,)
-    worst: FloatArray  # (6,)
-    gain: FloatArray  # (3,) energy created by contact impulses: total [J], largest at once [J], its time [s]
-    total_impulse: FloatArray  # (laws, 2)
-    now_force: FloatArray  # (laws, 2)
-    now_state: IntArray  # (laws,)
+    local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
+    counts: Counts
+    total_impulse: FloatArray = array("laws", 2)
+    now_force: FloatArray = array("laws", 2)
+    now_state: IntArray = array("laws")
 
 
 def tape(
@@ -75,39 +86,23 @@ def tape(
     spots: int,
     table: ContactTable,
     margin: float,
-    thin: FloatArray,
+    pass_thickness: FloatArray,
+    farthest: float,
     sway: FloatArray,
 ) -> Tape:
     """Allocate an empty tape."""
-    zeros = np.zeros
-    arrays = Tape(
-        filled=np.zeros(2, dtype=np.int64),
-        times=zeros(capacity),
-        q=zeros((capacity, ndof)),
-        u=zeros((capacity, ndof)),
-        force=zeros((capacity, n_laws, 2)),
-        impulse=zeros((capacity, n_laws, 2)),
-        state=np.zeros((capacity, n_laws), dtype=np.int64),
-        gap=zeros((capacity, n_laws)),
-        energies=zeros((capacity, 7)),
-        peaks=zeros((capacity, 6)),
-        spots=zeros((spots, 9)),
+    return allocate(
+        Tape,
+        {"ndof": ndof, "laws": n_laws, "capacity": capacity, "spots": spots},
         table=table,
-        margin=np.array([margin]),
-        thin=thin,
+        margin=margin,
+        thinnest=pass_thickness.min(initial=np.inf),
+        farthest=farthest,
+        pass_thickness=pass_thickness,
         sway=sway,
-        before=zeros(ndof),
-        after=zeros(ndof),
         free=np.full(ndof, np.nan),
-        local=zeros((2, ndof)),
-        sums=zeros(4),
-        worst=zeros(6),
-        gain=zeros(3),
-        total_impulse=zeros((n_laws, 2)),
-        now_force=zeros((n_laws, 2)),
-        now_state=np.zeros(n_laws, dtype=np.int64),
+        counts=allocate(Counts, {}),
     )
-    return pack(arrays)
 
 
 @kernel
@@ -118,9 +113,9 @@ def note_contact(
     tape.now_force[law, 0] += force_n
     tape.now_force[law, 1] += force_t
     tape.now_state[law] = max(tape.now_state[law], state)
-    row = tape.filled[1]
+    row = tape.n_points
     if row < len(tape.spots):
-        tape.spots[row, 0] = tape.filled[0]
+        tape.spots[row, 0] = tape.n_instants
         tape.spots[row, 1] = law
         tape.spots[row, 2] = place[0]
         tape.spots[row, 3] = place[1]
@@ -129,13 +124,13 @@ def note_contact(
         tape.spots[row, 6] = force_n
         tape.spots[row, 7] = force_t
         tape.spots[row, 8] = state
-        tape.filled[1] = row + 1
+        tape.n_points = row + 1
 
 
 @kernel
 def note_laws(model: Model, q: FloatArray, laws: LawContacts, tape: Tape) -> None:
     """Add the contacts by law, with the forces that ``law_forces`` found at q."""
-    for k in range(laws.found[0]):
+    for k in range(laws.n_touching):
         if laws.table.gap[k] < 0.0:
             place = contact_point(model, q, laws.table, k)
             state = STICK if laws.sticks[k] == 1 else SLIP
@@ -146,19 +141,19 @@ def note_laws(model: Model, q: FloatArray, laws: LawContacts, tape: Tape) -> Non
 def note_gain(tape: Tape, t: float, work: float) -> None:
     """Keep account of contact impulses that together did positive work: no passive contact does."""
     if work > 0.0:
-        tape.gain[0] += work
-        if work > tape.gain[1]:
-            tape.gain[1] = work
-            tape.gain[2] = t
+        tape.counts.gained += work
+        if work > tape.counts.largest_gain:
+            tape.counts.largest_gain = work
+            tape.counts.gain_time = t
 
 
 @kernel
 def note_certificate(work: Workspace, tape: Tape) -> None:
     """Keep the worst residuals, size and pivots of the contact problems."""
-    tape.worst[0] = max(tape.worst[0], work.certificate[0])
-    tape.worst[3] = max(tape.worst[3], work.step_size[3])
-    tape.worst[4] = max(tape.worst[4], work.certificate[1])
-    tape.worst[5] = max(tape.worst[5], work.certificate[2])
+    tape.counts.worst_residual = max(tape.counts.worst_residual, work.certified)
+    tape.counts.worst_size = max(tape.counts.worst_size, work.lcp_size)
+    tape.counts.worst_pivots = max(tape.counts.worst_pivots, work.pivots)
+    tape.counts.worst_relative = max(tape.counts.worst_relative, work.relative_residual)
 
 
 @kernel
@@ -167,10 +162,10 @@ def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
 
     A set-valued contact below zero counts as penetration: a step that ends there may be the last one.
     """
-    row = tape.filled[0]
+    row = tape.n_instants
     for law in range(len(tape.total_impulse)):
         tape.gap[row, law] = np.nan
-    n = detect(model, q, tape.margin[0], tape.table)
+    n = detect(model, q, tape.margin, tape.table)
     if n > len(tape.table.key):
         return n
     for k in range(n):
@@ -178,8 +173,37 @@ def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
         if not tape.table.gap[k] >= tape.gap[row, law]:
             tape.gap[row, law] = tape.table.gap[k]
             if len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED:
-                tape.worst[1] = max(tape.worst[1], -tape.table.gap[k])
+                tape.counts.worst_penetration = max(tape.counts.worst_penetration, -tape.table.gap[k])
     return n
+
+
+@kernel
+def forget_worst(counts: Counts) -> None:
+    """Begin to count the worst ones anew."""
+    counts.worst_residual = 0.0
+    counts.worst_penetration = 0.0
+    counts.worst_drift = 0.0
+    counts.worst_size = 0.0
+    counts.worst_pivots = 0.0
+    counts.worst_relative = 0.0
+
+
+@kernel
+def copy_counts(source: Counts, target: Counts) -> None:
+    """All of them."""
+    target.lost_friction = source.lost_friction
+    target.lost_impacts = source.lost_impacts
+    target.lost_damping = source.lost_damping
+    target.supplied = source.supplied
+    target.worst_residual = source.worst_residual
+    target.worst_penetration = source.worst_penetration
+    target.worst_drift = source.worst_drift
+    target.worst_size = source.worst_size
+    target.worst_pivots = source.worst_pivots
+    target.worst_relative = source.worst_relative
+    target.gained = source.gained
+    target.largest_gain = source.largest_gain
+    target.gain_time = source.gain_time
 
 
 @kernel
@@ -187,7 +211,7 @@ def store_state(
     tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float
 ) -> None:
     """Close the instant: copy the state, energies, sums and peaks, and reset what is counted per instant."""
-    row = tape.filled[0]
+    row = tape.n_instants
     tape.times[row] = t
     for i in range(len(q)):
         tape.q[row, i] = q[i]
@@ -195,11 +219,18 @@ def store_state(
     tape.energies[row, 0] = kinetic
     tape.energies[row, 1] = elastic
     tape.energies[row, 2] = potential
-    for i in range(4):
-        tape.energies[row, 3 + i] = tape.sums[i]
-    for i in range(6):
-        tape.peaks[row, i] = tape.worst[i]
-        tape.worst[i] = 0.0
+    counts = tape.counts
+    tape.energies[row, 3] = counts.lost_friction
+    tape.energies[row, 4] = counts.lost_impacts
+    tape.energies[row, 5] = counts.lost_damping
+    tape.energies[row, 6] = counts.supplied
+    tape.peaks[row, 0] = counts.worst_residual
+    tape.peaks[row, 1] = counts.worst_penetration
+    tape.peaks[row, 2] = counts.worst_drift
+    tape.peaks[row, 3] = counts.worst_size
+    tape.peaks[row, 4] = counts.worst_pivots
+    tape.peaks[row, 5] = counts.worst_relative
+    forget_worst(counts)
     for law in range(len(tape.total_impulse)):
         for i in range(2):
             tape.impulse[row, law, i] = tape.total_impulse[law, i]
@@ -207,4 +238,4 @@ def store_state(
             tape.now_force[law, i] = 0.0
         tape.state[row, law] = tape.now_state[law]
         tape.now_state[law] = OPEN
-    tape.filled[0] = row + 1
+    tape.n_instants = row + 1

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import copy_parts
 from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.system import System
@@ -14,7 +15,7 @@ from lcpflex.steppers.system import System
 __all__ = ["Records"]
 
 FIELDS = ("times", "q", "u", "force", "impulse", "state", "gap", "energies", "peaks")
-RUNNING = ("local", "sums", "worst", "gain", "total_impulse", "now_force", "now_state", "before", "after", "free")
+RUNNING = ("local", "total_impulse", "now_force", "now_state", "before", "after", "free")
 
 
 class Records:
@@ -42,12 +43,12 @@ class Records:
     def empty(self) -> None:
         """Read off the tape and make it ready for more."""
         tape = self.tape
-        instants, spots = (int(n) for n in tape.filled)
+        instants, spots = tape.n_instants, tape.n_points
         page = {name: getattr(tape, name)[:instants].copy() for name in FIELDS}
         page["spots"] = tape.spots[:spots].copy()
         page["spots"][:, 0] += sum(len(p["times"]) for p in self._pages)
         self._pages.append(page)
-        tape.filled[:] = 0
+        tape.n_instants = tape.n_points = 0
 
     def grow(self, needed: int) -> None:
         """A tape whose contact table holds ``needed`` entries; what it was counting goes on."""
@@ -56,6 +57,7 @@ class Records:
         self.tape = self._system.tape(2 * needed, max(len(old.spots), 8 * needed))
         for name in RUNNING:
             getattr(self.tape, name)[:] = getattr(old, name)
+        copy_parts(old.counts, self.tape.counts)
 
     def examine(self, time: float, step: float) -> None:
         """Look at the path of a step that may have taken a body through another."""
@@ -80,8 +82,14 @@ class Records:
         self.merge()
         return dict(self._pages[0])
 
+    @property
+    def gain(self) -> tuple[float, float, float]:
+        """Energy created by contact impulses: in all [J], most at once [J], when [s]."""
+        counts = self.tape.counts
+        return counts.gained, counts.largest_gain, counts.gain_time
+
     def energy_scale(self) -> float:
         """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""
-        pages = [page["energies"] for page in self._pages] + [self.tape.energies[: int(self.tape.filled[0])]]
+        pages = [page["energies"] for page in self._pages] + [self.tape.energies[: int(self.tape.n_instants)]]
         energies = np.concatenate(pages)
         return float(energies[:, :3].sum(axis=1).max() - energies[:, 2].min()) if len(energies) else 0.0

@@ -11,7 +11,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.lcp.enumeration import Enumeration
-from lcpflex.steppers.doubtful import COUNT
 
 __all__ = ["SeveralMotions"]
 
@@ -28,10 +27,10 @@ class SeveralMotions:
 
     def remarks(self, work: Workspace, name: Callable[[int], str]) -> list[str]:
         """Look at the problems kept since the last call; a warning if one of them so far had several motions."""
-        for row in work.doubtful[: int(work.doubtful_kind[COUNT])]:
+        for row in work.doubtful[: int(work.n_doubtful)]:
             if math.isnan(self._first):
                 self._look(row)
-        work.doubtful_kind[COUNT] = 0
+        work.n_doubtful = 0
         if math.isnan(self._first):
             return []
         taken = ", ".join(f"{name(law)} {fate}" for law, fate in self._taken)

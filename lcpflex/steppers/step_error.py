@@ -18,6 +18,7 @@ import numpy as np
 
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records
@@ -31,7 +32,7 @@ ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less t
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
 UNSTORED = 2**40  # stride between stored steps: none of a sample is
 # of a tape: not written while no instant is stored; never written; written anew in each step, or by error control only
-UNTOUCHED = {*FIELDS, "spots", "margin", "thin", "sway", "table", "before", "after", "free", "local"}
+UNTOUCHED = {*FIELDS, "spots", "pass_thickness", "sway", "table", "before", "after", "free", "local"}
 
 
 class Units:
@@ -114,18 +115,19 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
-    held = (work.held_key, work.held_gap, work.step_size, work.last_key, work.last_basis, work.solving)
-    return (*held, work.span, work.stopped, work.doubtful_kind)
+    held = (work.held_key, work.held_gap, work.last_key, work.last_basis)
+    return (*held, work.span, numbers_of(work))
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
-    """All arrays in packed tuples."""
+    """All arrays in structs, and their numbers."""
     if isinstance(value, np.ndarray):
         if value.flags.writeable and value.size:
             yield value
         return
-    for name, part in vars(value).items():
-        if not name.startswith("_"):
+    yield from _arrays(numbers_of(value))
+    for part in parts_of(value).values():
+        if not isinstance(part, int | float):
             yield from _arrays(part)
 
 
@@ -190,8 +192,9 @@ class Sampling:
         tape, state = self._scheme.records.tape, self._scheme.state()
         which, known = (tape, *state), self._known[0]
         if len(known) != len(which) or any(a is not b for a, b in zip(known, which, strict=True)):
-            running = (part for name, part in vars(tape).items() if not name.startswith("_") and name not in UNTOUCHED)
-            self._known = which, [array for part in (*running, *state) for array in _arrays(part)]
+            running = (part for name, part in parts_of(tape).items() if name not in UNTOUCHED)
+            arrays = [part for part in running if not isinstance(part, int | float)]
+            self._known = which, [array for part in (*arrays, numbers_of(tape), *state) for array in _arrays(part)]
         return self._known[1]
 
     def _halves(self, time: float) -> tuple[list[list[FloatArray]], FloatArray] | None:

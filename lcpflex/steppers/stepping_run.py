@@ -115,7 +115,7 @@ def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, t
 
 def _touching(work: Workspace) -> list[int]:
     """Declared contacts that the last contact problem held."""
-    return sorted(set(work.table.law[: work.step_size[1]].tolist()))
+    return sorted(set(work.table.law[: work.n_contacts].tolist()))
 
 
 class FixedRun:

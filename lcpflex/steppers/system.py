@@ -105,16 +105,24 @@ class System:
         """An empty tape."""
         # of contacts that give way, too, a depth is no penetration
         table = contact_table(table_capacity, self.n_surfaces, self.by_law or self.soft, ALL)
-        thin, sway = self._thin()
-        return tape(len(self.q), self.n_laws, RECORD_CAPACITY, spots, table, self.margin, thin, sway)
-
-    def _thin(self) -> tuple[FloatArray, FloatArray]:
-        """What bodies may pass through in a step, and how far a mode moves their surfaces, as a tape takes it."""
         contacts = self.model.contacts
-        thickness = pass_thickness(contacts)
-        thin = np.array([thickness.min(initial=np.inf), farthest(contacts, self.model.points), *thickness])
+        return tape(
+            len(self.q),
+            self.n_laws,
+            RECORD_CAPACITY,
+            spots,
+            table,
+            self.margin,
+            pass_thickness(contacts),
+            farthest(contacts, self.model.points),
+            self._sway(),
+        )
+
+    def _sway(self) -> FloatArray:
+        """How far a mode moves the surfaces of each body."""
+        contacts = self.model.contacts
         sway = np.zeros(max(1, len(self.model.bodies.mass)))
         for body, shapes in zip(contacts.surface_body, contacts.surface_sway, strict=True):
             if body >= 0:
                 sway[body] = max(sway[body], shapes.max(initial=0.0))
-        return thin, sway
+        return sway

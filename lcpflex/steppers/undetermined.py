@@ -29,10 +29,10 @@ OUTSIDE = 1e-9  # of the largest impulse: by so much an impulse may be outside o
 @kernel
 def contact_velocity(work: Workspace, r: int) -> float:
     """Velocity of contact row r after the step; 0 where it is rounding."""
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     total = work.bc[r]
     size = abs(total)
-    for s in range(work.step_size[1] + work.step_size[2]):
+    for s in range(work.n_contacts + work.n_tangents):
         part = work.Gc[r, s] * work.p[n_joint + s]
         total += part
         size += abs(part)
@@ -46,14 +46,14 @@ def list_unknowns(work: Workspace) -> int:
     Unknown i is that of contact row basis[i] and, times bias[i] (sliding friction), of row basis[half + i]. A contact
     that sticks has two in a row, normal and tangential.
     """
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     half = 2 * len(work.mu)
     count = 0
     j = 0
     for k in range(n):
         tangent = -1
-        if j < work.step_size[2] and work.tangent[j] == k:
+        if j < work.n_tangents and work.tangent[j] == k:
             tangent = n + j
             j += 1
         normal = work.p[n_joint + k]
@@ -138,7 +138,7 @@ def take_off(rows: FloatArray, found: int, x: FloatArray, count: int) -> None:
 @kernel
 def to_cones(work: Workspace, count: int, x: FloatArray) -> float:
     """Nearest impulses that contacts may have; returns by how much the farthest was moved."""
-    n = work.step_size[1]
+    n = work.n_contacts
     moved = 0.0
     for i in range(count):
         if work.basis[i] >= n:
@@ -166,8 +166,8 @@ def least_impulses(work: Workspace) -> None:
 
     Uses the memory of the solver, which begins each step anew, and the Delassus operator of all rows.
     """
-    n_joint = work.step_size[0]
-    if work.step_size[1] < 2:
+    n_joint = work.n_joint
+    if work.n_contacts < 2:
         return
     count = list_unknowns(work)
     free = null_vectors(work, count)

@@ -16,7 +16,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.adaptive import Backup
 from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
-from lcpflex.steppers.recorder import FARTHEST, Tape
+from lcpflex.steppers.recorder import Tape
 
 __all__ = ["closed_pairs", "first_unmet"]
 
@@ -144,22 +144,22 @@ def closing_share(
 def carried(work: Workspace, key: int) -> bool:
     """Whether the last problem gave the pair an impulse. One that it had without may have been on the way out."""
     found = False
-    for i in range(work.step_size[1]):
-        found = found or (work.table.key[i] == key and work.p[work.step_size[0] + i] > 0.0)
+    for i in range(work.n_contacts):
+        found = found or (work.table.key[i] == key and work.p[work.n_joint + i] > 0.0)
     return found
 
 
 @kernel
 def met(work: Workspace, laws: LawContacts, table: ContactTable, k: int, gap: float, dip: float) -> bool:
     """Whether the slave of entry k carried something no less deep in another feature; or force laws found it."""
-    for i in range(work.step_size[1]):
-        if work.p[work.step_size[0] + i] <= 0.0:
+    for i in range(work.n_contacts):
+        if work.p[work.n_joint + i] <= 0.0:
             continue
         same = work.table.law[i] == table.law[k] and work.table.slave[i] == table.slave[k]
         if same and gap > min(work.table.gap[i], 0.0) - dip:
             return True
     if len(laws.friction) > 0:
-        for i in range(laws.found[0]):
+        for i in range(laws.n_touching):
             if laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k]:
                 return True
     return False
@@ -174,7 +174,7 @@ def fastest(model: Model, u: FloatArray, tape: Tape) -> float:
         modal = 0.0
         for m in range(d + 3, model.bodies.dof[b + 1]):
             modal += abs(u[m])
-        speed = math.hypot(u[d], u[d + 1]) + tape.thin[FARTHEST] * abs(u[d + 2]) + tape.sway[b] * modal
+        speed = math.hypot(u[d], u[d + 1]) + tape.farthest * abs(u[d + 2]) + tape.sway[b] * modal
         largest = max(largest, speed)
     return largest
 
@@ -251,7 +251,7 @@ def closed_pairs(
         rate = gap_rate(model, q, u, table, k)
         pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k)))
         held = False
-        for i in range(work.step_size[1]):
+        for i in range(work.n_contacts):
             held = held or work.table.key[i] == table.key[k]
         if not held:
             approach = max(approach, -rate)

@@ -22,7 +22,7 @@ __all__ = ["Wedged", "parts"]
 
 def parts(work: Workspace, z: FloatArray) -> tuple[float, float, float]:
     """Of the residual of z (m,) for the problem posed in ``work``: what is left, its terms, its load."""
-    m = int(work.step_size[3])
+    m = int(work.lcp_size)
     measure(work)
     with np.errstate(all="ignore"):  # what is not finite is judged so
         worst, size, load = residual_parts(work.alike, work.load, z[:m] / work.units[:m], m)
@@ -54,7 +54,7 @@ class Wedged:
         """Count the problem in ``work``, of the step or instant that begins at time ``at`` [s]."""
         if self.count == 0:
             self.first = at
-            self.laws = sorted({int(law) for law in work.table.law[: int(work.step_size[1])]})
+            self.laws = sorted({int(law) for law in work.table.law[: int(work.n_contacts)]})
         if at != self.last:
             self.count, self.last = self.count + 1, at
 

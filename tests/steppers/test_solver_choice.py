@@ -11,9 +11,6 @@ import pytest
 import lcpflex as lf
 from lcpflex.dynamics.impulse import (
     AUTO,
-    KNOWN,
-    METHOD,
-    REMEMBERED,
     SOLUTION_KNOWN,
     recall_basis,
     remember_basis,
@@ -50,19 +47,19 @@ def test_auto_and_lemke_give_the_same_motion(name: str) -> None:
 
 def test_the_last_basis_solves_the_next_problem_at_once() -> None:
     work, _ = stack_memory()
-    m = int(work.step_size[3])
-    assert work.solving[METHOD] == AUTO
-    assert work.solving[REMEMBERED] == work.step_size[1] > 10
+    m = int(work.lcp_size)
+    assert work.method == AUTO
+    assert work.n_remembered == work.n_contacts > 10
     recall_basis(work)
     assert solve_lcp(work) == 0
-    assert work.certificate[1] == 1  # one linear solve
+    assert work.pivots == 1  # one linear solve
     assert solve_lcp(work) == 0  # what is known counts once: this one starts cold
-    assert work.certificate[1] > m / 3
+    assert work.pivots > m / 3
 
 
 def test_a_basis_follows_its_contact_to_another_place() -> None:
     work, _ = stack_memory()
-    n, n_tangent = int(work.step_size[1]), int(work.step_size[2])
+    n, n_tangent = int(work.n_contacts), int(work.n_tangents)
     keys = work.table.key[:n].copy()
     basis = np.arange(n + 2 * n_tangent) % 2
     work.basis[: len(basis)] = basis
@@ -79,10 +76,10 @@ def test_a_basis_follows_its_contact_to_another_place() -> None:
 def test_a_problem_that_the_compiled_part_cannot_solve_goes_down_the_chain() -> None:
     work, _ = stack_memory()
     work.M[:3, :3], work.q[:3] = HARD.M, HARD.q
-    work.step_size[1:4] = (3, 1, 3)
+    work.n_contacts, work.n_tangents, work.lcp_size = 3, 1, 3
     assert solve_lcp(work) != 0
     assert Rescue(lf.Auto(), 1e-9)(work, 0.0)
-    assert work.solving[KNOWN] == SOLUTION_KNOWN
+    assert work.known == SOLUTION_KNOWN
     assert solve_lcp(work) == 0
     assert work.z[:3] == pytest.approx([0.0, 0.0, 0.5], abs=1e-12)
     work.z[:3] = 0.0  # no answer
@@ -121,22 +118,22 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
 def test_the_posed_problem_is_the_one_in_memory() -> None:
     work, _ = stack_memory()
     problem = posed_problem(work)
-    m = int(work.step_size[3])
+    m = int(work.lcp_size)
     assert isinstance(problem, ContactProblem)
-    assert problem.friction == pytest.approx(np.full(int(work.step_size[1]), 0.5), abs=0.0)
+    assert problem.friction == pytest.approx(np.full(int(work.n_contacts), 0.5), abs=0.0)
     assert np.array_equal(problem.lcp().M, work.M[:m, :m])
     assert np.array_equal(problem.lcp().q, work.q[:m])
 
 
 def test_a_problem_on_index_sets_is_read_off_its_matrix() -> None:
     work, _ = stack_memory()
-    n = int(work.step_size[1])
+    n = int(work.n_contacts)
     A = np.array([[2.0, 0.3, 0.1], [0.2, 3.0, 0.4], [0.1, 0.5, 5.0]])  # contact 0 slides, contact 1 may stick
     posed = ContactProblem(A, [1.0, 2.0, 3.0], [0.0, 0.7])
     lcp = posed.lcp()
     assert n > 2
     work.M[:4, :4], work.q[:4] = lcp.M, lcp.q
-    work.step_size[1:4] = (2, 2, 4)
+    work.n_contacts, work.n_tangents, work.lcp_size = 2, 2, 4
     problem = posed_problem(work)
     assert isinstance(problem, ContactProblem)
     assert problem.delassus == pytest.approx(A, abs=1e-15)

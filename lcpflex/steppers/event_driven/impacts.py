@@ -62,10 +62,10 @@ CHAIN = 1000  # impacts of single contacts at one instant, after which they are 
 @kernel
 def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     base = 2 * len(u)
-    for r in range(n_joint + n + work.step_size[2]):
+    for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
             continue
@@ -79,7 +79,7 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
         part = 0
         if r < n_joint + n:
             k = r - n_joint
-            tape.sums[1] -= done
+            tape.counts.lost_impacts -= done
         else:
             k = work.tangent[r - n_joint - n]
             part = 1
@@ -98,7 +98,7 @@ def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u
     """Keep those contacts in the table that do not leave, by the rows laid."""
     kept = 0
     for k in range(memory.number[FOUND]):
-        if row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u) <= settings.velocity_threshold:
+        if row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u) <= settings.velocity_threshold:
             copy_entry(work.table, k, work.table, kept)
             kept += 1
     memory.number[FOUND] = kept
@@ -137,7 +137,7 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
     lowest = 0.0
     coupled = False
     for k in range(n):
-        v = row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u)
+        v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u)
         if guarded and k > 0 and abs(v - memory.approach[k]) > 1e-3 * threshold:
             coupled = coupled or min(v, memory.approach[k]) < -threshold
         if in_turn and k > 0:
@@ -204,13 +204,13 @@ def strike_by_energy(
     model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray
 ) -> int:
     """Impact of the only contact laid, by Stronge's law."""
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     gnt = 0.0
     gtt = 0.0
     v_t = 0.0
     mu = 0.0
     v_n = min(work.bc[0], 0.0)
-    if work.step_size[2] > 0:
+    if work.n_tangents > 0:
         gnt = work.Gc[0, 1]
         gtt = work.Gc[1, 1]
         v_t = work.bc[1]
@@ -221,7 +221,7 @@ def strike_by_energy(
     count = energetic_segments(work.Gc[0, 0], gnt, gtt, v_n, v_t, mu, e, memory.segments)
     if count < 0:
         return UNSOLVED
-    total = n_joint + 1 + work.step_size[2]
+    total = n_joint + 1 + work.n_tangents
     for i in range(count):
         lay_impulse(work, memory.segments[i, 0], memory.segments[i, 1])
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
@@ -245,7 +245,7 @@ def compressed(model: Model, settings: EventSettings, work: Workspace, memory: E
     if settings.law != POISSON or number[STAGE] == EXPANDING or without_restitution(memory):
         return False
     gives = False
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         memory.least[k] = model.contacts.restitution[work.table.law[k]] * work.normal[k]
         gives = gives or memory.least[k] > 0.0
     return gives
@@ -297,14 +297,14 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
             work.q[k] -= settings.velocity_threshold  # an approach assumed where there is none
     status = solve_lcp(work)
     memory.clock[DETAIL] = status
-    if status != 0 or not work.certificate[0] <= settings.tolerance:
+    if status != 0 or not work.certified <= settings.tolerance:
         return UNSOLVED
     note_certificate(work, tape)
     if number[STAGE] == EXPANDING:
         for k in range(n):
             work.z[k] += memory.least[k]
     distribute(work)
-    apply_impulses(work.solved, work.row_body, 0, work.step_size[0] + n + work.step_size[2], work.p, work.dof, u)
+    apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
     account(work, memory, tape, u)
     if compressed(model, settings, work, memory):
         number[STAGE] = EXPANDING

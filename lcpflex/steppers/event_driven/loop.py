@@ -78,29 +78,29 @@ def record(
     u = y[ndof : 2 * ndof]
     slope(model, t, y, work, memory, memory.slope)
     n = memory.number[CONTACTS]
-    spots = n + work.laws.found[0]
-    if tape.filled[0] >= len(tape.times) or (tape.filled[1] + spots > len(tape.spots) and tape.filled[1] > 0):
+    spots = n + work.laws.n_touching
+    if tape.n_instants >= len(tape.times) or (tape.n_points + spots > len(tape.spots) and tape.n_points > 0):
         return TAPE_FULL
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key) or spots > len(tape.spots):
         memory.clock[DETAIL] = max(needed, spots)
         return GROW_TAPE
     base = 2 * ndof
-    tape.sums[0] = y[base]
-    tape.sums[2] = y[base + 1]
-    tape.sums[3] = y[base + 2]
-    row = tape.filled[0]
+    tape.counts.lost_friction = y[base]
+    tape.counts.lost_damping = y[base + 1]
+    tape.counts.supplied = y[base + 2]
+    row = tape.n_instants
     for law in range(len(tape.total_impulse)):
         tape.total_impulse[law, 0] = y[base + 3 + 2 * law]
         tape.total_impulse[law, 1] = y[base + 4 + 2 * law]
         if tape.gap[row, law] < 0.0 and (len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED):
-            tape.worst[1] = max(tape.worst[1], -tape.gap[row, law])
+            tape.counts.worst_penetration = max(tape.counts.worst_penetration, -tape.gap[row, law])
     for k in range(n):
-        r = work.step_size[0] + k
+        r = work.n_joint + k
         force_t = 0.0
         state = STICK if memory.sets.mode[k] == STICKING else SLIP
         if memory.sets.mode[k] != SMOOTH:
-            tangent = work.step_size[0] + n + memory.sets.tangent_of[k]
+            tangent = work.n_joint + n + memory.sets.tangent_of[k]
             force_t = work.p[tangent]
             slip = row_velocity(work.rows, work.row_body, tangent, work.dof, u)
             if abs(slip) <= settings.slip_threshold:
@@ -109,7 +109,7 @@ def record(
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
     note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored[0], potential)
+    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored, potential)
     return DONE
 
 
@@ -166,8 +166,8 @@ def close_step(settings: EventSettings, memory: EventMemory) -> None:
 @kernel
 def count_impulses(work: Workspace, memory: EventMemory) -> None:
     """Add the impulses of a projection of velocities: what drift, and approach below the threshold, have cost."""
-    first = work.step_size[0]
-    n = work.step_size[1]
+    first = work.n_joint
+    n = work.n_contacts
     base = 2 * len(memory.u) + 3
     for k in range(memory.number[CONTACTS]):
         law = base + 2 * work.table.law[k]
@@ -266,8 +266,8 @@ def advance(
             elif phase == SETTLING:
                 note_changes(work, memory)
                 if number[STORED] == 0 and number[HITS] == 0:  # the state before was no other
-                    tape.filled[0] = 0
-                    tape.filled[1] = 0
+                    tape.n_instants = 0
+                    tape.n_points = 0
             else:
                 if number[EVENTS] >= EVENT_CAPACITY:
                     return EVENTS_FULL
@@ -284,8 +284,8 @@ def advance(
             if phase != GATHERING:
                 count_impulses(work, memory)
             if phase == CLOSING_STEP:
-                tape.worst[1] = max(tape.worst[1], gap_drift)
-                tape.worst[2] = max(tape.worst[2], joint_drift)
+                tape.counts.worst_penetration = max(tape.counts.worst_penetration, gap_drift)
+                tape.counts.worst_drift = max(tape.counts.worst_drift, joint_drift)
                 if not take_note(model, clock[TIME], q, u, work):
                     return OUT_OF_RANGE
             number[PHASE] = next_phase(memory)

@@ -67,7 +67,7 @@ def add_laws(laws: LawContacts, u: FloatArray, base: int, out: FloatArray) -> No
         power = laws.friction[i] * u[i]
         out[base] -= power
         out[base + 1] += power
-    for k in range(laws.found[0]):
+    for k in range(laws.n_touching):
         for c in range(2):
             out[base + 3 + 2 * laws.table.law[k] + c] += laws.p[k, c]
 
@@ -89,7 +89,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
         out[ndof + i] = work.free_u[i]
         out[base + 1] -= work.dissipative[i] * u[i]
         out[base + 2] += work.driving[i] * u[i]
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     for r in range(n_joint):
         if work.rate[r] != 0.0:
             out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
@@ -109,7 +109,7 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
     """Watched functions of all maintained contacts, after ``slope`` at the same state."""
     ndof = len(memory.u)
     u = y[ndof : 2 * ndof]
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     n = memory.number[CONTACTS]
     memory.force[0] = 0.0
     for k in range(n):

@@ -97,7 +97,7 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
         tangent = memory.sets.tangent_of[k]
         memory.sets.mode[k] = SMOOTH
         if tangent >= 0:
-            slip = row_velocity(work.rows, work.row_body, work.step_size[0] + n + tangent, work.dof, u)
+            slip = row_velocity(work.rows, work.row_body, work.n_joint + n + tangent, work.dof, u)
             memory.clock[FASTEST] = max(memory.clock[FASTEST], abs(slip))
             if abs(slip) <= settings.slip_threshold:
                 memory.sets.mode[k] = STICKING
@@ -186,10 +186,10 @@ def difference(n: int, work: Workspace, sets: ContactSets, a: FloatArray, b: Flo
             d[n + tangent] = -sliding_sign(sets.mode[k]) * work.mu[k] * d[k]
     far = 0.0
     size = 0.0
-    for r in range(n + work.step_size[2]):
+    for r in range(n + work.n_tangents):
         change = 0.0
         terms = 0.0
-        for c in range(n + work.step_size[2]):
+        for c in range(n + work.n_tangents):
             change += work.Gc[r, c] * d[c]
             terms += abs(work.Gc[r, c] * d[c])
         far = max(far, abs(change))
@@ -200,8 +200,8 @@ def difference(n: int, work: Workspace, sets: ContactSets, a: FloatArray, b: Flo
 @kernel
 def several_motions(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """Whether the LCP of the sets admits different accelerations; False for what is too large to be tested."""
-    m = work.step_size[3]
-    if m > TESTED or work.step_size[2] == 0:
+    m = work.lcp_size
+    if m > TESTED or work.n_tangents == 0:
         return False
     measure(work)
     kept, _ = enumerate_active_sets(
@@ -245,7 +245,7 @@ def still_approach(n: int, settings: EventSettings, work: Workspace, memory: Eve
         largest = max(largest, work.z[k])
     for k in range(n):
         if work.z[k] <= CARRIES * largest:
-            v = row_velocity(work.rows, work.row_body, work.step_size[0] + k, work.dof, u)
+            v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u)
             if v < -SLOWEST * settings.velocity_threshold:
                 return True
     return False
@@ -269,7 +269,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         n_stick = pose_sets(work, memory.sets)
         status = solve_lcp(work)
         memory.clock[DETAIL] = status
-        if status != 0 or not work.certificate[0] <= settings.tolerance:
+        if status != 0 or not work.certified <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
         if memory.number[STOPPING] == 0 and still_approach(n, settings, work, memory, u):

@@ -10,15 +10,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.contact.detection import ContactTable
-from lcpflex.dynamics.acceleration import ContactSets
 from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
-from lcpflex.dynamics.impulse import METHOD
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
+from lcpflex.jit.struct import copy_parts
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
@@ -112,7 +109,7 @@ class EventDrivenRun:
         self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
-        self._work.solving[METHOD] = solver_method(stepper.solver)
+        self._work.method = solver_method(stepper.solver)
         self._memory = event_memory(system, 16, 64)
         self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.clock[LAST_EVENT] = -math.inf
@@ -222,7 +219,7 @@ class EventDrivenRun:
         number, work = self._memory.number, self._work
         if number[PHASE] != CHOOSING or number[NUDGES] >= MOST_JAMS:
             return False
-        if work.step_size[3] <= MOST_TRIED:  # is there really none?
+        if work.lcp_size <= MOST_TRIED:  # is there really none?
             solution = Enumeration().solve(posed_lcp(work))
             if solution.solved:
                 put_solution(work, solution)
@@ -262,20 +259,14 @@ class EventDrivenRun:
         old_work, old = self._work, self._memory
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
         self._work = self.system.workspace(capacity, old_work.laws)
-        self._work.solving[:] = old_work.solving
+        self._work.method, self._work.n_remembered = old_work.method, old_work.n_remembered
+        self._work.known = old_work.known
         new = event_memory(self.system, capacity, near)
-        _copy(old_work.table, self._work.table, ContactTable._fields)
-        _copy(old.sets, new.sets, ContactSets._fields)
+        copy_parts(old_work.table, self._work.table)
+        copy_parts(old.sets, new.sets)
         for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)
         self._memory = new
-
-
-def _copy(old: Any, new: Any, fields: tuple[str, ...]) -> None:
-    """Entries of one table of arrays into the first ones of a larger one."""
-    for name in fields:
-        source = getattr(old, name)
-        getattr(new, name)[tuple(slice(size) for size in source.shape)] = source
 
 
 # what of the memory goes on as it is where tables grow

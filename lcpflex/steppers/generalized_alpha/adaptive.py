@@ -10,11 +10,12 @@ import math
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.instants import at_stop
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import copy_parts
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
@@ -85,8 +86,8 @@ FRESH, LONG, FIRST, SECOND, ALONE = 0.0, 1.0, 2.0, 3.0, 4.0  # clock[PART]
 @kernel
 def copy_held(source: Held, target: Held) -> None:
     """One list of contacts becomes another."""
-    target.filled[0] = source.filled[0]
-    for i in range(source.filled[0]):
+    target.count = source.count
+    for i in range(source.count):
         copy_entry(source.table, i, target.table, i)
         target.mode[i] = source.mode[i]
         target.load[i, 0] = source.load[i, 0]
@@ -221,7 +222,7 @@ def advance_adaptive(
             t = clock[TIME]
             ended = t >= limits.duration
             if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
-                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
                 clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
                 if clock[DETAIL] > len(tape.table.key):
@@ -244,7 +245,7 @@ def advance_adaptive(
             recall_basis(work)
         clock[DETAIL] = solve_lcp(work)
         status = AGAIN
-        if clock[DETAIL] != 0 or not work.certificate[0] <= settings.tolerance:
+        if clock[DETAIL] != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             status = SOLVER_FAILED
@@ -309,7 +310,7 @@ class ControlledGeneralizedAlpha:
     def __init__(self, system: System, settings: AlphaSettings, limits: Limits, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.solving[METHOD] = solver_method(solver)
+        self.work.method = solver_method(solver)
         self.clock = np.zeros(ENTRIES + 3)
         first = min(max(settings.step, limits.shortest), limits.longest)
         self.clock[STEP] = self.clock[RECENT] = self.clock[SCALED] = first
@@ -351,9 +352,7 @@ class ControlledGeneralizedAlpha:
         self._memory = larger(self._system, self._memory, contacts)
         self._kept_memory = larger(self._system, self._kept_memory, contacts)
         kept = backup(self._system, contacts)
-        for name in Backup._fields:
-            source = getattr(self._kept, name)
-            getattr(kept, name)[tuple(slice(size) for size in source.shape)] = source
+        copy_parts(self._kept, kept)
         self._kept = kept
 
     def trouble(self, status: int, time: float) -> str:

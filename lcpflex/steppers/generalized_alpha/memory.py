@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, copy_parts, pack, struct
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
@@ -22,13 +22,14 @@ NOW, NEXT, RECURSIVE = range(3)  # the last: what the acceleration a of the sche
 FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
 
-class Held(NamedTuple):
+@struct
+class Held:
     """Contacts that carry something, with what they carry."""
 
     table: ContactTable
-    filled: IntArray  # (1,) how many
-    load: FloatArray  # (capacity, 2) normal and tangential
-    mode: IntArray  # (capacity,) of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
+    count: int
+    load: FloatArray = array("contacts", 2)  # normal and tangential
+    mode: IntArray = array("contacts")  # of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
 
 
 class AlphaMemory(NamedTuple):
@@ -55,14 +56,9 @@ class AlphaMemory(NamedTuple):
     number: IntArray  # (7,)
 
 
-NESTED: dict[str, Any] = {"sets": ContactSets, "resting": Held, "pressed": Held, "table": ContactTable}
-
-
 def held(system: System, capacity: int) -> Held:
     """An empty list of contacts."""
-    table = system.table(capacity)
-    filled, mode = np.zeros(1, dtype=np.int64), np.zeros(capacity, dtype=np.int64)
-    return pack(Held(table, filled, np.zeros((capacity, 2)), mode))
+    return allocate(Held, {"contacts": capacity}, table=system.table(capacity))
 
 
 def alpha_memory(system: System, capacity: int) -> AlphaMemory:
@@ -95,17 +91,8 @@ def alpha_memory(system: System, capacity: int) -> AlphaMemory:
 def larger(system: System, old: AlphaMemory, capacity: int) -> AlphaMemory:
     """The same content with room for ``capacity`` contacts."""
     new = alpha_memory(system, capacity)
-    _copy(old, new)
+    copy_parts(old, new)
     return new
-
-
-def _copy(old: Any, new: Any, fields: tuple[str, ...] = AlphaMemory._fields) -> None:
-    for name in fields:
-        source, target = getattr(old, name), getattr(new, name)
-        if isinstance(source, np.ndarray):
-            target[tuple(slice(size) for size in source.shape)] = source
-        else:
-            _copy(source, target, NESTED[name]._fields)
 
 
 @kernel
@@ -114,10 +101,10 @@ def match(table: ContactTable, k: int, held: Held) -> int:
 
     The same pair of slave and feature, or the same slave where it has passed from one feature of a surface to the next.
     """
-    for i in range(held.filled[0]):
+    for i in range(held.count):
         if held.table.key[i] == table.key[k]:
             return i
-    for i in range(held.filled[0]):
+    for i in range(held.count):
         if held.table.law[i] == table.law[k] and held.table.slave[i] == table.slave[k]:
             return i
     return -1
@@ -126,9 +113,9 @@ def match(table: ContactTable, k: int, held: Held) -> int:
 @kernel
 def hold(table: ContactTable, k: int, normal: float, tangential: float, mode: int, held: Held) -> None:
     """Add entry k of the table with its load."""
-    i = held.filled[0]
+    i = held.count
     copy_entry(table, k, held.table, i)
     held.load[i, 0] = normal
     held.load[i, 1] = tangential
     held.mode[i] = mode
-    held.filled[0] = i + 1
+    held.count = i + 1

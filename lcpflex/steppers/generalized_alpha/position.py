@@ -41,9 +41,9 @@ def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memor
     """Closed pairs at the present configuration, and those that carried something in the last pass; their number."""
     n = detect(model, memory.q_new, settings.gap_tolerance, work.table)
     pressed = memory.pressed
-    if n + pressed.filled[0] > len(work.table.key):
-        return n + pressed.filled[0]
-    for i in range(pressed.filled[0]):
+    if n + pressed.count > len(work.table.key):
+        return n + pressed.count
+    for i in range(pressed.count):
         memory.matched[i] = 0
     near = n
     for k in range(near):
@@ -52,7 +52,7 @@ def gather_pressed(model: Model, settings: AlphaSettings, work: Workspace, memor
         if i >= 0 and memory.matched[i] == 0:
             memory.total[k] = pressed.load[i, 0]
             memory.matched[i] = 1
-    for i in range(pressed.filled[0]):
+    for i in range(pressed.count):
         if memory.matched[i] == 0:
             copy_entry(pressed.table, i, work.table, n)
             refresh(model, memory.q_new, work.table, n)
@@ -103,8 +103,8 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
     h = settings.step
     scale = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
     lay(model, t, scale / h, scale, n, work, memory)
-    n_joint = work.step_size[0]
-    work.step_size[2] = 0
+    n_joint = work.n_joint
+    work.n_tangents = 0
     for r in range(n_joint):
         work.free[r] = work.residual[r] / h
     for k in range(n):
@@ -115,7 +115,7 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
         for c in range(n):
             work.M[k, c] = work.Gc[k, c]
             work.q[k] -= work.Gc[k, c] * memory.total[c]
-    work.step_size[3] = n
+    work.lcp_size = n
     memory.number[WARM] = 1
     return n
 
@@ -123,8 +123,8 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
 @kernel
 def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
     """Move the configuration; what that does to the energy of bodies that have just met counts as loss by impact."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     meet = False
     for k in range(n):
         work.p[n_joint + k] = work.z[k] - memory.total[k]
@@ -132,7 +132,7 @@ def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memor
     joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
     for r in range(n_joint + n):
         work.p[r] *= settings.step
-    memory.pressed.filled[0] = 0
+    memory.pressed.count = 0
     for k in range(n):
         if work.z[k] > 0.0:
             hold(work.table, k, work.z[k], 0.0, FRICTIONLESS, memory.pressed)
@@ -140,7 +140,7 @@ def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memor
     for _ in range(2 if meet else 1):
         if meet:
             kinetic, elastic, potential = energies(model, memory.q_new, memory.v_new, work)
-            tape.sums[1] += sign * (kinetic + elastic + potential)
+            tape.counts.lost_impacts += sign * (kinetic + elastic + potential)
         if sign > 0.0:
             apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, memory.q_new)
         sign = -1.0

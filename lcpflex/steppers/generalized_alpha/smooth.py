@@ -141,9 +141,9 @@ def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Wo
         refresh(model, q, work.table, k)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = n_tangent
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = n_tangent
     return n_tangent
 
 
@@ -177,7 +177,7 @@ def pose_smooth(
     alpha_c = h * settings.gamma * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
     alpha_k = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
     n_tangent = lay(model, t + h, alpha_c, alpha_k, n, work, memory)
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     forces(model, t + h, memory.q_new, memory.v_new, work)
     contact_biases(model, memory.q_new, memory.v_new, n, n_tangent, n_joint, work)
     multiply(model, memory.q_new, memory.w_new, work, memory.push)
@@ -202,10 +202,10 @@ def pose_smooth(
 def spread_forces(work: Workspace, memory: AlphaMemory) -> None:
     """Forces p of all rows from the solution on the index sets."""
     sets = memory.sets
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     n_stick = sets.level[1]
-    total = n_joint + n + work.step_size[2]
+    total = n_joint + n + work.n_tangents
     split_friction_solution(work.z, work.mu, sets.stick, n, n_stick, work.normal, work.tangential)
     for k in range(n):
         work.p[n_joint + k] = work.normal[k]
@@ -230,12 +230,12 @@ def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
 @kernel
 def note_smooth(work: Workspace, memory: AlphaMemory, when: int) -> None:
     """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     working = memory.working[when]
     law_force = memory.law_force[when]
     law_force[:, :] = 0.0
-    memory.resting.filled[0] = 0
+    memory.resting.count = 0
     for i in range(len(memory.v_new)):
         working[FRICTION, i] = 0.0
         working[NORMAL, i] = 0.0
@@ -266,7 +266,7 @@ def settled(h: float, work: Workspace, memory: AlphaMemory) -> bool:
     largest = 0.0
     for i in range(len(memory.w)):
         largest = max(largest, abs(work.free_u[i]))
-    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     change = 0.0
     for i in range(len(memory.w)):
@@ -308,7 +308,7 @@ def apply_smooth(
         return
     note_smooth(work, memory, NEXT)
     memory.number[PHASE] = POSITION
-    memory.pressed.filled[0] = 0
+    memory.pressed.count = 0
     resting = memory.resting
-    for i in range(resting.filled[0]):
+    for i in range(resting.count):
         hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], memory.pressed)

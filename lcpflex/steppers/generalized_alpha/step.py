@@ -23,7 +23,9 @@ from lcpflex.steppers.generalized_alpha.memory import (
     DAMPING,
     DRIVE,
     FOUND,
+    FRICTION,
     NEXT,
+    NORMAL,
     NOW,
     NUMERICAL,
     PASS,
@@ -99,7 +101,7 @@ def pose_velocity(
     n = memory.number[FOUND]
     n_tangent = lay(model, t, 0.0, 0.0, n, work, memory)
     memory.value[NUMERICAL] = numerical_damping(model, settings, u, work, memory)
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     total = n_joint + n + n_tangent
     h = settings.step
     for i in range(len(u)):
@@ -136,7 +138,7 @@ def pose_velocity(
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
     condense_rows(work)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
-    work.step_size[3] = n + 2 * n_tangent
+    work.lcp_size = n + 2 * n_tangent
     memory.number[WARM] = 1
 
 
@@ -158,24 +160,32 @@ def accrue_impulse(settings: AlphaSettings, memory: AlphaMemory, tape: Tape) -> 
 
 
 @kernel
+def mean_power(memory: AlphaMemory, kind: int, u: FloatArray) -> float:
+    """Four times the mean power of the smooth forces of a kind over a step from the velocity u."""
+    done = 0.0
+    for i in range(len(u)):
+        force = memory.working[NOW, kind, i] + memory.working[NEXT, kind, i]
+        done += force * (u[i] + memory.v_new[i])
+    return done
+
+
+@kernel
 def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
     """Add the step's work by kind and its impulses to the tape: mean forces, or impulses, times mean velocities.
 
     ``work.free_u`` holds u+; ``work.p`` the whole impulses, of which h lambda belong to the smooth motion.
     """
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     h = settings.step
-    for kind in range(4):
-        done = 0.0
-        for i in range(len(u)):
-            force = memory.working[NOW, kind, i] + memory.working[NEXT, kind, i]
-            done += force * (u[i] + memory.v_new[i])
-        tape.sums[kind] += 0.25 * h * (done if kind == DRIVE else -done)
-    tape.sums[DAMPING] += memory.value[NUMERICAL]
+    tape.counts.lost_friction -= 0.25 * h * mean_power(memory, FRICTION, u)
+    tape.counts.lost_impacts -= 0.25 * h * mean_power(memory, NORMAL, u)
+    tape.counts.lost_damping -= 0.25 * h * mean_power(memory, DAMPING, u)
+    tape.counts.supplied += 0.25 * h * mean_power(memory, DRIVE, u)
+    tape.counts.lost_damping += memory.value[NUMERICAL]
     accrue_impulse(settings, memory, tape)
     gained = 0.0
-    for r in range(n_joint + n + work.step_size[2]):
+    for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         part = 1
         k = -1
@@ -190,18 +200,21 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
         done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, work.free_u))
         if k >= 0:
             gained += done
-            tape.sums[part] -= done
+            if part == 0:
+                tape.counts.lost_friction -= done
+            else:
+                tape.counts.lost_impacts -= done
             tape.total_impulse[work.table.law[k], 1 - part] += p
         elif work.rate[r] != 0.0:
-            tape.sums[3] += done
+            tape.counts.supplied += done
     note_gain(tape, t, gained)
 
 
 @kernel
 def broken(settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> bool:
     """Whether the acceleration jumps at the end of the step: a contact closed, opened, or changed its slip."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     kept = 0
     for k in range(n):
         i = memory.matched[k]
@@ -210,9 +223,9 @@ def broken(settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> boo
             return True
         if carries:
             kept += 1
-    if kept != memory.resting.filled[0]:
+    if kept != memory.resting.count:
         return True
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         i = memory.matched[work.tangent[j]]
         if i >= 0 and memory.resting.mode[i] != STICKING:
             slip = row_velocity(work.rows, work.row_body, n_joint + n + j, work.dof, work.free_u)
@@ -228,14 +241,14 @@ def apply_velocity(
     """The state at the end of the step, in place. False where it is not finite."""
     keep_doubtful(work, t)
     distribute(work)
-    n_joint = work.step_size[0]
-    total = n_joint + work.step_size[1] + work.step_size[2]
+    n_joint = work.n_joint
+    total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(settings, t, u, work, memory, tape)
     for r in range(n_joint):
-        tape.worst[2] = max(tape.worst[2], abs(work.residual[r]))
-    for k in range(work.step_size[1]):
-        tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
+        tape.counts.worst_drift = max(tape.counts.worst_drift, abs(work.residual[r]))
+    for k in range(work.n_contacts):
+        tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
     jumps = broken(settings, work, memory)
     finite = True
     for i in range(len(q)):

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
-from lcpflex.dynamics.impulse import METHOD, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
@@ -106,7 +106,7 @@ def advance(
         t = start + clock[0] * settings.step
         if memory.number[BETWEEN] == 1:
             if clock[0] % stride == 0 and clock[2] != clock[0]:
-                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
                 clock[1] = record(model, settings.step, t, q, u, work, tape)
                 if clock[1] > len(tape.table.key):
@@ -121,7 +121,7 @@ def advance(
         if memory.number[WARM] == 1:
             recall_basis(work)
         clock[1] = solve_lcp(work)
-        if clock[1] != 0 or not work.certificate[0] <= settings.tolerance:
+        if clock[1] != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             return SOLVER_FAILED
@@ -145,7 +145,7 @@ class GeneralizedAlphaScheme:
     def __init__(self, system: System, settings: AlphaSettings, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.solving[METHOD] = solver_method(solver)
+        self.work.method = solver_method(solver)
         self.clock = np.array([0.0, 0.0, -1.0])
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()

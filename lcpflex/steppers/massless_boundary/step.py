@@ -116,7 +116,7 @@ def accelerate(model: Model, t: float, h: float, boundary: Boundary, work: Works
         for k in range(work.dof[b] + 3, work.dof[b + 1]):
             a[k] += model.bodies.damping[k - 3 * (b + 1)] * (guess[k] - work.free_u[k])
     n_joint = len(work.residual)
-    total = n_joint + work.step_size[1] + work.step_size[2]
+    total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.rows, work.row_body, n_joint, total, work.p, work.dof, a)
     for i in range(len(a)):
         if boundary.flexibility[i] > 0.0:
@@ -135,20 +135,20 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
     for i in range(len(u)):
         lost -= work.dissipative[i] * u[i]
         drives += work.driving[i] * u[i]
-    tape.sums[2] += 0.5 * h * (boundary.power[0] + lost)
-    tape.sums[3] += 0.5 * h * (boundary.power[1] + drives)
+    tape.counts.lost_damping += 0.5 * h * (boundary.power[0] + lost)
+    tape.counts.supplied += 0.5 * h * (boundary.power[1] + drives)
     boundary.power[0] = lost
     boundary.power[1] = drives
     for law in range(len(boundary.force)):
         for i in range(2):
             tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
             boundary.force[law, i] = 0.0
-    n = work.step_size[1]
+    n = work.n_contacts
     for k in range(n):
         boundary.force[work.table.law[k], 0] += work.normal[k]
     length = boundary.unit[0] * boundary.unit[1]
-    held = work.step_size[4]
-    for j in range(work.step_size[2]):
+    held = work.n_held
+    for j in range(work.n_tangents):
         k = work.tangent[j]
         boundary.force[work.table.law[k], 1] += work.tangential[j]
         before = 0.0
@@ -158,9 +158,9 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
         work.held_key[1, j] = work.table.key[k]
         work.held_gap[1, j] = work.tangential[j]
         if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
-            tape.sums[0] -= 0.5 * (before + work.tangential[j]) * slip_of(work, n + j) * length
-    work.step_size[4] = work.step_size[2]
-    for j in range(work.step_size[2]):
+            tape.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work, n + j) * length
+    work.n_held = work.n_tangents
+    for j in range(work.n_tangents):
         work.held_key[0, j] = work.held_key[1, j]
         work.held_gap[0, j] = work.held_gap[1, j]
     for law in range(len(boundary.force)):
@@ -172,8 +172,8 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
 @kernel
 def slip_of(work: Workspace, r: int) -> float:
     """Slip of a step on contact row r, in the unit of the problem."""
-    n = work.step_size[1]
-    m = work.step_size[2]
+    n = work.n_contacts
+    m = work.n_tangents
     slip = work.q[r]
     for s in range(n + m):
         slip += work.M[r, s] * work.z[s]
@@ -184,7 +184,7 @@ def slip_of(work: Workspace, r: int) -> float:
 def closed(work: Workspace) -> float:
     """How many contacts the solution of the present problem closes."""
     count = 0.0
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         if work.normal[k] > 0.0:
             count += 1.0
     return count
@@ -196,12 +196,12 @@ def correct(
 ) -> bool:
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
     # rows of the deformed surfaces: with others, forces do work that is not stored
-    fill_contact_rows(model, work.middle, work.step_size[1], len(work.residual), work)
+    fill_contact_rows(model, work.middle, work.n_contacts, len(work.residual), work)
     soft = boundary.compliance.soft
     everywhere = boundary.compliance.some[0] == ALL  # all that there is to tell is indentation, then
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
-            tape.worst[1] = max(tape.worst[1], -work.table.gap[k])
+            tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
     boundary.tally[CLOSED] = closed(work)
     drives = accelerate(model, t, h, boundary, work)
     finite = True
@@ -224,12 +224,12 @@ def record(
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
-    n = work.step_size[1]
+    n = work.n_contacts
     tangent = 0
     for k in range(n):
         force_t = 0.0
         slip = 1.0
-        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+        if tangent < work.n_tangents and work.tangent[tangent] == k:
             force_t = work.tangential[tangent]
             slip = slip_of(work, n + tangent)
             tangent += 1
@@ -262,7 +262,7 @@ def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
     static_response(work, boundary.flexibility, work.middle)
     left = 0.0
     displaced = 0.0
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         refresh(model, work.middle, work.table, k)
         if work.normal[k] > 0.0 and (boundary.compliance.some[0] == 0 or work.closed[k] == HARD):
             left = max(left, abs(work.table.gap[k]))
@@ -326,7 +326,7 @@ def advance(
         t = start + clock[MADE] * settings.step + clock[WITHIN]
         if clock[BEGUN] > 0.0 and clock[WITHIN] == 0.0:
             if clock[MADE] % stride == 0 and clock[STORED] != clock[MADE]:
-                if tape.filled[0] >= len(tape.times) or tape.filled[1] + work.step_size[1] > len(tape.spots):
+                if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
                 clock[NUMBER] = record(model, t, q, u, boundary, work, tape)
                 if clock[NUMBER] > len(tape.table.key):
@@ -350,7 +350,7 @@ def advance(
                 return STIFF
             recall_basis(work)
             clock[NUMBER] = solve_lcp(work)
-            if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
+            if clock[NUMBER] != 0 or not work.certified <= settings.tolerance:
                 return SOLVER_FAILED
             remember_basis(work)
             passes += 1

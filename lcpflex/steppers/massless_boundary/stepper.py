@@ -27,7 +27,6 @@ from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.bodies.body import whole_number
 from lcpflex.dynamics import start
 from lcpflex.dynamics.contact_compliance import contact_compliance
-from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.static_modes import (
@@ -107,7 +106,7 @@ class MasslessBoundaryScheme:
         self.records = Records(self._system)
         self.records.by_law = tuple(name for name in system.names if name in stepper.compliance)
         self.work = self._system.workspace(16)
-        self.work.solving[METHOD] = solver_method(stepper.solver)
+        self.work.method = solver_method(stepper.solver)
         self._notes = _lost(system, flexibility)
         self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step

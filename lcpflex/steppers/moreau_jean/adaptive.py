@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
@@ -70,7 +69,7 @@ def advance_adaptive(
         t = clock[TIME]
         ended = t >= limits.duration
         if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
-            if tape.filled[0] >= len(tape.times) or tape.filled[1] + spots_of(work) > len(tape.spots):
+            if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
             clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
             if clock[DETAIL] > len(tape.table.key):
@@ -86,7 +85,7 @@ def advance_adaptive(
             if alone and part > 0:
                 break
             if part < 2:
-                work.stopped[0] = clock[STOPPED]  # what a trial has stopped counts for nothing
+                work.stopped = clock[STOPPED]  # what a trial has stopped counts for nothing
             length = h if alone or part == 0 else 0.5 * h
             now = t + length if part == 2 else t
             trial = not alone and part == 0
@@ -132,7 +131,7 @@ def advance_adaptive(
         if not alone:
             add_differences(q, u, kept, tape)
         accept(limits, clock, h, error, alone, closing[0])
-        clock[STOPPED] = work.stopped[0]
+        clock[STOPPED] = work.stopped
         after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)
         if not take_note(model, clock[TIME], q, u, work):
             return OUT_OF_RANGE
@@ -144,7 +143,7 @@ class ControlledMoreauJean:
     def __init__(self, system: System, settings: Settings, limits: Limits, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.solving[METHOD] = solver_method(solver)
+        self.work.method = solver_method(solver)
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
         self.records.missed_friction = self.work.laws.missed

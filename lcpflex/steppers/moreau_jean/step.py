@@ -101,9 +101,9 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     n_tangent = fill_contact_rows(model, work.middle, n, n_joint, work)
     contact_biases(model, work.middle, u, n, n_tangent, n_joint, work)
     solve_rows(model, work, 0, n_joint + n + n_tangent)
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = n_tangent
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = n_tangent
     pose(model, work, u, (1.0 - settings.theta) * h, settings.velocity_threshold)
     return n
 
@@ -128,23 +128,23 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
 
     ``work.free_u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
     """
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     half = 0.5 * settings.step
     gained = 0.0
     for i in range(len(u)):
         both = u[i] + work.free_u[i]
-        tape.sums[2] -= half * work.dissipative[i] * both
-        tape.sums[3] += half * work.driving[i] * both
+        tape.counts.lost_damping -= half * work.dissipative[i] * both
+        tape.counts.supplied += half * work.driving[i] * both
     laws = work.laws
     for i in range(len(laws.friction)):
         lost = half * laws.friction[i] * (u[i] + work.free_u[i])
-        tape.sums[0] -= lost
-        tape.sums[2] += lost
-    for k in range(laws.found[0]):
+        tape.counts.lost_friction -= lost
+        tape.counts.lost_damping += lost
+    for k in range(laws.n_touching):
         for c in range(2):
             tape.total_impulse[laws.table.law[k], c] += settings.step * laws.p[k, c]
-    for r in range(n_joint + n + work.step_size[2]):
+    for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
             continue
@@ -153,14 +153,14 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
         done = 0.5 * p * (before + after)
         if r < n_joint:
             if work.rate[r] != 0.0:
-                tape.sums[3] += done
+                tape.counts.supplied += done
         elif r < n_joint + n:
             gained += done
-            tape.sums[1] -= done
+            tape.counts.lost_impacts -= done
             tape.total_impulse[work.table.law[r - n_joint], 0] += p
         else:
             gained += done
-            tape.sums[0] -= done
+            tape.counts.lost_friction -= done
             tape.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
     note_gain(tape, t, gained)
     note_certificate(work, tape)
@@ -174,7 +174,7 @@ def correct(
     h = settings.step
     keep_doubtful(work, t)
     distribute(work)
-    total = work.step_size[0] + work.step_size[1] + work.step_size[2]
+    total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(model, settings, t, work, u, tape)
     compare_friction(model, work.middle, work.free_u, h, work)
@@ -195,7 +195,7 @@ def correct(
 @kernel
 def spots_of(work: Workspace) -> int:
     """Touching points that a record of this state may have, at most."""
-    return work.step_size[1] + work.laws.found[0]
+    return work.n_contacts + work.laws.n_touching
 
 
 @kernel
@@ -205,13 +205,13 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     tangent = 0
     for k in range(n):
         p_t = 0.0
         slip = 1.0
-        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+        if tangent < work.n_tangents and work.tangent[tangent] == k:
             r = n_joint + n + tangent
             p_t = work.p[r]
             slip = row_velocity(work.rows, work.row_body, r, work.dof, u)
@@ -224,7 +224,7 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
     law_forces_after(model, q, u, work)
     note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored[0], potential)
+    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored, potential)
     return needed
 
 
@@ -245,7 +245,7 @@ def whole_step(
         return GROW
     recall_basis(work)
     clock[NUMBER] = solve_lcp(work)
-    if clock[NUMBER] != 0 or not work.certificate[0] <= settings.tolerance:
+    if clock[NUMBER] != 0 or not work.certified <= settings.tolerance:
         return SOLVER_FAILED
     remember_basis(work)
     if not correct(model, settings, t, q, u, work, tape):
@@ -256,15 +256,15 @@ def whole_step(
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     """A larger workspace; the contacts that are held stay so."""
     work = system.workspace(capacity, old.laws)
-    held = int(old.step_size[4])
-    work.step_size[4] = held
+    held = int(old.n_held)
+    work.n_held = held
     work.held_key[:, :held] = old.held_key[:, :held]
     work.held_gap[:, :held] = old.held_gap[:, :held]
-    work.solving[:] = old.solving
-    work.stopped[:] = old.stopped
+    work.method, work.n_remembered, work.known = old.method, old.n_remembered, old.known
+    work.stopped = old.stopped
     work.span[:] = old.span
     work.last_key[: len(old.last_key)] = old.last_key
     work.last_basis[: len(old.last_basis)] = old.last_basis
     work.doubtful[:] = old.doubtful
-    work.doubtful_kind[:] = old.doubtful_kind
+    work.n_doubtful, work.doubtful_kind = old.n_doubtful, old.doubtful_kind
     return work

@@ -19,7 +19,6 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
-from lcpflex.dynamics.impulse import METHOD
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
@@ -68,7 +67,7 @@ def advance(
     while True:
         t = start + clock[0] * settings.step
         if clock[0] % stride == 0 and clock[2] != clock[0]:
-            if tape.filled[0] >= len(tape.times) or tape.filled[1] + spots_of(work) > len(tape.spots):
+            if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
             clock[1] = record(model, settings.step, t, q, u, work, tape)
             if clock[1] > len(tape.table.key):
@@ -96,7 +95,7 @@ class MoreauJeanScheme:
     def __init__(self, system: System, settings: Settings, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.solving[METHOD] = solver_method(solver)
+        self.work.method = solver_method(solver)
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
         self.records.missed_friction = self.work.laws.missed
@@ -153,7 +152,7 @@ class MoreauJeanScheme:
 
     def _instability(self) -> list[str]:
         """That forces of contacts by law, explicit in the middle of a step, make the motion grow."""
-        frequency, limit = float(self.work.laws.stored[1]), 2.0 / math.sqrt(4.0 * self._settings.theta - 1.0)
+        frequency, limit = float(self.work.laws.stiffest), 2.0 / math.sqrt(4.0 * self._settings.theta - 1.0)
         self._product = max(self._product, frequency * self._settings.step)
         if self._product <= limit:
             return []

@@ -99,11 +99,11 @@ def share_before(model: Model, h: float, work: Workspace, memory: SmoothMemory) 
 
     After ``slope`` at its end. 1 where there is none; negative: the table must hold as many entries.
     """
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     ndof = len(work.free_u)
     if len(memory.contacts.feature) == 0:
         return 1.0
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         r = n_joint + k
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, memory.end[ndof : 2 * ndof])
     if not early(model, work, memory):
@@ -233,7 +233,7 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
 def note_depths(work: Workspace, memory: SmoothMemory) -> None:
     """Keep the largest indentations, of contacts as last looked at: laws that remember nothing take no note."""
     worst = memory.contacts.worst
-    for k in range(work.step_size[1]):
+    for k in range(work.n_contacts):
         worst[work.table.law[k]] = max(worst[work.table.law[k]], -work.table.gap[k])
 
 
@@ -253,7 +253,7 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         u = memory.y[ndof : 2 * ndof]
         none = int(np.int64(0))  # a literal would have the kernel compiled once more
         drift = project(model, clock[TIME], q, u, none, True, work, memory.sets)
-        tape.worst[2] = max(tape.worst[2], drift[0])
+        tape.counts.worst_drift = max(tape.counts.worst_drift, drift[0])
     total = 0.0
     for i in range(2 * ndof):
         total += abs(memory.y[i])
@@ -322,12 +322,12 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
     """
     contacts = memory.contacts
     ndof = len(work.free_u)
-    first = work.step_size[0] + work.step_size[1]
+    first = work.n_joint + work.n_contacts
     highest = 0.0
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         k = work.tangent[j]
         place = pair_place(model, contacts, work.table, k)
-        normal = work.p[work.step_size[0] + k]
+        normal = work.p[work.n_joint + k]
         if place < 0 or not normal > 0.0:
             continue
         slip = row_velocity(work.rows, work.row_body, first + j, work.dof, memory.y[ndof : 2 * ndof])

@@ -279,8 +279,8 @@ class StiffRun(SmoothRun):
         drift, _ = self._project(
             self.system.model, self.time, moved[:n], moved[n : 2 * n], 0, True, self._work, memory.sets
         )
-        worst = self.records.tape.worst
-        worst[2] = max(worst[2], drift)
+        counts = self.records.tape.counts
+        counts.worst_drift = max(counts.worst_drift, drift)
         off = np.abs(moved[: 2 * n] - memory.y[: 2 * n])
         if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()):
             return False

@@ -85,9 +85,9 @@ def look(model: Model, q: FloatArray, u: FloatArray, slack: float, work: Workspa
         work.table.gap[k] -= slack
     yield_to_deeper(work.table, n)
     n_joint = len(work.residual)
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = fill_contact_rows(model, q, n, n_joint, work)
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = fill_contact_rows(model, q, n, n_joint, work)
     for k in range(n):
         work.free[n_joint + k] = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)
     return n
@@ -96,8 +96,8 @@ def look(model: Model, q: FloatArray, u: FloatArray, slack: float, work: Workspa
 @kernel
 def early(model: Model, work: Workspace, memory: SmoothMemory) -> bool:
     """Whether the state just looked at lies behind the beginning or the turn of a contact that is remembered."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     return unsettled(model, memory.contacts, work.table, n, work.free[n_joint : n_joint + n])
 
 
@@ -134,7 +134,7 @@ def note(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothM
     n = look(model, q, u, roundings(q), work, memory)
     if n > len(work.table.key):
         return n, -1
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     turned = roundings(u)
     for k in range(n):
         work.free[n_joint + k] += turned
@@ -143,7 +143,7 @@ def note(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothM
         factorise(model, q, 0.0, 0.0, work)
         if n_joint > 0:
             joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
-        solve_rows(model, work, int(np.int64(0)), n_joint + n + work.step_size[2])  # no literal, see dot
+        solve_rows(model, work, int(np.int64(0)), n_joint + n + work.n_tangents)  # no literal, see dot
         condense_rows(work)
     states = y[memory.states[0] :].reshape(-1, PLACES)
     rates = work.free[n_joint : n_joint + n]

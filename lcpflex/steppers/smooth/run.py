@@ -87,7 +87,7 @@ class SmoothRun:
     @property
     def touching(self) -> list[int]:
         """Declared contacts that touched at the last evaluation."""
-        return sorted(set(self._work.table.law[: self._work.step_size[1]].tolist()))
+        return sorted(set(self._work.table.law[: self._work.n_contacts].tolist()))
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:

@@ -79,8 +79,8 @@ def share_place(work: Workspace) -> None:
 
     At the surfaces themselves, which penetrate, it would be a couple, and angular momentum would be made of nothing.
     """
-    first = work.step_size[0] + work.step_size[1]
-    for j in range(work.step_size[2]):
+    first = work.n_joint + work.n_contacts
+    for j in range(work.n_tangents):
         for i in range(2):
             if work.row_body[first + j, i] >= 0:
                 work.rows[first + j, i, 2] += 0.5 * work.table.gap[work.tangent[j]]
@@ -91,8 +91,8 @@ def press(
     model: Model, y: FloatArray, u: FloatArray, work: Workspace, memory: SmoothMemory, base: int, out: FloatArray
 ) -> None:
     """Contact forces of the rows laid, to ``work.p`` and ``work.free_u``; what they do to the rest of y."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     table = work.table
     contacts = memory.contacts
     impulses = base + IMPULSES
@@ -110,7 +110,7 @@ def press(
         add_row(work, r, force)
         out[impulses + 2 * law] += force
     states = memory.states[0]
-    for j in range(work.step_size[2]):
+    for j in range(work.n_tangents):
         r = n_joint + n + j
         k = work.tangent[j]
         law = table.law[k]
@@ -154,9 +154,9 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     factorise(model, q, 0.0, 0.0, work)
     if n_joint > 0:
         joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
-    work.step_size[0] = n_joint
-    work.step_size[1] = n
-    work.step_size[2] = fill_contact_rows(model, q, n, n_joint, work)
+    work.n_joint = n_joint
+    work.n_contacts = n
+    work.n_tangents = fill_contact_rows(model, q, n, n_joint, work)
     if len(model.bodies.mass) > 0:
         share_place(work)
     forces(model, t, q, u, work)
@@ -201,10 +201,10 @@ def mobility(work: Workspace, r: int) -> float:
 @kernel
 def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> float:
     """Highest sqrt(k G_nn) of the contacts that ``slope`` found [rad/s], each by itself."""
-    n_joint = work.step_size[0]
-    n = work.step_size[1]
+    n_joint = work.n_joint
+    n = work.n_contacts
     bristles = memory.states[0] < len(memory.y)
-    solve_rows(model, work, n_joint, n_joint + n + (work.step_size[2] if bristles else 0))
+    solve_rows(model, work, n_joint, n_joint + n + (work.n_tangents if bristles else 0))
     highest = 0.0
     for k in range(n):
         law = work.table.law[k]
@@ -280,37 +280,37 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     ndof = len(work.free_u)
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
-    if tape.filled[0] >= len(tape.times):
+    if tape.n_instants >= len(tape.times):
         return TAPE_FULL
     needed = store_contacts(model, q, tape)
     n = slope(model, t, y, work, memory, memory.slope)
     if n > len(work.table.key):
         memory.clock[DETAIL] = n
         return GROW
-    if tape.filled[1] + n > len(tape.spots) and tape.filled[1] > 0:
+    if tape.n_points + n > len(tape.spots) and tape.n_points > 0:
         return TAPE_FULL
     if needed > len(tape.table.key) or n > len(tape.spots):
         memory.clock[DETAIL] = max(needed, n)
         return GROW_TAPE
     base = 2 * ndof
-    tape.sums[0] = y[base + FRICTION]
-    tape.sums[1] = y[base + CONTACT_DAMPING]
-    tape.sums[2] = y[base + DAMPING]
-    tape.sums[3] = y[base + WORK]
+    tape.counts.lost_friction = y[base + FRICTION]
+    tape.counts.lost_impacts = y[base + CONTACT_DAMPING]
+    tape.counts.lost_damping = y[base + DAMPING]
+    tape.counts.supplied = y[base + WORK]
     for law in range(len(tape.total_impulse)):
         for c in range(2):
             tape.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
     stored = 0.0
     tangent = 0
-    n_joint = work.step_size[0]
+    n_joint = work.n_joint
     for k in range(n):
         law = work.table.law[k]
         depth = max(-work.table.gap[k], 0.0)
-        tape.worst[1] = max(tape.worst[1], depth)
+        tape.counts.worst_penetration = max(tape.counts.worst_penetration, depth)
         stored += pair_energy(memory.contacts, law, pair_place(model, memory.contacts, work.table, k), depth)
         force_t = 0.0
         state = SLIP
-        if tangent < work.step_size[2] and work.tangent[tangent] == k:
+        if tangent < work.n_tangents and work.tangent[tangent] == k:
             r = n_joint + n + tangent
             force_t = work.p[r]
             if abs(row_velocity(work.rows, work.row_body, r, work.dof, u)) < memory.contacts.slip_speed[law]:

@@ -209,7 +209,7 @@ class _Instant:
             found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
         self._lay(model, self._t, self._q, self._u, found, self._work, self._sets)
         for k in range(found):
-            speed = self._speed(self._work.step_size[0] + k)
+            speed = self._speed(self._work.n_joint + k)
             name = self._names[self._work.table.law[k]]
             if speed < -threshold:
                 raise ModelError(f"u: contact {name!r} approaches at {-speed:.6g} m/s: an impact comes first")
@@ -229,18 +229,18 @@ class _Instant:
         for k in range(n):
             sets.mode[k] = SMOOTH
             if sets.tangent_of[k] >= 0:
-                slip = self._speed(work.step_size[0] + n + sets.tangent_of[k])
+                slip = self._speed(work.n_joint + n + sets.tangent_of[k])
                 sets.mode[k] = SLIDE_FORTH if slip > 0.0 else SLIDE_BACK
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
-        m = int(work.step_size[3])
+        m = int(work.lcp_size)
         return Lcp(work.M[:m, :m], work.q[:m])
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""
         work, sets, n = self._work, self._sets, self._n
-        n_joint, n_tangent = int(work.step_size[0]), int(work.step_size[2])
+        n_joint, n_tangent = int(work.n_joint), int(work.n_tangents)
         total = n_joint + n + n_tangent
         force = np.zeros((n, 2))
         force[:, 0] = z[:n]
@@ -269,7 +269,7 @@ class _Instant:
 
     def _fate(self, k: int, force: FloatArray, gaining: FloatArray) -> ContactFate:
         mode, n = int(self._sets.mode[k]), self._n
-        scale = float(np.abs(self._work.free[: int(self._work.step_size[0]) + 2 * n]).max(initial=0.0))
+        scale = float(np.abs(self._work.free[: int(self._work.n_joint) + 2 * n]).max(initial=0.0))
         if force[0] == 0.0 and gaining[0] > STILL * scale:
             return ContactFate.SEPARATES
         if mode == SMOOTH:
