@@ -43,20 +43,20 @@ _HOME = {
     "Scene": "lcpflex.scene.scene",
     "Slot": "lcpflex.scene.slots",
     "SlotParts": "lcpflex.scene.slots",
-    "Distance": "lcpflex.scene.joints",
-    "DrivenAngle": "lcpflex.scene.joints",
-    "DrivenDisplacement": "lcpflex.scene.joints",
-    "PointOnLine": "lcpflex.scene.joints",
-    "Prismatic": "lcpflex.scene.joints",
-    "Revolute": "lcpflex.scene.joints",
-    "Weld": "lcpflex.scene.joints",
-    "Force": "lcpflex.scene.loads",
-    "Function": "lcpflex.scene.loads",
-    "Harmonic": "lcpflex.scene.loads",
-    "Spring": "lcpflex.scene.loads",
-    "Table": "lcpflex.scene.loads",
-    "Torque": "lcpflex.scene.loads",
-    "TorsionSpring": "lcpflex.scene.loads",
+    "Distance": "lcpflex.scene.joints.distance",
+    "DrivenAngle": "lcpflex.scene.joints.driven_angle",
+    "DrivenDisplacement": "lcpflex.scene.joints.driven_displacement",
+    "PointOnLine": "lcpflex.scene.joints.point_on_line",
+    "Prismatic": "lcpflex.scene.joints.prismatic",
+    "Revolute": "lcpflex.scene.joints.revolute",
+    "Weld": "lcpflex.scene.joints.weld",
+    "Force": "lcpflex.scene.loads.force",
+    "Function": "lcpflex.scene.functions_of_time",
+    "Harmonic": "lcpflex.scene.functions_of_time",
+    "Spring": "lcpflex.scene.loads.spring",
+    "Table": "lcpflex.scene.functions_of_time",
+    "Torque": "lcpflex.scene.loads.torque",
+    "TorsionSpring": "lcpflex.scene.loads.torsion_spring",
     "simulate": "lcpflex.runs.simulate",
     "resume": "lcpflex.runs.resume",
     "EnergyGrowth": "lcpflex.results.energy_balance",
@@ -224,8 +224,18 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
     from lcpflex.runs.resume import resume
     from lcpflex.runs.simulate import simulate
-    from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, PointOnLine, Prismatic, Revolute, Weld
-    from lcpflex.scene.loads import Force, Function, Harmonic, Spring, Table, Torque, TorsionSpring
+    from lcpflex.scene.functions_of_time import Function, Harmonic, Table
+    from lcpflex.scene.joints.distance import Distance
+    from lcpflex.scene.joints.driven_angle import DrivenAngle
+    from lcpflex.scene.joints.driven_displacement import DrivenDisplacement
+    from lcpflex.scene.joints.point_on_line import PointOnLine
+    from lcpflex.scene.joints.prismatic import Prismatic
+    from lcpflex.scene.joints.revolute import Revolute
+    from lcpflex.scene.joints.weld import Weld
+    from lcpflex.scene.loads.force import Force
+    from lcpflex.scene.loads.spring import Spring
+    from lcpflex.scene.loads.torque import Torque
+    from lcpflex.scene.loads.torsion_spring import TorsionSpring
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.slots import Slot, SlotParts
     from lcpflex.scene.user_system import UserSystem

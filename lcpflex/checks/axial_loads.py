@@ -22,13 +22,14 @@ import numpy as np
 from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_point, contact_rows
-from lcpflex.dynamics.applied_forces import SMALLEST_LENGTH, applied_forces
+from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
 from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.kinematics.points import point_position, point_velocity
+from lcpflex.kinematics.relative.apart import relative_motion
+from lcpflex.kinematics.relative.coordinate import coordinate_gradient
 from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.results.result import Result
 from lcpflex.results.stated_error import CLAMPED
@@ -223,18 +224,17 @@ class _Forces:
 
     def _draw(self, q: FloatArray, u: FloatArray, pulls: dict[int, Pulls]) -> None:
         """Add the forces of springs and dampers, which may be between two points of one beam."""
-        bodies, points, loads = self._model.bodies, self._model.points, self._compiled.model.loads
-        for k in np.flatnonzero(loads.spring_kind == 0).tolist():
+        bodies, points, loads = self._model.bodies, self._model.points, self._model.loads
+        for k in range(len(loads.spring_kind)):
             ends = [int(p) for p in loads.spring_point[k]]
             if not any(int(points.body[p]) in pulls for p in ends):
                 continue
-            places = np.array([point_position(bodies, points, q, p) for p in ends])
-            rates = np.array([point_velocity(bodies, points, q, u, p) for p in ends])
-            apart, rate = places[0] - places[1], rates[0] - rates[1]
-            stiffness, damping, free = loads.spring_value[k]
-            length = max(float(np.hypot(*apart)), SMALLEST_LENGTH)
-            way = apart / length
-            pull = -(stiffness * (length - free) + damping * (way @ rate)) * way
+            at, motion = relative_motion(bodies, points, q, u, *ends)
+            of = int(loads.spring_kind[k]), at, motion, *loads.spring_axis[k].tolist()
+            gx, gy, turn_p, turn_q, _ = coordinate_gradient(*of)
+            rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
+            stiffness, damping, _ = loads.spring_value[k]
+            pull = -(stiffness * stretch(self._model, q, k) + damping * rate) * np.array([gx, gy])
             for p, force in zip(ends, (pull, -pull), strict=True):
                 if int(points.body[p]) in pulls:
                     pulls[int(points.body[p])].append((float(points.place[p, 0]), force))
@@ -283,7 +283,7 @@ class _Forces:
         free = self._solved(force)
         spread = np.column_stack([self._solved(row) for row in J])
         reaction = -np.linalg.pinv(J @ spread, rcond=REDUNDANT, hermitian=True) @ (J @ free + bias)
-        for joint in range(len(joints.kind)):
+        for joint in range(len(joints.point)):
             own = slice(joints.row[joint], joints.row[joint + 1])
             for side in range(2):
                 p = int(joints.point[joint, side])
@@ -320,13 +320,14 @@ def _single(compiled: Compiled, beams: list[int]) -> list[tuple[int, float, Load
     """Each force on a beam by itself: the beam, the station [m], and loads that are this one only."""
     loads, points = compiled.model.loads, compiled.model.points
     found = []
-    for k in np.flatnonzero(loads.force_kind != 2).tolist():
+    for k in np.flatnonzero(loads.force_kind != TORQUE).tolist():
         p, one, none = int(loads.force_point[k]), slice(k, k + 1), slice(0, 0)
         if points.body[p] in beams:
             alone = loads._replace(
                 spring_kind=loads.spring_kind[none], spring_point=loads.spring_point[none],
-                spring_value=loads.spring_value[none], force_kind=loads.force_kind[one],
-                force_point=loads.force_point[one], force_signal=loads.force_signal[one],
+                spring_axis=loads.spring_axis[none], spring_value=loads.spring_value[none],
+                force_kind=loads.force_kind[one], force_point=loads.force_point[one],
+                force_signal=loads.force_signal[one],
             )  # fmt: skip
             found.append((int(points.body[p]), float(points.place[p, 0]), alone))
     return found

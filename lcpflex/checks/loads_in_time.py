@@ -13,13 +13,17 @@ from functools import cached_property
 import numpy as np
 
 from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.dynamics.applied_forces import FORCE, TORQUE
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
 from lcpflex.dynamics.start import violation
 from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES, ForceCallback
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
+from lcpflex.kinematics.relative.apart import Motion, apart
+from lcpflex.kinematics.relative.coordinate import ANGLE, coordinate_gradient
 from lcpflex.model.arrays import Model
-from lcpflex.results.result import Result, material_shapes, world_places
+from lcpflex.results.result import Result, material_shapes
 
 __all__ = ["unseen_loads"]
 
@@ -184,7 +188,7 @@ def _forces(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
     for k, kind in enumerate(model.loads.force_kind.tolist()):
         p = int(model.loads.force_point[k])
-        torque = kind == 2
+        torque = kind == TORQUE
         rows = _rows(model, compiled.q, p)
         rows = math.sqrt(0.5 * scales.size) * rows[2:] if torque else rows[:2]  # speeds, of a torque at half the size
         components = model.loads.force_signal[k].tolist()
@@ -193,7 +197,7 @@ def _forces(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles
         for signal in sorted(own):
             if largest[signal] <= NEGLIGIBLE * max(rest, default=0.0):
                 continue
-            along = rows[[c for c in (0, 1) if components[c] == signal]] if kind == 0 else rows
+            along = rows[[c for c in (0, 1) if components[c] == signal]] if kind == FORCE else rows
             words = _unseen_force(model, signal, profiles, step, scales, along)
             if words:
                 found.append(f"the {'torque' if torque else 'force'} on {_place(compiled, p)} {words}")
@@ -250,7 +254,8 @@ def _turns(omega: float, step: float) -> str:
 def _drives(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
     """Drives that turn back within a step."""
     model, found = compiled.model, []
-    for joint, signal in enumerate(model.joints.signal.tolist()):
+    owner = np.repeat(np.arange(len(model.joints.point)), np.diff(model.joints.row))
+    for joint, kind, signal in zip(owner.tolist(), model.joints.kind, model.joints.signal.tolist(), strict=True):
         if signal < 0:
             continue
         words = ""
@@ -258,7 +263,7 @@ def _drives(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles
             words = _unseen_path(*profiles[signal], step, scales.duration)
         elif model.signals.kind[signal] == HARMONIC:
             _, amplitude, omega, _ = model.signals.coefficients[model.signals.first[signal]].tolist()
-            fastest = scales.spin if model.joints.kind[joint] == DRIVEN_ANGLE else scales.speed
+            fastest = scales.spin if kind == ANGLE else scales.speed
             if abs(omega) * step > TURN and abs(amplitude * omega) > MATTERS * fastest:
                 words = _turns(omega, step)
         if words:
@@ -281,40 +286,32 @@ def _unseen_path(times: FloatArray, values: FloatArray, step: float, duration: f
 
 def _springs(result: Result, compiled: Compiled, step: float, scales: _Scales) -> list[str]:
     """Springs that swing faster than steps can follow, and do swing."""
-    model, found = compiled.model, []
+    model, found = pack(compiled.model), []
     for k, kind in enumerate(model.loads.spring_kind.tolist()):
         P, Q = model.loads.spring_point[k].tolist()
-        row = _rows(model, compiled.q, P) - _rows(model, compiled.q, Q)
-        if kind == 0:
-            apart = np.diff([_at(model, compiled.q, p) for p in (Q, P)], axis=0)[0]
-            row = (apart / max(float(np.hypot(*apart)), 1e-300)) @ row[:2]
-        else:
-            row = row[2]
+        row = _gradient(model, compiled.q, k)
         omega = math.sqrt(float(model.loads.spring_value[k, 0]) * scales.mobility(row[None, :]))
         if omega * step <= SPRING_TURN:
             continue
-        swing = _fastest_stretch(result, model, kind, P, Q) / omega * (0.5 * scales.size if kind == 1 else 1.0)
+        swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if kind == ANGLE else 1.0)
         if swing > MATTERS * max(scales.travel, NEGLIGIBLE * scales.size):
             names = f"{_place(compiled, P)} and {_place(compiled, Q)}"
             found.append(f"the spring between {names}, which swings, {_turns(omega, step)}")
     return found
 
 
-def _at(model: Model, q: FloatArray, p: int) -> FloatArray:
-    """Where material point p is (2,) [m]."""
-    place: FloatArray = world_places(model, q, np.array([p]))[0]
-    return place
+def _gradient(model: Model, q: FloatArray, k: int) -> FloatArray:
+    """(ndof,) of the coordinate that spring k resists."""
+    P, Q = model.loads.spring_point[k].tolist()
+    at = apart(model.bodies, model.points, q.copy(), P, Q)
+    still = Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    kind, axis = int(model.loads.spring_kind[k]), model.loads.spring_axis[k].tolist()
+    gx, gy, turn_p, turn_q, _ = coordinate_gradient(kind, at, still, *axis)
+    of_p, of_q = (_rows(model, q, p) for p in (P, Q))
+    return np.asarray(np.array([gx, gy]) @ (of_p - of_q)[:2] + turn_p * of_p[2] + turn_q * of_q[2])
 
 
-def _fastest_stretch(result: Result, model: Model, kind: int, P: int, Q: int) -> float:
-    """Largest rate of a spring's length or angle at the stored instants, from one to the next [m/s] or [rad/s]."""
-    fastest = 0.0
-    for q, u in zip(result.q, result.u, strict=True):
-        row = _rows(model, q, P) - _rows(model, q, Q)
-        rate = row @ u
-        if kind == 1:
-            fastest = max(fastest, abs(float(rate[2])))
-            continue
-        apart = _at(model, q, P) - _at(model, q, Q)
-        fastest = max(fastest, abs(float(apart @ rate[:2])) / max(float(np.hypot(*apart)), 1e-300))
-    return fastest
+def _fastest_stretch(result: Result, model: Model, k: int) -> float:
+    """Largest rate of what spring k resists at the stored instants [m/s] or [rad/s]."""
+    rates = (abs(float(_gradient(model, q, k) @ u)) for q, u in zip(result.q, result.u, strict=True))
+    return max(rates, default=0.0)

@@ -15,14 +15,14 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, PointTable, frozen
 
-__all__ = ["compile_contacts"]
+__all__ = ["compile_surfaces"]
 
 STRAIGHT = 1e-12  # [rad] a corner of smaller turn is straight
 SMOOTH = 0.2  # [rad] on a flexible body, a hollow corner of smaller turn may be bent to a bulge
 HOLLOW = 0.01  # [rad] a foot does not leave a segment over a hollow corner of larger turn: the next one is in the way
 
 
-def compile_contacts(
+def compile_surfaces(
     surfaces: Sequence[tuple[int, Surface]],
     declared: Sequence[tuple[int, int, float, float, float]],
     points: PointTable,

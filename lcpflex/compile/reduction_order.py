@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.declared import DeclaredContact
     from lcpflex.scene.handles import Placed
-    from lcpflex.scene.joints import Joint
-    from lcpflex.scene.loads import Load
+    from lcpflex.scene.joints.joint import Joint
+    from lcpflex.scene.loads.load import Load
 
 __all__ = ["ReductionOrder", "order_of"]
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.surface import Kind
-from lcpflex.scene.joints import Distance, DrivenAngle, DrivenDisplacement, Joint, PointOnLine, Prismatic, Revolute
-from lcpflex.scene.loads import Force, Load, Torque, TorsionSpring
+from lcpflex.scene.joints.joint import Joint
+from lcpflex.scene.loads.load import Effort, Load
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
@@ -82,7 +82,8 @@ def _of_joints(
         for point in (joint.P, joint.Q):
             if point.body == body and point.material is not frame:
                 along, turns = _of_joint(joint, point is joint.Q, angle)
-                yield Acting(_at(point, turns, not isinstance(joint, DrivenAngle), along), f"joint {name!r}")
+                forces = any(row.kind != "angle" for row in joint.rows())
+                yield Acting(_at(point, turns, forces, along), f"joint {name!r}")
 
 
 def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tuple[tuple[float, float] | None, bool]:
@@ -90,14 +91,13 @@ def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tupl
 
     ``guides``: it is the body of Q, which carries the line that the joint keeps, and what is pushed on it has a lever.
     """
-    if isinstance(joint, Revolute | Distance):
-        return None, False
-    slides = isinstance(joint, Prismatic | PointOnLine | DrivenDisplacement)
-    if not slides or not (guides or isinstance(joint, Prismatic)):
-        return None, not slides
-    x, y = joint.form().axis
-    if not isinstance(joint, DrivenDisplacement):
-        x, y = -y, x
+    rows = joint.rows()
+    turns = any(row.kind == "angle" for row in rows)
+    forces = [row for row in rows if row.kind != "angle"]
+    slides = any(row.kind == "along" for row in forces)
+    if len(forces) != 1 or not slides or not (guides or turns):
+        return None, turns or (slides and guides)
+    x, y = forces[0].axis
     turn = 0.0 if guides else angle(joint.Q.body) - angle(joint.P.body)  # which a prismatic joint keeps
     cos, sin = math.cos(turn), math.sin(turn)
     return (cos * x - sin * y, sin * x + cos * y), True
@@ -105,10 +105,11 @@ def _of_joint(joint: Joint, guides: bool, angle: Callable[[int], float]) -> tupl
 
 def _of_loads(body: int, loads: tuple[Load, ...]) -> Iterator[Acting]:
     for load in loads:
+        form = load.form()
+        turns = form.kind == "torque" if isinstance(form, Effort) else form.coordinate.kind == "angle"
+        along = _direction(form) if isinstance(form, Effort) else None
         for point in (load.P, getattr(load, "Q", None)):
             if point is not None and point.body == body:
-                turns = isinstance(load, TorsionSpring | Torque)
-                along = _direction(load) if isinstance(load, Force) else None
                 name = f"{type(load).__name__.lower()} at {point.label}"
                 yield Acting(_at(point, moment=turns, forces=not turns, along=along), name)
 
@@ -118,11 +119,11 @@ def _at(point: PlacedPoint, moment: bool, forces: bool, along: tuple[float, floa
     return Interface((x, y), along, moment, contact=False, forces=forces)
 
 
-def _direction(load: Force) -> tuple[float, float] | None:
+def _direction(form: Effort) -> tuple[float, float] | None:
     """Of a force that always has the same one in the body."""
-    if not load.follower or callable(load.value):
+    if form.kind != "follower" or callable(form.value):
         return None
-    x, y = (isinstance(part, Real) and part == 0.0 for part in load.value)
+    x, y = (isinstance(part, Real) and part == 0.0 for part in form.value)
     return None if x == y else (0.0, 1.0) if x else (1.0, 0.0)
 
 

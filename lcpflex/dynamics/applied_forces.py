@@ -1,4 +1,9 @@
-"""Generalised forces of springs, dampers, forces and torques."""
+"""Generalised forces of springs, dampers, forces and torques.
+
+A spring or damper resists a relative coordinate of two points (:mod:`lcpflex.kinematics.relative`); a force or torque
+is a function of time. To add one of a new kind: its name in ``EFFORTS``, its branch in :func:`effort`, and the file in
+:mod:`lcpflex.scene.loads` that names it.
+"""
 
 from __future__ import annotations
 
@@ -6,73 +11,86 @@ import math
 
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import (
-    add_point_row,
-    add_rotation_row,
-    point_angle,
-    point_position,
-    point_velocity,
-)
+from lcpflex.kinematics.points import add_point_row, add_rotation_row, point_angle
+from lcpflex.kinematics.relative.apart import apart, relative_motion
+from lcpflex.kinematics.relative.coordinate import add_gradient, coordinate_gradient, coordinate_value
 from lcpflex.model.arrays import Model
 
-__all__ = ["applied_forces", "spring_energy"]
+__all__ = ["EFFORTS", "FOLLOWER", "FORCE", "TORQUE", "applied_forces", "spring_energy"]
 
-SMALLEST_LENGTH = 1e-300  # [m] a shorter vector has no direction
-
-
-@kernel
-def push(model: Model, q: FloatArray, p: int, fx: float, fy: float, force: FloatArray) -> None:
-    """force += generalised force of (fx, fy) [N, world axes] at point p."""
-    b = model.points.body[p]
-    if b >= 0:
-        block = force[model.bodies.dof[b] : model.bodies.dof[b + 1]]
-        add_point_row(model.bodies, model.points, q, p, fx, fy, block)
+EFFORTS = ("force", "follower", "torque")  # in world axes; in axes that turn with the material; on the material
+FORCE, FOLLOWER, TORQUE = range(len(EFFORTS))
 
 
 @kernel
-def twist(model: Model, p: int, torque: float, force: FloatArray) -> None:
-    """force += generalised force of a torque [N m] on the material at point p."""
-    b = model.points.body[p]
-    if b >= 0:
-        add_rotation_row(model.bodies, model.points, p, torque, force[model.bodies.dof[b] : model.bodies.dof[b + 1]])
+def add_forces(
+    model: Model,
+    q: FloatArray,
+    k: int,
+    gradient: tuple[float, float, float, float, float],
+    size: float,
+    force: FloatArray,
+) -> None:
+    """Add a force or torque ``size`` along the coordinate of spring k."""
+    i = model.loads.spring_point[k, 0]
+    j = model.loads.spring_point[k, 1]
+    dof = model.bodies.dof
+    b = model.points.body[i]
+    on_p = force[dof[b] : dof[b + 1]]  # empty for the ground, body -1
+    b = model.points.body[j]
+    on_q = force[dof[b] : dof[b + 1]]
+    add_gradient(model.bodies, model.points, q, (i, j), gradient, size, on_p, on_q)
+
+
+@kernel
+def stretch(model: Model, q: FloatArray, k: int) -> float:
+    """c - rest of spring k [m] or [rad]."""
+    loads = model.loads
+    at = apart(model.bodies, model.points, q, loads.spring_point[k, 0], loads.spring_point[k, 1])
+    axis = loads.spring_axis[k]
+    return coordinate_value(loads.spring_kind[k], at, axis[0], axis[1]) - loads.spring_value[k, 2]
 
 
 @kernel
 def spring_forces(
     model: Model, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
 ) -> None:
-    """Forces -k (L - L0) and -c Ldot along each spring; torques -k (angle - angle0) and -c rate of torsional ones."""
+    """Forces -k (c - rest) and -d cdot along the relative coordinate c of each spring."""
     bodies = model.bodies
     points = model.points
-    for k in range(len(model.loads.spring_kind)):
-        i = model.loads.spring_point[k, 0]
-        j = model.loads.spring_point[k, 1]
-        stiffness = model.loads.spring_value[k, 0]
-        damping = model.loads.spring_value[k, 1]
-        free = model.loads.spring_value[k, 2]
-        if model.loads.spring_kind[k] == 1:
-            torque = -stiffness * (point_angle(bodies, points, q, i) - point_angle(bodies, points, q, j) - free)
-            twist(model, i, torque, conservative)
-            twist(model, j, -torque, conservative)
-            torque = -damping * (point_angle(bodies, points, u, i) - point_angle(bodies, points, u, j))
-            twist(model, i, torque, dissipative)
-            twist(model, j, -torque, dissipative)
-        else:
-            xi, yi = point_position(bodies, points, q, i)
-            xj, yj = point_position(bodies, points, q, j)
-            length = math.hypot(xi - xj, yi - yj)
-            if length < SMALLEST_LENGTH:
-                continue
-            ex = (xi - xj) / length
-            ey = (yi - yj) / length
-            tension = -stiffness * (length - free)
-            push(model, q, i, tension * ex, tension * ey, conservative)
-            push(model, q, j, -tension * ex, -tension * ey, conservative)
-            vxi, vyi = point_velocity(bodies, points, q, u, i)
-            vxj, vyj = point_velocity(bodies, points, q, u, j)
-            tension = -damping * (ex * (vxi - vxj) + ey * (vyi - vyj))
-            push(model, q, i, tension * ex, tension * ey, dissipative)
-            push(model, q, j, -tension * ex, -tension * ey, dissipative)
+    loads = model.loads
+    for k in range(len(loads.spring_kind)):
+        i = loads.spring_point[k, 0]
+        j = loads.spring_point[k, 1]
+        axis = loads.spring_axis[k]
+        at, motion = relative_motion(bodies, points, q, u, i, j)
+        gradient = coordinate_gradient(loads.spring_kind[k], at, motion, axis[0], axis[1])
+        gx, gy, turn_p, turn_q, _ = gradient
+        rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
+        tension = -loads.spring_value[k, 0] * stretch(model, q, k)
+        add_forces(model, q, k, gradient, tension, conservative)
+        drag = -loads.spring_value[k, 1] * rate
+        add_forces(model, q, k, gradient, drag, dissipative)
+
+
+@kernel
+def effort(
+    model: Model, q: FloatArray, k: int, t: float, span: FloatArray, external: FloatArray, force: FloatArray
+) -> None:
+    """Add the generalised force of force or torque k."""
+    loads = model.loads
+    p = loads.force_point[k]
+    b = model.points.body[p]
+    block = force[model.bodies.dof[b] : model.bodies.dof[b + 1]]
+    fx = force_value(model.signals, loads.force_signal[k, 0], t, span, external)
+    if loads.force_kind[k] == TORQUE:
+        add_rotation_row(model.bodies, model.points, p, fx, block)
+        return
+    fy = force_value(model.signals, loads.force_signal[k, 1], t, span, external)
+    if loads.force_kind[k] == FOLLOWER:
+        angle = point_angle(model.bodies, model.points, q, p)
+        fx, fy = math.cos(angle) * fx - math.sin(angle) * fy, math.sin(angle) * fx + math.cos(angle) * fy
+    add_point_row(model.bodies, model.points, q, p, fx, fy, block)
 
 
 @kernel
@@ -94,34 +112,14 @@ def applied_forces(
     """
     spring_forces(model, q, u, conservative, dissipative)
     for k in range(len(model.loads.force_kind)):
-        p = model.loads.force_point[k]
-        fx = force_value(model.signals, model.loads.force_signal[k, 0], t, span, external)
-        if model.loads.force_kind[k] == 2:
-            twist(model, p, fx, driving)
-            continue
-        fy = force_value(model.signals, model.loads.force_signal[k, 1], t, span, external)
-        if model.loads.force_kind[k] == 1:
-            angle = point_angle(model.bodies, model.points, q, p)
-            cos = math.cos(angle)
-            sin = math.sin(angle)
-            push(model, q, p, cos * fx - sin * fy, sin * fx + cos * fy, driving)
-        else:
-            push(model, q, p, fx, fy, driving)
+        effort(model, q, k, t, span, external, driving)
 
 
 @kernel
 def spring_energy(model: Model, q: FloatArray) -> float:
-    """Energy stored in all springs, the sum of k (L - L0)^2 / 2 and k (angle - angle0)^2 / 2 [J]."""
+    """Energy stored in all springs, the sum of k (c - rest)^2 / 2 [J]."""
     energy = 0.0
     for k in range(len(model.loads.spring_kind)):
-        i = model.loads.spring_point[k, 0]
-        j = model.loads.spring_point[k, 1]
-        if model.loads.spring_kind[k] == 1:
-            size = point_angle(model.bodies, model.points, q, i) - point_angle(model.bodies, model.points, q, j)
-        else:
-            xi, yi = point_position(model.bodies, model.points, q, i)
-            xj, yj = point_position(model.bodies, model.points, q, j)
-            size = math.hypot(xi - xj, yi - yj)
-        stretch = size - model.loads.spring_value[k, 2]
-        energy += 0.5 * model.loads.spring_value[k, 0] * stretch * stretch
+        size = stretch(model, q, k)
+        energy += 0.5 * model.loads.spring_value[k, 0] * size * size
     return energy

@@ -15,7 +15,7 @@ import numpy as np
 
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.callback import is_compiled
-from lcpflex.scene.loads import Function, takes_state
+from lcpflex.scene.functions_of_time import Function, takes_state
 
 __all__ = ["DIFFERENCE_STEP", "CompiledFunction", "compiled_source"]
 

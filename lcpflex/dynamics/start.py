@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.dynamics.time_functions import State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.joint_rows import SMALLEST_LENGTH, joint_residual, joint_rows
+from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, Joint, JointForm
 
-__all__ = ["Violation", "drive_rate", "project", "violation"]
+__all__ = ["Violation", "project", "violation"]
 
 ITERATIONS = 50
 INDEPENDENT = 1e-12  # singular values of J M^-1 J^T below this part of the largest belong to redundant joint rows
@@ -49,19 +46,6 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
             if b >= 0:
                 J[r, dof[b] : dof[b + 1]] += rows[r, side, : dof[b + 1] - dof[b]]
     return Violation(phi, J @ u + rate, np.abs(J) @ np.abs(u) + np.abs(rate), J)
-
-
-def drive_rate(joint: Joint, form: JointForm, state: State) -> float:
-    """Rate at the start of what a joint drives [m/s] or [rad/s]."""
-    P, Q = joint.P, joint.Q
-    if form.kind == DRIVEN_ANGLE:
-        return state.angular_velocity(P) - state.angular_velocity(Q)
-    apart, speed = state.position(P) - state.position(Q), state.velocity(P) - state.velocity(Q)
-    if form.kind == DISTANCE:
-        return float(apart @ speed) / max(math.hypot(*apart), SMALLEST_LENGTH)
-    cos, sin = math.cos(state.angle(Q)), math.sin(state.angle(Q))
-    x, y = cos * form.axis[0] - sin * form.axis[1], sin * form.axis[0] + cos * form.axis[1]
-    return float(x * speed[0] + y * speed[1] + state.angular_velocity(Q) * (x * apart[1] - y * apart[0]))
 
 
 def project(

@@ -23,7 +23,7 @@ from lcpflex.dynamics.compiled_function import (
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Model, Signals, frozen
-from lcpflex.scene.loads import Harmonic, Motion, Signal, Table, takes_state
+from lcpflex.scene.functions_of_time import Harmonic, Motion, Signal, Table, takes_state
 
 __all__ = [
     "DIFFERENCE_STEP",

@@ -18,7 +18,7 @@ from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model, Signals, frozen
-from lcpflex.scene.loads import Function
+from lcpflex.scene.functions_of_time import Function
 
 __all__ = ["LEAST_LOOKS", "bends", "for_system", "probe_of", "probed", "with_instants", "with_signals"]
 

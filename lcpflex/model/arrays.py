@@ -123,23 +123,25 @@ class Signals(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """Bilateral constraints phi(q, t) = 0. See :mod:`lcpflex.scene.joints` for the kinds and their rows."""
+    """Bilateral constraints phi(q, t) = 0, each of a relative coordinate: see :mod:`lcpflex.kinematics.relative`."""
 
-    kind: IntArray  # (nj,)
     point: IntArray  # (nj, 2) material points P on body i and Q on body j
     row: IntArray  # (nj + 1,) offsets of the rows of each joint
-    value: FloatArray  # (nj, 4) rest angle, axis direction (2) in the frame at Q, length
-    signal: IntArray  # (nj,) prescribed motion, -1: none
+    kind: IntArray  # (rows,) relative coordinate
+    axis: FloatArray  # (rows, 2) its direction
+    rest: FloatArray  # (rows,) value without a motion [m] or [rad]
+    signal: IntArray  # (rows,) prescribed motion, -1: none
 
 
 class Loads(NamedTuple):
-    """Gravity, spring-dampers, forces and torques. See :mod:`lcpflex.scene.loads`."""
+    """Gravity, spring-dampers, forces and torques. See :mod:`lcpflex.dynamics.applied_forces`."""
 
     gravity: FloatArray  # (2,)
-    spring_kind: IntArray  # (nk,) 0 linear, 1 torsional
-    spring_point: IntArray  # (nk, 2)
-    spring_value: FloatArray  # (nk, 3) stiffness, damping, free length or free angle
-    force_kind: IntArray  # (nf,) 0 force in world axes, 1 force in body axes, 2 torque
+    spring_kind: IntArray  # (nk,) relative coordinate that resists
+    spring_point: IntArray  # (nk, 2) P, Q
+    spring_axis: FloatArray  # (nk, 2) direction of the coordinate
+    spring_value: FloatArray  # (nk, 3) stiffness, damping, value without force
+    force_kind: IntArray  # (nf,) force in world axes or in those of the material, or torque
     force_point: IntArray  # (nf,)
     force_signal: IntArray  # (nf, 2) signals of the components (torque: first only)
 
@@ -284,16 +286,13 @@ def bodiless_model(
         shortening=numbers,
     )
     joints = Joints(
-        kind=indices,
-        point=index_pairs,
-        row=frozen([0, n_joint], np.int64),
-        value=frozen([], columns=4),
-        signal=indices,
+        point=index_pairs, row=frozen([0, n_joint], np.int64), kind=indices, axis=pairs, rest=numbers, signal=indices
     )
     loads = Loads(
         gravity=frozen([0.0, 0.0]),
         spring_kind=indices,
         spring_point=index_pairs,
+        spring_axis=pairs,
         spring_value=frozen([], columns=3),
         force_kind=indices,
         force_point=indices,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.results.result import world_places
-from lcpflex.scene.joints import DISTANCE, DRIVEN_ANGLE, REVOLUTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -202,15 +202,15 @@ def _draw_sides(ax: Axes, ends: FloatArray, view: View, on_ground: bool) -> None
 def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
     """Hinges as circles, other joints as squares, rods as lines, linear springs as dotted lines."""
     model = compiled.model
-    for kind, points in zip(model.joints.kind, model.joints.point, strict=True):
-        xy = world_places(model, q, points)
-        if kind == DISTANCE:
+    for first, last, points in zip(model.joints.row, model.joints.row[1:], model.joints.point, strict=False):
+        xy, kinds = world_places(model, q, points), set(model.joints.kind[first:last].tolist())
+        if DISTANCE in kinds:
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.2, zorder=3)
-        mark = "o" if kind in (REVOLUTE, DRIVEN_ANGLE, DISTANCE) else "s"
-        ends = xy if kind == DISTANCE else xy[:1]
+        mark = "s" if ALONG in kinds or {COMPONENT, ANGLE} <= kinds else "o"
+        ends = xy if DISTANCE in kinds else xy[:1]
         ax.plot(ends[:, 0], ends[:, 1], mark, markersize=6, color=_JOINT, markerfacecolor="white", zorder=4)
     for kind, points in zip(model.loads.spring_kind, model.loads.spring_point, strict=True):
-        if kind == 0:
+        if kind != ANGLE:
             xy = world_places(model, q, points)
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.6, linestyle=":", zorder=3)
 

@@ -1,5 +1,5 @@
 """What one writes: bodies placed in a scene, joints, loads, surfaces, contacts and rules between them.
 
-To add a joint: a frozen dataclass in :mod:`.joints` and its rows in :mod:`lcpflex.kinematics.joint_rows`. To add a
-load: a frozen dataclass in :mod:`.loads` and its force in :mod:`lcpflex.dynamics.applied_forces`.
+To add a joint: a file in :mod:`.joints` that names the relative coordinates it prescribes. To add a spring or damper: a
+file in :mod:`.loads` that names the one it resists. Both: the public name in :mod:`lcpflex`.
 """

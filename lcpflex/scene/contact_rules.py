@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.handles import Placed, PlacedSurface, can_touch
-from lcpflex.scene.joints import Joint
+from lcpflex.scene.joints.joint import Joint
 
 __all__ = ["by_rules"]
 

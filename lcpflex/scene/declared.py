@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.handles import Placed, PlacedSurface
-from lcpflex.scene.joints import Joint
-from lcpflex.scene.loads import Load
+from lcpflex.scene.joints.joint import Joint
+from lcpflex.scene.loads.load import Load
 
 __all__ = ["ContactRule", "DeclaredContact", "Parts"]
 

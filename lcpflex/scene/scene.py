@@ -18,8 +18,8 @@ from lcpflex.force_laws.law import Law
 from lcpflex.scene.clearances import Clearances
 from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
 from lcpflex.scene.handles import Placed, PlacedSurface, can_touch, is_slave_of, listed
-from lcpflex.scene.joints import Joint
-from lcpflex.scene.loads import Force, Load, Spring, Torque, TorsionSpring
+from lcpflex.scene.joints.joint import Joint
+from lcpflex.scene.loads.load import Load
 
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.damping import Damping
@@ -162,7 +162,7 @@ class Scene(Clearances):
 
     def join(self, joint: Joint) -> str:
         """Add a joint or a drive of :mod:`lcpflex.scene.joints`; returns its name (joint1, joint2, ... if omitted)."""
-        if not isinstance(joint, Joint):
+        if isinstance(joint, type) or not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         self._own("joint", joint.P)
         name = _name("joint", joint.name or None, list(self._joints))
@@ -171,7 +171,7 @@ class Scene(Clearances):
 
     def load(self, load: Load) -> None:
         """Add a spring, force or torque of :mod:`lcpflex.scene.loads`."""
-        if not isinstance(load, Spring | TorsionSpring | Force | Torque):
+        if isinstance(load, type) or not isinstance(load, Load):
             raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
         self._own("load", load.P)
         self._loads.append(load)

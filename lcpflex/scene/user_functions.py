@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.user_law import OwnLaw
-from lcpflex.scene.loads import Force, Function, Load
+from lcpflex.scene.functions_of_time import Function
+from lcpflex.scene.loads.load import Load
 
 if TYPE_CHECKING:
     from lcpflex.force_laws.law import Law
     from lcpflex.scene.declared import Parts
-    from lcpflex.scene.joints import Joint
+    from lcpflex.scene.joints.joint import Joint
 
 __all__ = ["check_names", "functions_of"]
 
@@ -46,7 +47,7 @@ def functions_of(parts: Parts) -> Iterator[tuple[str, Any]]:
 def _of_load(number: int, load: Load) -> Iterator[tuple[str, Any]]:
     value = getattr(load, "value", None)
     holder = f"load {number} ({type(load).__name__} on {load.P.label}): value"
-    if isinstance(load, Force) and isinstance(value, tuple):
+    if isinstance(value, tuple):
         yield from ((f"{holder}[{k}]", part) for k, part in enumerate(value))
     else:
         yield holder, value

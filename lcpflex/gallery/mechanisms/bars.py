@@ -14,8 +14,11 @@ import numpy as np
 from lcpflex.bodies.bar import Bar
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import DrivenDisplacement, PointOnLine, Weld
-from lcpflex.scene.loads import Force, Table
+from lcpflex.scene.functions_of_time import Table
+from lcpflex.scene.joints.driven_displacement import DrivenDisplacement
+from lcpflex.scene.joints.point_on_line import PointOnLine
+from lcpflex.scene.joints.weld import Weld
+from lcpflex.scene.loads.force import Force
 from lcpflex.scene.scene import Scene
 
 __all__ = ["bar_with_foot", "courant_step", "elastic_bar", "prestressed_bar", "two_bars"]

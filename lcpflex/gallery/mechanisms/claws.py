@@ -6,8 +6,10 @@ import math
 
 from lcpflex.bodies.rigid import Box
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import Prismatic, Revolute
-from lcpflex.scene.loads import Spring, Torque
+from lcpflex.scene.joints.prismatic import Prismatic
+from lcpflex.scene.joints.revolute import Revolute
+from lcpflex.scene.loads.spring import Spring
+from lcpflex.scene.loads.torque import Torque
 from lcpflex.scene.scene import Scene
 
 __all__ = ["TORQUE", "claw", "resting_force"]

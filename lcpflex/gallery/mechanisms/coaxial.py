@@ -11,7 +11,7 @@ from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import in_range
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import Prismatic
+from lcpflex.scene.joints.prismatic import Prismatic
 from lcpflex.scene.scene import Scene
 
 __all__ = ["meshed_ball", "meshed_rod", "meshed_sphere_on_rod"]

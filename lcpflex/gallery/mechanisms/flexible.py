@@ -8,7 +8,7 @@ from functools import partial
 from lcpflex.bodies.beam import Beam
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import Revolute
+from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.scene import Scene
 
 __all__ = ["hemisphere_pendulum", "pendulum", "sliding_beam"]

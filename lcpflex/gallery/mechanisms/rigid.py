@@ -8,8 +8,10 @@ from functools import partial
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import Revolute
-from lcpflex.scene.loads import Force, Harmonic, Spring
+from lcpflex.scene.functions_of_time import Harmonic
+from lcpflex.scene.joints.revolute import Revolute
+from lcpflex.scene.loads.force import Force
+from lcpflex.scene.loads.spring import Spring
 from lcpflex.scene.scene import Scene
 
 __all__ = [

@@ -9,8 +9,9 @@ from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
 from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
-from lcpflex.scene.joints import PointOnLine, Revolute
-from lcpflex.scene.loads import Spring
+from lcpflex.scene.joints.point_on_line import PointOnLine
+from lcpflex.scene.joints.revolute import Revolute
+from lcpflex.scene.loads.spring import Spring
 from lcpflex.scene.scene import Scene
 
 __all__ = ["elastic_stop", "hinged_beam", "sphere_on_beam", "sphere_on_rod"]

@@ -13,7 +13,7 @@ from lcpflex.bodies.fem.meshes import grid
 from lcpflex.bodies.reduction.component_modes import craig_bampton, sub_regional
 from lcpflex.bodies.reduction.damping import Rayleigh
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.scene.joints import Revolute
+from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.scene import Scene
 
 __all__ = [

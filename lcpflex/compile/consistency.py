@@ -1,0 +1,146 @@
+"""Every refusal of a scene as a whole: what only its compiled form, or all of its parts together, can tell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from lcpflex.contact.near import near
+from lcpflex.dynamics import start
+from lcpflex.dynamics.mass_matrix import overbent
+from lcpflex.dynamics.time_functions import State
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
+from lcpflex.kinematics.relative.coordinate import UNITS
+from lcpflex.model.arrays import Model
+from lcpflex.scene.handles import Placed
+from lcpflex.scene.joints.joint import Joint
+
+__all__ = [
+    "consistent_start",
+    "refuse_no_body",
+    "refuse_overbent",
+    "refuse_penetration",
+    "refuse_unguided",
+]
+
+JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
+PROJECTION_TOLERANCE = 1e-12
+AXIS_TOLERANCE = 1e-6  # [rad] between a solid of revolution and what guides it
+PENETRATION = 1e-6  # times the size of the largest body: an initial penetration beyond it is an error
+
+
+def refuse_no_body(placed: Sequence[Placed]) -> None:
+    """Raise ModelError for a scene without a body."""
+    if not placed:
+        raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
+
+
+def refuse_unguided(placed: Sequence[Placed], joints: Sequence[Joint], state: State) -> None:
+    """Solids of revolution move along their axis: joints must hold it, or moments that do not exist would turn them."""
+    solids = {p.body for p in placed if p.source and p.source.axisymmetric}
+    if not solids:
+        return
+    held = {-1}  # the ground, and what Prismatic joints and welds keep from turning
+    for _ in placed:
+        for joint in joints:
+            pair = {joint.P.body, joint.Q.body}
+            if len(pair & held) == 1 and all(_guides(joint, body, state) for body in pair & solids):
+                held |= pair if _holds(joint) else set()
+    for p in placed:
+        if p.body in solids - held:
+            raise ModelError(
+                f"body {p.name!r}: a solid of revolution moves along its axis only, expected a joint along it that "
+                f"holds it, as scene.join(Prismatic(body.point('axis'), scene.ground.at(X, Y), axis=(x, y))), or a Weld"
+            )
+
+
+def _holds(joint: Joint) -> bool:
+    """Whether the joint keeps its points on a line at least, and from turning, as Prismatic and Weld do."""
+    kinds = {row.kind for row in joint.rows()}
+    return "angle" in kinds and len(kinds) > 1
+
+
+def _guides(joint: Joint, body: int, state: State) -> bool:
+    """Whether the joint holds a solid of revolution on its axis, and lets it move along it at most."""
+    own = joint.P if joint.P.body == body else joint.Q
+    on_axis = not own.material.phi[:, 1].any() and own.material.place[1] == 0.0
+    across = [row.axis for row in joint.rows() if row.kind == "along"]
+    if not (on_axis and across and _holds(joint)):
+        return on_axis
+    x, y = across[0]  # normal to the line
+    axis = state.angle(joint.Q) + math.atan2(-x, y)
+    return abs(math.sin(axis - float(state.q[state.dof[body] + 2]))) <= AXIS_TOLERANCE
+
+
+def refuse_overbent(model: Model, q: FloatArray, names: Sequence[str]) -> None:
+    """Raise ModelError for a body whose spin would stiffen it below nothing."""
+    for b in overbent(model, q):
+        raise ModelError(
+            f"body {names[b]!r}: modal: it is bent too far for its stiffening by spin, expected small deflections"
+        )
+
+
+def consistent_start(
+    model: Model,
+    joints: Mapping[str, Joint],
+    q: FloatArray,
+    u: FloatArray,
+    external: FloatArray,
+    size: float,
+    project: bool,
+) -> tuple[FloatArray, FloatArray]:
+    """A start that fulfils the joints: the given one, or its projection."""
+    units = [UNITS[kind] for kind in model.joints.kind]
+    reach = max(size, float(np.abs(q[model.bodies.dof[:-1, None] + np.arange(2)]).max()))
+    scale = np.array([reach if unit == "m" else 1.0 for unit in units])
+    q, u = q.copy(), u.copy()  # writable, as the kernels are compiled for
+    if project:
+        q, u = start.project(model, q, u, external, PROJECTION_TOLERANCE * scale)
+    _refuse_violation(start.violation(model, q, u, external), model, joints, units, scale, project)
+    return q, u
+
+
+def _refuse_violation(
+    found: start.Violation,
+    model: Model,
+    joints: Mapping[str, Joint],
+    units: Sequence[str],
+    scale: FloatArray,
+    project: bool,
+) -> None:
+    """Raise ModelError for the joint that is violated most, relative to what is tolerated."""
+    hint = "the joints contradict each other" if project else "place the bodies accordingly, or use project=True"
+    owner = np.searchsorted(model.joints.row, np.arange(len(units)), side="right") - 1
+    names = list(joints)
+    for violated, allowed, rate in (
+        (found.position, JOINT_TOLERANCE * scale, ""),
+        (found.velocity, JOINT_TOLERANCE * (scale + found.speed), "/s"),
+    ):
+        worst = int(np.argmax(np.abs(violated) / allowed))
+        if not abs(violated[worst]) <= allowed[worst]:
+            name = names[owner[worst]]
+            joint = joints[name]
+            rows = model.joints.row[owner[worst] : owner[worst] + 2]
+            of_unit = [violated[r] for r in range(*rows) if units[r] == units[worst]]
+            what = "velocity" if rate else "position"
+            size = math.hypot(*of_unit)
+            raise ModelError(
+                f"joint {name!r} ({type(joint).__name__} of {joint.P.label} and {joint.Q.label}): the initial {what} "
+                f"violates it by {size:.6g} {units[worst]}{rate}, expected at most {allowed[worst]:.1g}: {hint}"
+            )
+
+
+def refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], hard: set[str], size: float) -> None:
+    """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``."""
+    table, found = near(pack(model), q, 0.0)
+    depths = {k: -float(table.gap[k]) for k in range(found) if names[table.law[k]] in hard}
+    deepest = max(depths, key=depths.__getitem__, default=-1)
+    if deepest >= 0 and not (depth := depths[deepest]) <= PENETRATION * size:
+        raise ModelError(
+            f"contact {names[table.law[deepest]]!r}: its surfaces penetrate by {depth:.6g} m at the start, "
+            f"expected at most {PENETRATION * size:.1g} m: move the bodies apart"
+        )

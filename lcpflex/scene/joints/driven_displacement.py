@@ -1,0 +1,40 @@
+"""Linear drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy.typing as npt
+
+from lcpflex.bodies.placed_point import PlacedPoint
+from lcpflex.scene.functions_of_time import Motion, checked_motion
+from lcpflex.scene.joints.joint import check_joint, unit
+from lcpflex.scene.relative import Relative
+
+__all__ = ["DrivenDisplacement"]
+
+
+@dataclass(frozen=True, slots=True)
+class DrivenDisplacement:
+    """Linear drive: axis_Q.(r_P - r_Q) - f(t) = 0 (1 row). It guides nothing: add a prismatic joint or a line.
+
+    ``axis`` (2,) is fixed in the material at Q. ``motion`` f [m] is a number,
+    :class:`~lcpflex.scene.functions_of_time.Harmonic`,
+    :class:`~lcpflex.scene.functions_of_time.Table` or Python function of time. Raises ModelError for points that
+    cannot be joined, a zero axis or a motion that is none.
+    """
+
+    P: PlacedPoint
+    Q: PlacedPoint
+    axis: npt.ArrayLike
+    motion: Motion
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_joint(self)
+        object.__setattr__(self, "axis", unit("DrivenDisplacement", self.axis))
+        object.__setattr__(self, "motion", checked_motion("DrivenDisplacement: motion", self.motion))
+
+    def rows(self) -> tuple[Relative, ...]:
+        """The relative coordinates that are prescribed."""
+        return (Relative("along", unit("DrivenDisplacement", self.axis), motion=self.motion),)

@@ -1,0 +1,70 @@
+"""What a joint tells the compilation, and the checks that joints share."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.basics.options import keep_number
+from lcpflex.bodies.body import array_of
+from lcpflex.bodies.placed_point import PlacedPoint, check_pair
+from lcpflex.errors import ModelError, shown
+from lcpflex.scene.relative import Relative
+
+__all__ = ["COINCIDENCE", "Joint", "across", "check_joint", "keep_angle", "unit"]
+
+COINCIDENCE = (Relative("component", (1.0, 0.0)), Relative("component", (0.0, 1.0)))  # r_P - r_Q = 0
+
+
+@runtime_checkable
+class Joint(Protocol):
+    """A joint: a frozen dataclass with two points, a name, and what it prescribes of them."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def P(self) -> PlacedPoint: ...
+    @property
+    def Q(self) -> PlacedPoint: ...
+    @property
+    def name(self) -> str: ...
+
+    def rows(self) -> tuple[Relative, ...]:
+        """The relative coordinates that are prescribed, in the order of the rows."""
+        ...
+
+
+def check_joint(joint: Any) -> None:
+    """Points on two bodies, and a name that is one."""
+    owner = type(joint).__name__
+    check_pair(owner, joint.P, joint.Q)
+    if joint.P.body == joint.Q.body:
+        raise ModelError(
+            f"{owner}: {joint.P.label} and {joint.Q.label} are points of the same body, expected points of two bodies"
+        )
+    if not isinstance(joint.name, str):
+        raise ModelError(f"{owner}: name: {shown(joint.name)} was given, expected a text")
+
+
+def keep_angle(joint: Any) -> None:
+    """Keep the rest angle as a float, unless it is None."""
+    if joint.angle is not None:
+        keep_number(joint, "angle", -math.inf, math.inf, label=f"{type(joint).__name__}: angle")
+
+
+def unit(owner: str, axis: npt.ArrayLike) -> tuple[float, float]:
+    """``axis`` as a unit vector."""
+    vector = array_of(f"{owner}: axis", axis, (2,))
+    if not vector.any():
+        raise ModelError(f"{owner}: axis: {shown(axis)} was given, expected a direction (x, y), not both 0")
+    x, y = vector / np.abs(vector).max()
+    length = math.hypot(x, y)
+    return float(x / length), float(y / length)
+
+
+def across(axis: tuple[float, float]) -> tuple[float, float]:
+    """The normal of a unit vector, counter-clockwise of it."""
+    return -axis[1], axis[0]

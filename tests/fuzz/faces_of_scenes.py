@@ -1,0 +1,238 @@
+"""Bodies, scenes and runs, and steppers."""
+
+from __future__ import annotations
+
+import inspect
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import scipy.io
+
+import lcpflex as lf
+from tests.fuzz.face import Face, bar, beam, body, continuum, matrices, mesh, points, result, small_scene, solid
+
+__all__ = ["bodies_faces", "run_faces", "scene_faces"]
+
+
+def _user_system() -> dict[str, Any]:
+    return {
+        "q": [1.0],
+        "u": [0.0],
+        "mass": [[1.0]],
+        "force": lambda t, q, u: [-9.81],
+        "gaps": lambda q: [q[0]],
+        "normals": [[1.0]],
+    }
+
+
+def _matrix(name: str) -> str:
+    """The name of a file with a small matrix."""
+    scipy.io.mmwrite(name, matrices()["mass" if name == "m.mtx" else "stiffness"])
+    return name
+
+
+def _slot(**changed: Any) -> lf.Slot:
+    scene = lf.Scene()
+    slot = scene.ground.straight_slot((0, 0), (0.05, 0), 0.02)
+    sides = {name: getattr(slot, name) for name in ("inner", "outer", "first", "last")}
+    return lf.Slot(**{**sides, "width": 0.02, **changed})
+
+
+def _clearance(**changed: Any) -> str:
+    scene = lf.Scene()
+    a, b = (scene.add(lf.Disc(0.1, mass=1.0)).point("center") for _ in range(2))
+    return scene.revolute_with_clearance(**{"P": a, "Q": b, "pin_radius": 0.01, "hole_radius": 0.011, **changed})
+
+
+_slot.__signature__ = inspect.signature(lf.Slot)  # type: ignore[attr-defined]
+_clearance.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+    list(inspect.signature(lf.Scene.revolute_with_clearance).parameters.values())[1:]
+)
+
+
+@cache
+def _checkpoint() -> bytes:
+    """What is in the file of a short run."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.npz"
+        lf.simulate(small_scene(), 0.01, lf.MoreauJean(step=1e-3), progress=False, checkpoint=path, every=1e-9)
+        return path.read_bytes()
+
+
+def _resumed() -> dict[str, Any]:
+    Path("run.npz").write_bytes(_checkpoint())
+    return {"path": "run.npz", "progress": False}
+
+
+def bodies_faces() -> list[Face]:
+    def named(name: str, **arguments: Any) -> Face:
+        return Face(name, getattr(lf, name), lambda: dict(arguments))
+
+    reduce = {"modes": 2}
+    return [
+        named("RigidBody", mass=1.0, inertia=0.1, center=(0.0, 0.0), points={"a": (0.1, 0.0)}),
+        named("Disc", radius=0.1, mass=1.0),
+        Face("Disc of density", lf.Disc, lambda: {"radius": 0.1, "density": 7800.0}),
+        named("Box", width=0.1, height=0.2, mass=1.0),
+        named("Polygon", vertices=[(0, 0), (1, 0), (0, 1)], mass=1.0),
+        named("Beam", length=0.7, width=0.028, thickness=0.005, density=2700.0, youngs_modulus=6.9e10),
+        named("Bar", length=1.0, area=1e-4, density=7800.0, youngs_modulus=2e11),
+        named("Rayleigh", alpha=0.1, beta=1e-5),
+        named("Interface", place="left"),
+        named("Stiffening", held="left"),
+        Face(
+            "Continuum",
+            lf.Continuum,
+            lambda: {"mesh": mesh(), "density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3},
+        ),
+        Face(
+            "SolidOfRevolution",
+            lf.SolidOfRevolution,
+            lambda: {"mesh": mesh(), "density": 7800.0, "youngs_modulus": 2e11, "poissons_ratio": 0.3},
+        ),
+        Face("Matrices", lf.Matrices, matrices),
+        Face("Beam.reduce", lf.Beam.reduce, lambda: dict(reduce), beam),
+        Face("Bar.reduce", lf.Bar.reduce, lambda: dict(reduce), bar),
+        Face("Continuum.reduce", lf.Continuum.reduce, lambda: dict(reduce), continuum),
+        Face("SolidOfRevolution.reduce", lf.SolidOfRevolution.reduce, lambda: dict(reduce), solid),
+        Face("Matrices.reduce", lf.Matrices.reduce, lambda: {"modes": 1}, lambda: lf.Matrices(**matrices())),
+        Face("craig_bampton", lf.craig_bampton, lambda: {"model": continuum(), "boundary": "left", "modes": 2}),
+        Face("free_interface", lf.free_interface, lambda: {"model": continuum(), "modes": 2}),
+        Face(
+            "residual_compliance",
+            lf.residual_compliance,
+            lambda: {"model": continuum(), "contact": "left", "modes": 2},
+        ),
+        Face("sub_regional", lf.sub_regional, lambda: {"model": continuum(), "region": "left"}),
+        Face("unreduced", lf.unreduced, lambda: {"model": continuum()}),
+        Face(
+            "matrices_from_files",
+            lf.matrices_from_files,
+            lambda: {"mass": _matrix("m.mtx"), "stiffness": _matrix("k.mtx"), "coordinates": matrices()["coordinates"]},
+        ),
+    ]
+
+
+def scene_faces() -> list[Face]:
+    def joint(name: str, **more: Any) -> Face:
+        return Face(name, getattr(lf, name), lambda: {**points(), **more})
+
+    def surfaces() -> tuple[lf.Scene, Any, Any]:
+        scene = lf.Scene()
+        disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(0.0, 0.5))
+        return scene, disc.surface(), scene.ground.half_plane((0, 0), (0, 1))
+
+    def contact(**changed: Any) -> Any:
+        scene, a, b = surfaces()
+        return scene.contact(**{"a": a, "b": b, **changed})
+
+    contact.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        list(inspect.signature(lf.Scene.contact).parameters.values())[1:]
+    )
+
+    def join(joint: Any) -> Any:
+        return small_scene().join(joint)
+
+    def load(load: Any) -> Any:
+        return small_scene().load(load)
+
+    def placed(method: str, **arguments: Any) -> Face:
+        kind = type(body())
+        return Face(f"handle.{method}", getattr(kind, method), lambda: dict(arguments), body)
+
+    def pin(**changed: Any) -> Any:
+        scene = lf.Scene()
+        a, b = (scene.add(lf.Disc(0.1, mass=1.0)) for _ in range(2))
+        slot = b.straight_slot((0, 0), (0.05, 0), 0.02)
+        return scene.contact_slot(**{"slot": slot, "pin": a.circle((0, 0), 0.009), **changed})
+
+    pin.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        list(inspect.signature(lf.Scene.contact_slot).parameters.values())[1:]
+    )
+    return [
+        Face("Scene", lf.Scene, dict),
+        Face("Scene.add", lf.Scene.add, lambda: {"body": lf.Disc(0.1, mass=1.0)}, lf.Scene),
+        Face("Scene.add flexible", lf.Scene.add, lambda: {"body": beam(), "modes": 2}, lf.Scene),
+        Face("Scene.body", lf.Scene.body, lambda: {"name": "disc"}, small_scene),
+        Face("Scene.join", join, lambda: {"joint": None}),
+        Face("Scene.load", load, lambda: {"load": None}),
+        Face("Scene.contact", contact, dict),
+        Face("Scene.contact_slot", pin, dict),
+        Face("Slot", _slot, dict),
+        Face("Scene.revolute_with_clearance", _clearance, dict),
+        Face("Scene.contact_all", lf.Scene.contact_all, dict, small_scene),
+        Face(
+            "Scene.with_bodies", lf.Scene.with_bodies, lambda: {"bodies": {"disc": lf.Disc(0.1, mass=2.0)}}, small_scene
+        ),
+        Face("Scene.compile", lf.Scene.compile, dict, small_scene),
+        placed("point", name="center"),
+        placed("at", x=0.0, y=0.0),
+        placed("surface", name="outline"),
+        placed("circle", center="center", radius=0.1),
+        placed("hole", center="center", radius=0.1),
+        placed("arc", center=(0.0, 0.0), radius=0.1, start=0.0, extent=1.0),
+        placed("node", x=0.0, y=0.0),
+        placed("half_plane", point=(0.0, 0.0), normal=(0.0, 1.0)),
+        placed("chain", places=[(0.0, 0.0), (1.0, 0.0)]),
+        placed("curved_slot", center=(0.0, 0.0), radius=0.1, width=0.02, start=0.0, extent=1.0),
+        placed("straight_slot", first=(0.0, 0.0), last=(0.1, 0.0), width=0.02),
+        joint("Revolute"),
+        joint("Weld"),
+        joint("Prismatic"),
+        joint("PointOnLine"),
+        joint("Distance"),
+        joint("DrivenAngle", motion=0.0),
+        joint("DrivenDisplacement", axis=(1.0, 0.0), motion=0.0),
+        joint("Spring", stiffness=1.0),
+        joint("TorsionSpring", stiffness=1.0),
+        Face("Force", lf.Force, lambda: {"P": points()["P"], "value": (1.0, 0.0)}),
+        Face("Torque", lf.Torque, lambda: {"P": points()["P"], "value": 1.0}),
+        Face("Harmonic", lf.Harmonic, lambda: {"amplitude": 1.0, "omega": 1.0}),
+        Face("Table", lf.Table, lambda: {"times": [0.0, 1.0], "values": [0.0, 1.0]}),
+        Face("Function", lf.Function, lambda: {"function": lambda t: t}),
+        Face("UserSystem", lf.UserSystem, _user_system),
+    ]
+
+
+def run_faces() -> list[Face]:
+    run = {"duration": 0.005, "stepper": lf.MoreauJean(step=1e-3), "progress": False}
+    of_result = [
+        ("contact", {"name": "floor"}),
+        ("point", {"body": "disc", "point": "center"}),
+        ("velocity", {"body": "disc", "point": "center"}),
+        ("draw", {"t": 0.0}),
+        ("save", {"path": "unused.npz"}),
+        ("modes_of", {"body": "disc"}),
+        ("animate", {"path": "film.gif", "fps": 1.0, "slowdown": 100.0}),
+    ]
+    settled = lf.Scene(gravity=(0.0, 0.0))
+    settled.add(lf.Disc(0.1, mass=1.0), name="disc")
+    steppers = {
+        "MoreauJean": {"step": 1e-3},
+        "GeneralizedAlpha": {"step": 1e-3},
+        "EventDriven": {},
+        "MasslessBoundary": {},
+        "AdaptiveStep": {},
+        "ExplicitRungeKutta": {},
+        "Stiff": {},
+        "Verlet": {"step": 1e-3},
+        "Newton": {},
+        "Poisson": {},
+        "Energetic": {},
+        "Penalty": {"stiffness": 1e5},
+        "Smooth": {"law": lf.Penalty(1e5)},
+        "RecordProblems": {"path": "problems.npz"},
+    }
+    return [
+        Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
+        Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
+        Face("resume", lf.resume, _resumed),
+        Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
+        *(
+            Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)
+            for name, given in of_result
+        ),
+        *(Face(name, getattr(lf, name), lambda given=given: dict(given)) for name, given in steppers.items()),
+    ]

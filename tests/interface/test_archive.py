@@ -1,0 +1,147 @@
+"""Saved results: nothing is lost, nothing half-written is left, nothing is unpickled."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import zipfile
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lcpflex.errors import ModelError
+from lcpflex.results.result import Result
+
+
+def assert_same(a: Any, b: Any, path: str = "result") -> None:
+    """Equal to the last bit, through dataclasses, named tuples, tuples and mappings."""
+    if isinstance(a, np.ndarray):
+        assert a.dtype == b.dtype, path
+        assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), path
+    elif is_dataclass(a):
+        assert type(a) is type(b), path
+        for field in fields(a):
+            if field.name == "materials":  # of functions of a user's, which are not kept
+                continue
+            assert_same(getattr(a, field.name), getattr(b, field.name), f"{path}.{field.name}")
+    elif isinstance(a, tuple | list):
+        assert len(a) == len(b), path
+        for k, (x, y) in enumerate(zip(a, b, strict=True)):
+            assert_same(x, y, f"{path}[{k}]")
+    elif isinstance(a, dict):
+        assert_same(sorted(a.items()), sorted(b.items()), path)
+    else:
+        assert a == b, path
+
+
+def test_result_of_a_users_own_system_comes_back_whole(bounce: Result, tmp_path: Path) -> None:
+    assert_same(bounce, Result.load(bounce.save(tmp_path / "bounce.npz")))
+
+
+def test_result_of_a_scene_comes_back_whole_and_can_be_drawn(swing: Result, tmp_path: Path) -> None:
+    loaded = Result.load(swing.save(tmp_path / "swing.npz"))
+    assert_same(swing, loaded)
+    np.testing.assert_array_equal(loaded.point("pendulum", "right"), swing.point("pendulum", "right"))
+    loaded.draw(0.2).savefig(tmp_path / "drawn.png")
+    assert (tmp_path / "drawn.png").stat().st_size > 5000
+
+
+def test_file_is_open_to_any_program(swing: Result, tmp_path: Path) -> None:
+    """Documented names, plain arrays, JSON; no pickle."""
+    swing.save(tmp_path / "swing.npz")
+    with np.load(tmp_path / "swing.npz", allow_pickle=False) as file:
+        assert str(file["format"]) == "lcpflex result 1"
+        np.testing.assert_array_equal(file["times"], swing.times)
+        np.testing.assert_array_equal(file["energies.kinetic"], swing.energies.kinetic)
+        assert "compiled.model.bodies.mass" in file
+        assert json.loads(str(file["structure"]))["fields"]["stepper"] == swing.stepper
+
+
+def test_saving_replaces_an_older_file(bounce: Result, tmp_path: Path) -> None:
+    path = tmp_path / "result.npz"
+    path.write_bytes(b"old")
+    bounce.save(path)
+    assert Result.load(path).complete
+    assert [p.name for p in tmp_path.iterdir()] == ["result.npz"]
+
+
+@pytest.mark.parametrize("name", ["missing/result.npz", "file/result.npz", "folder"])
+def test_unwritable_path(bounce: Result, tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(ModelError, match=r"path: cannot write .*" + name):
+        bounce.save(tmp_path / name)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("path", [None, 3.5])
+def test_what_is_no_path(bounce: Result, path: Any) -> None:
+    with pytest.raises(ModelError, match="expected the name of a file"):
+        bounce.save(path)
+    with pytest.raises(ModelError, match="expected the name of a file"):
+        Result.load(path)
+
+
+def test_a_link_stays_a_link_and_a_device_a_device(bounce: Result, tmp_path: Path) -> None:
+    target, link = tmp_path / "there.npz", tmp_path / "link.npz"
+    link.symlink_to(target)
+    assert_same(bounce, Result.load(bounce.save(link)))
+    assert link.is_symlink()
+    assert target.is_file()
+    pipe = tmp_path / "pipe.npz"
+    os.mkfifo(pipe)
+    with pytest.raises(ModelError, match="no regular file"):
+        bounce.save(pipe)
+    assert pipe.is_fifo()
+
+
+def test_full_disk_leaves_the_older_file_and_nothing_else(swing: Result, tmp_path: Path) -> None:
+    """The system refuses to write beyond 4 kB, as a full disk would."""
+    path = tmp_path / "result.npz"
+    path.write_bytes(b"old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
+    try:
+        with pytest.raises(ModelError, match="cannot write"):
+            swing.save(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert path.read_bytes() == b"old"
+    assert [p.name for p in tmp_path.iterdir()] == ["result.npz"]
+
+
+def test_unreadable_files(bounce: Result, tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match=r"cannot read .*nowhere"):
+        Result.load(tmp_path / "nowhere.npz")
+    path = tmp_path / "result.npz"
+    path.write_bytes(b"this is text")
+    with pytest.raises(ModelError, match="no complete result"):
+        Result.load(path)
+    whole = bounce.save(path).read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ModelError, match="no complete result"):
+        Result.load(path)
+    np.savez(path, times=np.zeros(3))
+    with pytest.raises(ModelError, match="no such entry"):
+        Result.load(path)
+
+
+@pytest.mark.parametrize("name", ["os.system", "result.np", "builtins.eval", "result.Result.load"])
+def test_file_cannot_name_anything_but_values(bounce: Result, tmp_path: Path, name: str) -> None:
+    path = bounce.save(tmp_path / "result.npz")
+    with np.load(path) as file:
+        entries = {key: file[key] for key in file.files}
+    entries["structure"] = np.array(json.dumps({"value": name, "fields": {}}))
+    np.savez(path, **entries)
+    with pytest.raises(ModelError, match="no complete result"):
+        Result.load(path)
+
+
+def test_entries_are_plain_npy(swing: Result, tmp_path: Path) -> None:
+    with zipfile.ZipFile(swing.save(tmp_path / "swing.npz")) as file:
+        assert all(name.endswith(".npy") for name in file.namelist())

@@ -1,0 +1,470 @@
+"""A run that was broken off goes on from its checkpoint and ends with the bits it would have ended with."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lcpflex as lf
+from lcpflex.runs import checkpoint as checkpoints
+from lcpflex.runs.checkpoint import Checkpoints, read
+from lcpflex.runs.object_tree import freeze
+from tests.interface import checkpoint_runs
+from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
+
+QUICK = ("moreau", "moreau adaptive", "alpha adaptive", "event-driven by law", "massless", "stiff", "own system")
+
+
+@pytest.fixture(autouse=True)
+def ctrl_c_is_heard() -> Iterator[None]:
+    """A shell starts what runs in the background with Ctrl-C ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+class Breaks:
+    """Ctrl-C in the midst of some chunks of steps, counted over all runs."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, at: set[int]) -> None:
+        self._at, self.chunks = at, 0
+        begins = Checkpoints.chunk_begins
+
+        def begin(keeper: Checkpoints) -> None:
+            begins(keeper)
+            self.chunks += 1
+            if self.chunks in self._at:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        monkeypatch.setattr(Checkpoints, "chunk_begins", begin)
+        monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
+
+
+def missing(path: Path, build: Any, stepper: Any) -> dict[str, Any]:
+    """What a file cannot hold."""
+    given = {"scene": build, "stepper": lambda: stepper}
+    return {name: given[name]() for name in read(path).structure["missing"]}
+
+
+def no_two_share_memory(run: Any) -> None:
+    arrays: dict[str, Any] = {}
+    freeze(run, "run", arrays, {})
+    spans = sorted((*np.lib.array_utils.byte_bounds(array), name) for name, array in arrays.items() if array.size)
+    for (_, end, name), (begin, _, other) in pairwise(spans):
+        assert end <= begin, (name, other)
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in RUNS])
+def test_a_resumed_run_ends_with_the_same_bits(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Broken off three times; all that is in the result is the same but the timings, and so is the file's content."""
+    build, duration, stepper = RUNS[name]
+    whole = lf.simulate(build(), duration, stepper)
+    path = tmp_path / "run.npz"
+    breaks = Breaks(monkeypatch, {5, 12, 30})
+    result = lf.simulate(build(), duration, stepper, checkpoint=path)
+    parts = 0
+    while not result.complete:
+        assert result.message.startswith("interrupted")
+        parts += 1
+        result = lf.resume(path, **missing(path, build, stepper))
+    assert parts == 3 or (parts >= 1 and breaks.chunks < 30)
+    assert_same_bits(whole, result)
+    assert result.wall_time > 0.0
+    assert read(path).finished
+    again = lf.resume(path, **missing(path, build, stepper))  # it had come to its end
+    assert_same_bits(whole, again)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+
+
+@pytest.mark.parametrize("name", ["moreau", "alpha", "event-driven by law", "massless", "verlet", "moreau adaptive"])
+def test_no_two_arrays_of_a_run_share_memory(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """They are kept apart, so that one that is a part of another would not be so after the run was resumed."""
+    build, duration, stepper = RUNS[name]
+    seen = []
+    begins = Checkpoints.chunk_begins
+
+    def look(keeper: Checkpoints) -> None:
+        if len(seen) < 3:
+            no_two_share_memory(keeper._run)
+            seen.append(1)
+        begins(keeper)
+
+    monkeypatch.setattr(Checkpoints, "chunk_begins", look)
+    lf.simulate(build(), duration, stepper, checkpoint=tmp_path / "run.npz")
+    assert seen
+
+
+@pytest.mark.parametrize("name", ["moreau", "verlet", "moreau adaptive", "alpha"])
+def test_results_do_not_depend_on_how_many_steps_are_made_at_a_time(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As they would on a slow machine: the sampled steps are the same ones, and so is what is stated of the error."""
+    build, duration, stepper = RUNS[name]
+    whole = lf.simulate(build(), duration, stepper)
+    monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
+    assert_same_bits(whole, lf.simulate(build(), duration, stepper))
+    assert whole.place_error is not None
+
+
+def test_contact_problems_are_recorded_as_without_a_break(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from lcpflex.solvers.benchmark.files import load_problems
+
+    build, duration, stepper = RUNS["moreau"]
+    wanted, found = (lf.RecordProblems(tmp_path / f"{name}.npz", hardest=5) for name in ("wanted", "found"))
+    lf.simulate(build(), duration, stepper, record_problems=wanted)
+    path = tmp_path / "run.npz"
+    Breaks(monkeypatch, {20})
+    assert not lf.simulate(build(), duration, stepper, record_problems=found, checkpoint=path).complete
+    with pytest.raises(lf.ModelError, match=r"record_problems: None was given, expected RecordProblems"):
+        lf.resume(path)
+    assert lf.resume(path, record_problems=found).complete
+    for one, other in zip(load_problems(wanted.path), load_problems(found.path), strict=True):
+        assert one.name == other.name
+        np.testing.assert_array_equal(one.problem.delassus, other.problem.delassus)
+
+
+CHILD = """
+import sys
+sys.path[:0] = [sys.argv[1]]
+import lcpflex as lf
+from lcpflex.runs import checkpoint
+from tests.interface.checkpoint_runs import heap
+from pathlib import Path
+checkpoint.SHARE = 1.0
+path = Path(sys.argv[2])
+if path.exists():
+    lf.resume(path)
+else:
+    lf.simulate(heap(), float(sys.argv[3]), lf.MoreauJean(1e-4), record=1e-2, checkpoint=path, every=0.02)
+"""
+
+
+def killed(path: Path, duration: float, rewritten: int, later: float) -> bool:
+    """Begin or go on with a run in a process of its own, and kill it in the midst of it; whether it was there yet."""
+    here = str(Path(checkpoint_runs.__file__).parents[2])
+    child = subprocess.Popen([sys.executable, "-c", CHILD, here, str(path), str(duration)])
+    try:
+        last, seen = (path.stat().st_ino if path.exists() else None), 0
+        while seen < rewritten and child.poll() is None:
+            now = path.stat().st_ino if path.exists() else None
+            seen, last = seen + (now != last), now
+            time.sleep(2e-3)
+        time.sleep(later)
+        return child.poll() is None
+    finally:
+        child.kill()
+        child.wait()
+
+
+def assert_killed_runs_end_alike(path: Path, duration: float, kills: int) -> None:
+    random = np.random.default_rng(15)
+    whole = lf.simulate(heap(), duration, lf.MoreauJean(1e-4), record=1e-2)
+    reached = 0.0
+    for _ in range(kills):
+        assert killed(path, duration, int(random.integers(2, 5)), float(random.uniform(0.0, 0.05)))
+        assert read(path).structure["at"][0] > reached  # what is there is whole, and further on
+        reached = read(path).structure["at"][0]
+    result = lf.resume(path)
+    assert result.complete
+    assert_same_bits(whole, result)
+
+
+def test_a_run_that_is_killed_twice(tmp_path: Path) -> None:
+    assert_killed_runs_end_alike(tmp_path / "run.npz", 2.0, kills=2)
+
+
+@pytest.mark.slow
+def test_a_run_that_is_killed_at_ten_random_instants(tmp_path: Path) -> None:
+    assert_killed_runs_end_alike(tmp_path / "run.npz", 12.0, kills=10)
+
+
+def broken_off(path: Path, monkeypatch: pytest.MonkeyPatch, build: Any = thrown, stepper: Any = None) -> None:
+    """A checkpoint in the midst of a run."""
+    with monkeypatch.context() as patch:
+        Breaks(patch, {5})
+        result = lf.simulate(build(), 0.1, stepper or lf.MoreauJean(1e-3), checkpoint=path)
+    assert not result.complete
+
+
+def changed(path: Path, **entries: Any) -> None:
+    """The file with other entries in its structure."""
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    structure = json.loads(str(arrays.pop("structure")))
+    for name, value in entries.items():
+        structure[name] = {**structure[name], **value}
+    np.savez(path, structure=np.array(json.dumps(structure)), **arrays)
+
+
+def test_a_scene_or_stepper_that_is_another_one_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch)
+    with pytest.raises(lf.ModelError, match=r"stepper: MoreauJean\(step=0.002.*stepper.step differs"):
+        lf.resume(path, stepper=lf.MoreauJean(2e-3))
+    with pytest.raises(lf.ModelError, match=r"stepper: EventDriven"):
+        lf.resume(path, stepper=lf.EventDriven())
+    other = thrown()
+    other.add(lf.Disc(0.1, mass=1.0), position=(5.0, 5.0))
+    with pytest.raises(lf.ModelError, match=r"scene: another one was given .*: scene.model"):
+        lf.resume(path, scene=other)
+    heavier = thrown()
+    heavier.gravity = np.array((0.0, -9.81))
+    with pytest.raises(lf.ModelError, match=r"scene.model.loads.gravity differs"):
+        lf.resume(path, scene=heavier)
+    with pytest.raises(lf.ModelError, match=r"scene: 'ball' was given"):
+        lf.resume(path, scene="ball")
+    assert lf.resume(path, thrown(), lf.MoreauJean(1e-3)).complete
+
+
+def test_functions_have_to_be_given_again_and_to_be_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch, pushed)
+    with pytest.raises(lf.ModelError, match=r"scene: none was given.*Python functions.*lf\.resume\(path, scene="):
+        lf.resume(path)
+    with pytest.raises(lf.ModelError, match=r"scene: other functions were given"):
+        lf.resume(path, pushed(most=21.0))
+    assert lf.resume(path, pushed()).complete
+    broken_off(tmp_path / "own.npz", monkeypatch, own_system)
+    with pytest.raises(lf.ModelError, match=r"scene: none was given.*UserSystem"):
+        lf.resume(tmp_path / "own.npz")
+    with pytest.raises(lf.ModelError, match=r"scene: other functions were given.*force"):
+        lf.resume(tmp_path / "own.npz", own_system(stiffness=3.0))
+    assert lf.resume(tmp_path / "own.npz", own_system()).complete
+
+
+def test_a_solver_of_ones_own_has_to_be_given_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Own:
+        def solve(self, problem: Any) -> Any:
+            return lf.Auto().solve(problem)
+
+        def __repr__(self) -> str:
+            return "Own()"
+
+    path = tmp_path / "run.npz"
+    stepper = lf.MoreauJean(1e-3, solver=Own())
+    broken_off(path, monkeypatch, stepper=stepper)
+    with pytest.raises(lf.ModelError, match=r"stepper: none was given.*solver"):
+        lf.resume(path)
+    with pytest.raises(lf.ModelError, match=r"stepper: .* differs"):
+        lf.resume(path, stepper=lf.MoreauJean(2e-3, solver=Own()))
+    assert_same_bits(lf.simulate(thrown(), 0.1, stepper), lf.resume(path, stepper=stepper))
+
+
+def test_another_version_is_refused_and_other_libraries_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch)
+    changed(path, made={"numpy": "1.0"})
+    assert any("numpy" in note and "1.0" in note for note in lf.resume(path).notes)
+    changed(path, made={"lcpflex": "0.0.1"})
+    with pytest.raises(lf.ModelError, match=r"written by lcpflex 0\.0\.1, expected"):
+        lf.resume(path)
+    changed(path, made={"lcpflex": lf.__version__, "sources": "0"})
+    with pytest.raises(lf.ModelError, match=r"of other sources"):
+        lf.resume(path)
+
+
+def test_what_is_no_checkpoint_or_damaged_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each with its path, in few words; no other exception leaves."""
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch)
+    whole = path.read_bytes()
+    random = np.random.default_rng(3)
+    damaged = [b"", b"PK", b"text\n" * 100, whole[: len(whole) // 2], whole[:-100], whole + b"x" * 10, whole[100:]]
+    for _ in range(60):
+        data = bytearray(whole)
+        for at in random.integers(0, len(data), 3):
+            data[at] ^= 1 << int(random.integers(8))
+        damaged.append(bytes(data))
+    bad = tmp_path / "bad.npz"
+    messages = []
+    for data in damaged:
+        bad.write_bytes(data)
+        try:
+            read(bad)
+        except lf.ModelError as error:
+            messages.append(str(error))
+    assert all(str(bad) in message and len(message) < 500 + len(str(bad)) for message in messages)
+    assert len(messages) >= 55  # bits of the names' time stamps mean nothing
+    lf.simulate(thrown(), 0.01, lf.MoreauJean(1e-3)).save(bad)
+    for wrong in (bad, tmp_path, tmp_path / "none.npz", 3, None, "a\0b"):
+        with pytest.raises(lf.ModelError, match=r"path"):
+            lf.resume(wrong)  # type: ignore[arg-type]
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    with pytest.raises(lf.ModelError, match=r"path"):
+        lf.resume(tmp_path / "array.npy")
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        {"run": {"object": "os:system"}},
+        {"run": {"fields": {}}},
+        {"run": {"object": "lcpflex.scene.scene:Scene"}},
+        {"scene": {"object": "lcpflex.scene.handles:Placed"}},
+        {"stepper": {"fields": {"step": {"array": "nowhere"}}}},
+        {"options": {"object": "builtins:eval"}},
+        {"made": {"more": "1"}},
+    ],
+)
+def test_a_file_with_other_entries_is_refused(
+    entries: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch)
+    changed(path, **entries)
+    with pytest.raises(lf.ModelError, match=r"no complete checkpoint"):
+        lf.resume(path)
+
+
+def test_a_run_that_is_under_way_is_not_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "run.npz"
+    broken_off(path, monkeypatch)
+    with pytest.raises(lf.ModelError, match=r"checkpoint: .* lf\.resume\(path\) goes on with it"):
+        lf.simulate(thrown(), 0.1, lf.MoreauJean(1e-3), checkpoint=path)
+    assert lf.resume(path).complete
+    assert lf.simulate(thrown(), 0.01, lf.MoreauJean(1e-3), checkpoint=path).complete  # that one has ended
+    path.write_text("of something else")
+    with pytest.raises(lf.ModelError, match=r"checkpoint: .* no checkpoint"):
+        lf.simulate(thrown(), 0.1, lf.MoreauJean(1e-3), checkpoint=path)
+    assert path.read_text() == "of something else"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ({"checkpoint": 3}, "checkpoint"),
+        ({"checkpoint": "/nowhere/at/all/run.npz"}, "checkpoint"),
+        ({"checkpoint": "."}, "checkpoint"),
+        ({"every": -1.0}, "every"),
+        ({"every": "1 min"}, "every"),
+        ({"initial": 3}, "initial"),
+    ],
+)
+def test_arguments_are_refused_before_the_run(arguments: dict[str, Any], name: str, tmp_path: Path) -> None:
+    arguments = {"checkpoint": tmp_path / "run.npz"} | arguments
+    with pytest.raises(lf.ModelError, match=f"^{name}: "):
+        lf.simulate(thrown(), 0.1, lf.MoreauJean(1e-3), **arguments)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_is_told_once_and_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "run.npz"
+    write, calls = np.savez, [0]
+
+    def savez(file: Any, **arrays: Any) -> None:
+        calls[0] += 1
+        if calls[0] > 2:
+            file.write(b"half")
+            raise OSError(28, "No space left on device")
+        write(file, **arrays)
+
+    whole = lf.simulate(heap(), 0.05, lf.MoreauJean(1e-3))
+    monkeypatch.setattr(np, "savez", savez)
+    monkeypatch.setattr(checkpoints, "SHARE", np.inf)
+    monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
+    result = lf.simulate(heap(), 0.05, lf.MoreauJean(1e-3), checkpoint=path, every=0.0)
+    assert capsys.readouterr().err.count("No space left") == 1
+    assert calls[0] > 3
+    assert_same_bits(whole, result)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+    monkeypatch.setattr(np, "savez", write)
+    assert_same_bits(whole, lf.resume(path))  # from the last one that was written
+
+
+def test_writing_takes_a_small_share_of_the_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where it is slow, checkpoints are farther apart, and that is told once."""
+    clock = [0.0]
+    writes = []
+
+    def write(keeper: Checkpoints) -> None:
+        writes.append(clock[0])
+        clock[0] += 1.0
+
+    def chunk(keeper: Checkpoints) -> None:
+        clock[0] += 0.5
+
+    monkeypatch.setattr(Checkpoints, "_write", write)
+    monkeypatch.setattr(Checkpoints, "chunk_begins", chunk)
+    monkeypatch.setattr(checkpoints.time, "perf_counter", lambda: clock[0])
+    monkeypatch.setattr(checkpoints, "described", lambda setup, arrays: {})
+    keeper = Checkpoints(tmp_path / "run.npz", 10.0)
+    nothing: Any = None
+    keeper.begin(nothing, nothing, nothing, (0.0, 0.0), False)
+    for _ in range(2000):
+        keeper.chunk_begins()
+        keeper.chunk_ends()
+    assert capsys.readouterr().err.count("a checkpoint takes 1 s") == 1
+    assert len(writes) / clock[0] < 0.0225
+    assert len(writes) > 15
+
+
+def test_a_second_interruption_does_not_wait(tmp_path: Path) -> None:
+    """For a function that never returns: what was written before is there."""
+
+    def force(t: float, q: Any, u: Any) -> Any:
+        if t > 0.05 and u[1] != 1.0:  # not before the run, when it is asked how fast it changes in time
+            os.kill(os.getpid(), signal.SIGINT)
+        return np.array([-9.81, 0.0])
+
+    path = tmp_path / "run.npz"
+    system = replace(own_system(), force=force)
+    result = lf.simulate(system, 0.3, lf.MoreauJean(1e-3), checkpoint=path)
+    assert result.message.startswith("interrupted")
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert read(path).structure["at"][0] <= 0.06
+
+
+def test_the_last_state_of_a_result_begins_another_run() -> None:
+    """Where nothing else is remembered, as without a break; the notes say so."""
+    scene, free = thrown(), lf.Scene()
+    free.add(lf.Box(0.3, 0.1, mass=1.0), position=(0.0, 1.0), velocity=(1.0, 2.0), angular_velocity=3.0)
+    for stepper in (lf.MoreauJean(2.0**-10), lf.Smooth(lf.Penalty(1e4), integrator=lf.Verlet(2.0**-10))):
+        whole = lf.simulate(free, 0.25, stepper)
+        first = lf.simulate(free, 0.125, stepper)
+        second = lf.simulate(free, 0.125, stepper, initial=first)
+        np.testing.assert_array_equal(second.q[-1], whole.q[-1])
+        np.testing.assert_array_equal(second.u[-1], whole.u[-1])
+        assert any("as without a break" in note for note in second.notes)
+    first = lf.simulate(scene, 0.125, lf.EventDriven())
+    second = lf.simulate(thrown(), 0.125, lf.EventDriven(), initial=first)
+    np.testing.assert_array_equal(second.q[0], first.q[-1])
+    np.testing.assert_array_equal(second.compiled.q, first.q[-1])
+    assert any("chosen anew" in note for note in second.notes)
+    np.testing.assert_allclose(second.q[-1], lf.simulate(scene, 0.25, lf.EventDriven()).q[-1], rtol=0, atol=1e-6)
+
+
+def test_a_result_of_other_coordinates_begins_no_run() -> None:
+    first = lf.simulate(thrown(), 0.01, lf.MoreauJean(1e-3))
+    with pytest.raises(lf.ModelError, match=r"initial: .*ball \(3\), box \(3\).*expected those of the scene, body1"):
+        lf.simulate(heap(), 0.01, lf.MoreauJean(1e-3), initial=first)
+    own = lf.simulate(own_system(), 0.01, lf.MoreauJean(1e-3))
+    with pytest.raises(lf.ModelError, match=r"initial: .*q \(2\)"):
+        lf.simulate(heap(), 0.01, lf.MoreauJean(1e-3), initial=own)
+    second = lf.simulate(own_system(), 0.01, lf.MoreauJean(1e-3), initial=own)
+    np.testing.assert_array_equal(second.q[0], own.q[-1])
+
+
+def test_a_run_from_a_result_is_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = lf.simulate(pushed(), 0.02, lf.MoreauJean(1e-3))
+    whole = lf.simulate(pushed(), 0.1, lf.MoreauJean(1e-3), initial=first)
+    path = tmp_path / "run.npz"
+    with monkeypatch.context() as patch:
+        Breaks(patch, {5})
+        assert not lf.simulate(pushed(), 0.1, lf.MoreauJean(1e-3), initial=first, checkpoint=path).complete
+    assert_same_bits(whole, lf.resume(path, pushed()))
