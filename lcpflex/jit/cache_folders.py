@@ -2,11 +2,12 @@
 
 All of them are read, the first one that can be written to keeps what is compiled here:
 
-1. those of ``LCPFLEX_CACHE_PATH``, separated as those of ``PATH``; where it is set there are no others;
+1. those of ``LCPFLEX_CACHE_PATH``, separated as those of ``PATH``; where it is set, only 6 is read beside them;
 2. ``NUMBA_CACHE_DIR``;
-3. ``__pycache__`` beside the sources, as an installation for several users or an image of a container has it;
+3. ``__pycache__`` of the package, as an installation for several users or an image of a container has it;
 4. a folder of the system, where there is one: ``/var/cache/lcpflex``, or ``lcpflex`` in ``%PROGRAMDATA%``;
-5. the folder of caches of the user.
+5. the folder of caches of the user;
+6. ``kernels`` in the package, where it was shipped with some: never written to.
 
 What is read is unpickled, which can run any code. So a folder is not read that others than its owner, root and this
 user can write to, or could replace.
@@ -20,12 +21,23 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from functools import cache
-from hashlib import sha1
 from pathlib import Path
 
-__all__ = ["PATH_VARIABLE", "cache_folders", "is_private_file", "is_safe", "say_once", "unsafe", "writable"]
+__all__ = [
+    "PATH_VARIABLE",
+    "SHIPPED",
+    "cache_folders",
+    "is_private_file",
+    "is_safe",
+    "keeper",
+    "say_once",
+    "unsafe",
+    "writable",
+]
 
 PATH_VARIABLE = "LCPFLEX_CACHE_PATH"
+PACKAGE = Path(__file__).resolve().parents[1]
+SHIPPED = PACKAGE / "kernels"
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 _said: set[str] = set()
@@ -38,14 +50,25 @@ def say_once(text: str) -> None:
         print(f"lcpflex: {text}", file=sys.stderr, flush=True)
 
 
-def cache_folders(source: Path) -> list[Path]:
-    """The folders for the kernels of a source file, in order, whether they exist or not."""
-    below = f"{source.parent.name}_{sha1(str(source.parent).encode()).hexdigest()}"  # as numba calls them
-    return [source.parent / "__pycache__" if root is None else root / below for root in _roots()]
+def cache_folders() -> list[Path]:
+    """The folders that are read, in order, whether they exist or not."""
+    return [*_own_folders(), *([SHIPPED] if SHIPPED.is_dir() else [])]
 
 
-def _roots() -> Iterator[Path | None]:
-    """The folders of all kernels; None for those beside the sources."""
+def keeper() -> Path | None:
+    """The first folder that can be written to and will be read; None where there is none."""
+    for folder in _own_folders():
+        if not writable(folder):
+            continue
+        if not (reason := unsafe(folder)):
+            return folder
+        if folder.parent.name != "__pycache__":  # which is there anyway
+            say_once(f"kernels are not kept in {folder}: {reason}")
+    return None
+
+
+def _own_folders() -> Iterator[Path]:
+    """Those that kernels may be kept in."""
     named = os.environ.get(PATH_VARIABLE, "")
     if named:
         yield from (Path(name).expanduser().absolute() for name in named.split(os.pathsep) if name)
@@ -54,14 +77,14 @@ def _roots() -> Iterator[Path | None]:
     from numba.misc.appdirs import AppDirs
 
     if config.CACHE_DIR:
-        yield Path(config.CACHE_DIR).absolute()
-    yield None
+        yield Path(config.CACHE_DIR).absolute() / "lcpflex"
+    yield PACKAGE / "__pycache__" / "kernels"
     system = _of_system()
     if system.is_dir():
         yield system
     of_user = Path(AppDirs(appname="numba", appauthor=False).user_cache_dir)
     if of_user.is_absolute():  # it begins with ~ for users without a home
-        yield of_user
+        yield of_user / "lcpflex"
 
 
 def _of_system() -> Path:

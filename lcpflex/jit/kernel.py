@@ -1,19 +1,15 @@
 """The one decorator under which every numerical kernel is compiled.
 
 A kernel is a function of arrays and scalars in the subset of Python that numba compiles. It is
-compiled at its first call and kept on disk (:mod:`lcpflex.jit.cache`). The cache of numba is keyed by the source
-file of the function alone, so a change in another file that a kernel calls would go unseen; here the key is
-the content of that file and of all that it imports from the package, and an upgrade never runs stale code.
+compiled at its first call and kept on disk (:mod:`lcpflex.jit.cache`) under a key that holds its source and all that
+this imports from the package (:mod:`lcpflex.jit.keys`), so that an upgrade never runs stale code. Large kernels are
+called by others, not copied into them (:mod:`lcpflex.jit.thin`).
 """
 
 from __future__ import annotations
 
-import hashlib
-import re
 import types
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -25,37 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 F = TypeVar("F", bound=Callable[..., Any])
 
-ROOT = Path(__file__).resolve().parents[1]  # the package
-
-
-@cache
-def _imports(path: Path) -> tuple[Path, ...]:
-    """The source files of the package that the one at ``path`` names in its imports."""
-    names = re.findall(r"^\s*from (lcpflex[\w.]*) import", path.read_text(encoding="utf-8"), re.MULTILINE)
-    files = (ROOT.joinpath(*name.split(".")[1:]).with_suffix(".py") for name in names)
-    return tuple(file for file in files if file.is_file())
-
-
-@cache
-def _stamp(path: Path) -> str:
-    """Hash of all the sources that a kernel in the file at ``path`` can depend on."""
-    sources, waiting = set(), [path]
-    while waiting:
-        source = waiting.pop()
-        if source not in sources:
-            sources.add(source)
-            waiting.extend(_imports(source))
-    digest = hashlib.sha256()
-    for source in sorted(sources):
-        digest.update(source.read_bytes())
-    return digest.hexdigest()
-
-
-def _source_of(function: Callable[..., Any]) -> Path | None:
-    """The file of a function's module, found by its name: ``lcpflex/solvers`` is a link. None for a user's kernel."""
-    package, *names = function.__module__.split(".")
-    source = ROOT.joinpath(*names).with_suffix(".py")
-    return source if package == ROOT.name and names and source.is_file() else None
+OPTIONS = {"_nrt": False, "error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
 
 
 def kernel(function: F) -> F:
@@ -67,16 +33,31 @@ def kernel(function: F) -> F:
     """
     import numba
 
-    dispatcher = numba.njit(_nrt=False, error_model="numpy", no_cfunc_wrapper=True)(function)
-    source = _source_of(function)
-    if source is not None and not numba.config.DISABLE_JIT:
-        try:
-            import lcpflex.jit.cache  # so written, it is not among the sources that kernels depend on
+    if numba.config.DISABLE_JIT:
+        return function
+    import lcpflex.jit.private  # so written, none of them is among the sources that kernels depend on
 
-            lcpflex.jit.cache.attach(dispatcher, function, lambda: _stamp(source))
-        except (ImportError, AttributeError):  # another numba inside
-            pass
-    return cast(F, dispatcher)
+    if reason := lcpflex.jit.private.why_not_thin():
+        return cast(F, _linked_by_numba(function, reason))
+    import lcpflex.jit.thin_dispatcher
+
+    return cast(
+        F, lcpflex.jit.thin_dispatcher.ThinDispatcher(function, {"nopython": True, "boundscheck": None, **OPTIONS})
+    )
+
+
+def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:
+    """For other versions of numba: compiling takes twice as long, and files are ten times as large."""
+    import numba
+
+    dispatcher = numba.njit(**OPTIONS)(function)
+    try:
+        import lcpflex.jit.plain
+
+        lcpflex.jit.plain.attach(dispatcher, function, reason)
+    except (ImportError, AttributeError):  # without a cache on disk
+        pass
+    return dispatcher
 
 
 def interpreted(compiled: F, **replacements: Any) -> F:

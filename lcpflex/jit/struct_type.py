@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hashlib import sha256
 from typing import Any
 
 from numba.core import cgutils, types
@@ -21,7 +22,8 @@ class PackedType(types.Type):
 
     def __init__(self, label: str, fields: tuple[tuple[str, Any], ...]) -> None:
         self.fields = fields
-        super().__init__(name=f"{label}({', '.join(f'{name}: {kind.name}' for name, kind in fields)})")
+        told = ", ".join(f"{name}: {kind.name}" for name, kind in fields)
+        super().__init__(name=label + sha256(told.encode()).hexdigest()[:16])  # told in full, symbols are kilobytes
 
     def place(self, name: str) -> tuple[int, Any]:
         """Offset [bytes] and type of a field."""

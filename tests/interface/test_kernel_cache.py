@@ -18,6 +18,7 @@ from lcpflex.jit import cache_folders
 from lcpflex.jit.cache_folders import cache_folders as folders_of
 from lcpflex.jit.cache_folders import is_private_file, unsafe
 from lcpflex.jit.file_lock import FileLock
+from lcpflex.jit.kernel_file import ENDING, KernelFile
 
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights of other users are not told by such bits here")
 
@@ -41,10 +42,10 @@ event.register("numba:compile", Count())
 import lcpflex as lf
 if os.environ.get("FULL"):
     import errno
-    from lcpflex.jit.cache import KernelFile
-    def save(*given):
+    import lcpflex.jit.cache as kernel_cache
+    def write(*given):
         raise OSError(errno.ENOSPC, "No space left on device")
-    KernelFile.save = save
+    kernel_cache.write = write
 if os.environ.get("NO_LOCKS"):
     import errno, lcpflex.jit.file_lock as file_lock
     def locked(opened):
@@ -110,23 +111,33 @@ def copied(filled: Path, folder: Path) -> Path:
     return folder
 
 
+def of_one_kernel(folder: Path) -> Path:
+    """The file of the kernel that the job calls."""
+    (found,) = (
+        path
+        for path in folder.iterdir()
+        if (file := KernelFile.unpacked(path.read_bytes(), path.stem)) and "friction_forces" in file.symbols[0]
+        if not file.needs or file.entry
+    )
+    return found
+
+
 def test_a_filled_folder_is_read(filled: Path) -> None:
     """Nothing is compiled, said or written; no lock is left."""
     before = contents(filled)
     assert run(filled) == (0, "")
     assert contents(filled) == before
-    assert not [name for name in before if not name.endswith((".nbi", ".nbc"))]
+    assert not [name for name in before if not name.endswith(ENDING)]
 
 
 @pytest.mark.slow
 def test_all_folders_are_read_and_the_first_is_written_to(filled: Path, tmp_path: Path) -> None:
     """What one of them misses comes from the next; what all miss goes into the first."""
     part = copied(filled, tmp_path / "part")
-    for index in part.rglob("*friction_forces-*.nbi"):
-        index.unlink()
+    of_one_kernel(part).unlink()
     first = tmp_path / "first"
     assert run(os.pathsep.join(map(str, (first, part))))[0] == 1
-    assert len(list(first.rglob("*.nbc"))) == 1
+    assert len(list(first.iterdir())) == 1
     assert run(os.pathsep.join(map(str, (first, part)))) == (0, "")
 
 
@@ -162,23 +173,17 @@ def test_no_folder_to_keep_kernels_is_said_once(place: str, tmp_path: Path) -> N
 
 @pytest.mark.slow
 @POSIX
-@pytest.mark.parametrize("open_part", ["root", "folder", "index", "data"])
+@pytest.mark.parametrize("open_part", ["above", "folder", "file"])
 def test_what_others_can_write_to_is_not_read(filled: Path, tmp_path: Path, open_part: str) -> None:
     """It could hold any code; that is said once."""
-    folder = copied(filled, tmp_path / "open")
+    folder = copied(filled, tmp_path / "above" / "open")
     own = tmp_path / "own"
-    parts = {
-        "root": [folder],
-        "folder": list(folder.iterdir()),
-        "index": list(folder.rglob("*friction_forces-*.nbi")),
-        "data": list(folder.rglob("*friction_forces-*.nbc")),
-    }
-    for path in parts[open_part]:
-        path.chmod(path.stat().st_mode | 0o022)
+    path = {"above": folder.parent, "folder": folder, "file": of_one_kernel(folder)}[open_part]
+    path.chmod(path.stat().st_mode | 0o022)
     count, said = run(os.pathsep.join(map(str, (own, folder))))
-    assert count == (KERNELS if open_part in ("root", "folder") else 1)
+    assert count == (1 if open_part == "file" else KERNELS)
     assert said.count("are not read: others can write to") == 1
-    assert said.count(str(parts[open_part][0])) >= 1
+    assert said.count(str(path)) >= 1
     assert run(os.pathsep.join(map(str, (own, folder))))[0] == 0
 
 
@@ -259,36 +264,41 @@ def test_systems_without_such_rights(monkeypatch: pytest.MonkeyPatch, tmp_path: 
 
 
 def test_the_order_of_folders(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Those that are named alone; else numba's, beside the source, of the system where there is one, of the user."""
-    source = tmp_path / "package" / "kernels.py"
+    """Those that are named alone; else numba's, of the package, of the system where there is one, of the user."""
+    package = Path(kernel_cache.__file__).parents[1]
     one, other = tmp_path / "one", tmp_path / "other"
     monkeypatch.setenv("LCPFLEX_CACHE_PATH", os.pathsep.join(map(str, (one, "", other))))
-    assert [folder.parent for folder in folders_of(source)] == [one, other]
+    assert folders_of() == [one, other]
     monkeypatch.setenv("LCPFLEX_CACHE_PATH", "")
     monkeypatch.setattr("numba.core.config.CACHE_DIR", str(one))
     monkeypatch.setattr(cache_folders, "_of_system", lambda: other)
-    assert [folder.parent for folder in folders_of(source)[:2]] == [one, source.parent]
-    assert other not in [folder.parent for folder in folders_of(source)]
+    assert folders_of()[:2] == [one / "lcpflex", package / "__pycache__" / "kernels"]
+    assert other not in folders_of()
     other.mkdir()
-    assert folders_of(source)[2].parent == other
-    assert folders_of(source)[1].name == "__pycache__"
+    assert folders_of()[2] == other
     monkeypatch.setattr("numba.core.config.CACHE_DIR", "")
-    assert folders_of(source)[0].name == "__pycache__"
+    assert folders_of()[0] == package / "__pycache__" / "kernels"
+    assert "kernels" not in [folder.name for folder in folders_of()[1:]]
+    shipped = tmp_path / "kernels"
+    monkeypatch.setattr(cache_folders, "SHIPPED", shipped)
+    shipped.mkdir()
+    assert folders_of()[-1] == shipped
+    monkeypatch.setenv("LCPFLEX_CACHE_PATH", str(one))
+    assert folders_of() == [one, shipped]
+    one.write_text("")  # no folder: nothing is kept, not in what was shipped either
+    assert cache_folders.keeper() is None
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", ["cut", "empty", "other bytes", "gone"])
-@pytest.mark.parametrize("ending", [".nbi", ".nbc"])
-def test_damaged_files_are_compiled_again(
-    filled: Path, tmp_path: Path, damage: str, ending: str, request: pytest.FixtureRequest
-) -> None:
+def test_damaged_files_are_compiled_again(filled: Path, tmp_path: Path, damage: str) -> None:
     """And put right."""
     folder = copied(filled, tmp_path / "damaged")
-    for path in folder.rglob(f"*friction_forces-*{ending}"):
-        data = path.read_bytes()
-        path.write_bytes({"cut": data[: len(data) // 2], "empty": b"", "other bytes": data[::-1]}.get(damage, b""))
-        if damage == "gone":
-            path.unlink()
+    path = of_one_kernel(folder)
+    data = path.read_bytes()
+    path.write_bytes({"cut": data[: len(data) // 2], "empty": b"", "other bytes": data[::-1]}.get(damage, b""))
+    if damage == "gone":
+        path.unlink()
     assert run(folder)[0] == 1
     assert run(folder) == (0, "")
 

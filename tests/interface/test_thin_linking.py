@@ -1,0 +1,234 @@
+"""Kernels that call others instead of taking them in: the same numbers, whatever became of the files."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lcpflex.jit.kernel_file import ENDING, KernelFile, thin_out
+from lcpflex.jit.private import why_not_thin
+from tests.interface.tiny_kernels import LOW, jobs, package
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are started in another way")
+
+ALL = ["held", "held", "held", "middle", "small", "top"]  # three overloads of `held`, two of them by literals
+
+
+class Filled:
+    """The sources, a folder with their kernels, and what they give."""
+
+    def __init__(self, folder: Path) -> None:
+        self.sources = package(folder / "sources")
+        self.cache = folder / "cache"
+        ((first, plain), self.said) = jobs(
+            self.sources, case(self.cache), case(folder / "plain", before="private.why_not_thin = lambda: 'hidden'")
+        )
+        assert sorted(first["compiled"]) == sorted(plain["compiled"]) == ALL
+        assert first["value"] == plain["value"]  # linked in or called: the same bits
+        self.value = first["value"]
+        self.files = {path.name: path.read_bytes() for path in self.cache.iterdir()}
+
+    def copy(self, folder: Path) -> Path:
+        """Another folder with the same kernels."""
+        folder.mkdir()
+        for name, data in self.files.items():
+            (folder / name).write_bytes(data)
+        return folder
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> Filled:
+    """Kernels that one process has compiled."""
+    return Filled(tmp_path_factory.mktemp("tiny"))
+
+
+def case(cache: Path, **more: str) -> dict[str, Any]:
+    """A job with this folder."""
+    return {"cache": str(cache), **more}
+
+
+def test_numba_is_the_one_that_thin_linking_was_written_for() -> None:
+    """Fails when numba is upgraded: then its inner parts are to be looked at, and this module run."""
+    assert why_not_thin() == ""
+
+
+def test_files(filled: Filled) -> None:
+    """One for each overload, and one for Python's call of the outermost; nothing else."""
+    assert len(filled.files) == len(ALL) + 1
+    assert all(name.endswith(ENDING) for name in filled.files)
+    kept = [KernelFile.unpacked(data, Path(name).stem) for name, data in filled.files.items()]
+    assert all(kept)
+    assert sum(file is not None and file.big for file in kept) >= 4
+    names = [name for file in kept if file is not None for name in file.defined if "NumbaEnv" not in name]
+    assert len(names) == len(set(names)) == len(kept)  # each has one function for others
+
+
+def test_a_filled_folder_is_enough(filled: Filled, tmp_path: Path) -> None:
+    """Also for kernels that only others called so far, before and after these have."""
+    inner = "lcpflex.tiny_low.held(0.3, 1) + 0 * top(0.3, 2)"
+    outer = "0 * top(0.3, 2) + lcpflex.tiny_low.held(0.3, 1)"
+    one, other = filled.copy(tmp_path / "one"), filled.copy(tmp_path / "other")
+    (again, before, after), said = jobs(
+        filled.sources, case(filled.cache), case(one, value=inner), case(other, value=outer)
+    )
+    assert again == {"value": filled.value, "compiled": []}
+    assert before["value"] == after["value"]
+    assert before["compiled"] == after["compiled"] == []
+    assert said == ""
+    assert sorted(path.name for path in one.iterdir()) == sorted(path.name for path in other.iterdir())
+    assert len(list(one.iterdir())) == len(filled.files) + 1  # Python's call of the inner one
+
+
+DAMAGES = ("cut", "flipped", "empty", "swapped", "gone")
+
+
+def damaged(filled: Filled, folder: Path, name: str, damage: str) -> Path:
+    """A folder with one file spoilt."""
+    cache = filled.copy(folder)
+    data = filled.files[name]
+    middle = len(data) // 2
+    other = next(data for key, data in filled.files.items() if key != name)
+    flipped = data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :]
+    path = cache / name
+    path.write_bytes({"cut": data[:middle], "flipped": flipped, "empty": b"", "swapped": other}.get(damage, b""))
+    if damage == "gone":
+        path.unlink()
+    return cache
+
+
+def check_damaged(filled: Filled, folder: Path, cases: list[tuple[str, str]]) -> None:
+    """Spoilt files are compiled again, and then there."""
+    caches = [damaged(filled, folder / f"{n}", name, damage) for n, (name, damage) in enumerate(cases)]
+    runs, _ = jobs(filled.sources, *(case(cache) for cache in caches for _ in range(2)))
+    assert {run["value"] for run in runs} == {filled.value}
+    assert [run["compiled"] for run in runs[1::2]] == [[]] * len(caches)
+
+
+def test_damaged_files(filled: Filled, tmp_path: Path) -> None:
+    """One file, in each way."""
+    check_damaged(filled, tmp_path, list(zip(sorted(filled.files), DAMAGES, strict=False)))
+
+
+@pytest.mark.slow
+def test_each_damaged_file(filled: Filled, tmp_path: Path) -> None:
+    """All files, in all ways."""
+    check_damaged(filled, tmp_path, [(name, damage) for name in sorted(filled.files) for damage in DAMAGES])
+
+
+@pytest.mark.slow
+def test_half_of_the_files(filled: Filled, tmp_path: Path) -> None:
+    """Any mix of files is complete or compiled, never wrong."""
+    caches = []
+    for part in (0, 1):
+        caches.append(filled.copy(tmp_path / str(part)))
+        for name in sorted(filled.files)[part::2]:
+            (caches[-1] / name).unlink()
+    runs, _ = jobs(filled.sources, *(case(cache) for cache in caches for _ in range(2)))
+    assert {run["value"] for run in runs} == {filled.value}
+    assert runs[1]["compiled"] == runs[3]["compiled"] == []
+
+
+def test_a_symbol_that_is_not_there(filled: Filled, tmp_path: Path) -> None:
+    """LLVM would end the process; the kernel is compiled."""
+    cache = filled.copy(tmp_path / "cache")
+    for name, data in filled.files.items():
+        file = KernelFile.unpacked(data, Path(name).stem)
+        assert file is not None
+        (cache / name).write_bytes(replace(file, outside=(*file.outside, "no_such_symbol")).packed())
+    (run,), _ = jobs(filled.sources, case(cache))
+    assert run["value"] == filled.value
+    assert sorted(run["compiled"]) == ALL
+
+
+def test_sources(filled: Filled, tmp_path: Path) -> None:
+    """An edit in an imported file compiles anew; one after the import is not mixed up with what was imported."""
+    changed = package(tmp_path / "changed")
+    (changed / "tiny_low.py").write_text(LOW.replace("2.0 * x", "3.0 * x"))
+    os.utime(changed / "tiny_low.py", (1e9, 1e9))
+    cache = filled.copy(tmp_path / "cache")
+    (run,), _ = jobs(changed, case(cache))
+    assert float.fromhex(run["value"]) == pytest.approx(float.fromhex(filled.value) + 0.3)
+    assert sorted(run["compiled"]) == ALL
+    edited = package(tmp_path / "edited")
+    late = f"import time, lcpflex.tiny_high; time.sleep(0.05); open({str(edited / 'tiny_low.py')!r}, 'a').write('#')"
+    (run,), _ = jobs(edited, case(tmp_path / "none", before=late))
+    assert run["value"] == filled.value
+    assert not (tmp_path / "none").exists() or not list((tmp_path / "none").iterdir())
+
+
+USER = """
+import numba
+from lcpflex.tiny_high import top
+from lcpflex.tiny_low import small
+
+@numba.njit(cache=True)
+def outer(x, n):
+    return top(x, n)
+
+@numba.njit(cache=True)
+def of_small(x):
+    return small(x)
+"""
+
+
+@pytest.mark.slow
+def test_functions_of_users_that_call_kernels(filled: Filled, tmp_path: Path) -> None:
+    """Numba keeps those that have all code in them, and compiles the others in each process."""
+    (tmp_path / "user_tool.py").write_text(USER)
+    use = case(
+        filled.cache,
+        before=f"sys.path.insert(0, {str(tmp_path)!r}); import user_tool",
+        value="user_tool.outer(0.3, 2) + 0 * user_tool.of_small(0.3)",
+    )
+    runs, said = jobs(filled.sources, use, use, NUMBA_CACHE_DIR=str(tmp_path / "numba"))
+    assert [run["value"] for run in runs] == [filled.value] * 2
+    assert runs[0]["compiled"] == ["outer", "of_small"]
+    assert runs[1]["compiled"] == ["outer"]
+    assert 'Cannot cache compiled function "outer"' in said
+
+
+THREADS = """
+import threading, lcpflex.tiny_high
+started, found = threading.Barrier(4), []
+def work():
+    started.wait()
+    found.append(lcpflex.tiny_high.top(0.3, 2))
+threads = [threading.Thread(target=work) for _ in range(4)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+assert len(set(found)) == 1
+"""
+RELOADED = """
+import importlib, lcpflex.tiny_low, lcpflex.tiny_high
+lcpflex.tiny_high.top(0.3, 2)
+compiled.clear()
+importlib.reload(lcpflex.tiny_low)
+importlib.reload(lcpflex.tiny_high)
+"""
+
+
+@pytest.mark.slow
+def test_threads_and_modules_that_are_loaded_again(filled: Filled, tmp_path: Path) -> None:
+    """Each kernel is compiled once, whether a folder keeps it or not."""
+    for cache in (tmp_path / "cache", Path("/dev/null/none")):
+        (threads, reloaded), _ = jobs(filled.sources, case(cache, before=THREADS), case(cache, before=RELOADED))
+        assert threads["value"] == reloaded["value"] == filled.value
+        assert sorted(threads["compiled"]) == ALL
+        assert reloaded["compiled"] == []
+
+
+def test_folders_do_not_grow_without_end(tmp_path: Path) -> None:
+    """The oldest files go first, others stay."""
+    for n in range(10):
+        path = tmp_path / f"{n}{ENDING}"
+        path.write_bytes(b"x" * 100)
+        os.utime(path, (1e9 + n, 1e9 + n))
+    (tmp_path / "else").write_bytes(b"x" * 1000)
+    thin_out(tmp_path, 1000)
+    assert len(list(tmp_path.iterdir())) == 11
+    thin_out(tmp_path, 900)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [*(f"{n}{ENDING}" for n in range(6, 10)), "else"]
