@@ -25,26 +25,14 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import Model
+from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.recorder import Counts, Tape, copy_counts
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
 __all__ = [
-    "DEEPEST",
-    "DETAIL",
-    "DUE",
-    "ENTRIES",
-    "FASTEST",
-    "PULL",
-    "RECENT",
     "MOST_STRIKES",
     "SETTLE",
-    "STOPPED",
-    "STRIKES",
-    "SHORTEST",
-    "STEP",
-    "STEPS",
-    "TIME",
     "AdaptiveStep",
     "Backup",
     "Limits",
@@ -64,10 +52,6 @@ __all__ = [
     "unmet",
 ]
 
-# entries of the clock of an adaptive run; the second one explains what a loop returned, as in that of fixed steps
-TIME, DETAIL, STEP, STEPS, RECENT, DUE, SHORTEST, REJECTED, DEEPEST = range(9)
-FASTEST, PULL, CRUISE, STRIKES, STOPPED = range(9, 14)  # and what is known of impacts; see ``after_impact``
-ENTRIES = 14
 PART = 0.01  # of the duration that one step may take, where no limit is given
 SETTLE = 4.0  # times what the approach of a pair gains in one shortest step: no faster, it is at rest
 MOST_STRIKES = 20  # shortest steps in a row for impacts
@@ -253,77 +237,77 @@ def unmet(model: Model, q: FloatArray, laws: LawContacts, table: ContactTable) -
 
 
 @kernel
-def after_rejection(limits: Limits, clock: FloatArray, h: float, error: float) -> None:
+def after_rejection(limits: Limits, clock: StepClock, h: float, error: float) -> None:
     """A shorter step to try; the next one that is accepted will not be lengthened."""
     factor = 0.1 if not error < math.inf else max(0.1, 0.8 / math.sqrt(error))
-    clock[STEP] = max(limits.shortest, min(0.5, factor) * h)
-    clock[REJECTED] = 1.0
+    clock.step = max(limits.shortest, min(0.5, factor) * h)
+    clock.rejected = 1
 
 
 @kernel
-def end_there(limits: Limits, clock: FloatArray, h: float, share: float) -> None:
+def end_there(limits: Limits, clock: StepClock, h: float, share: float) -> None:
     """After a trial of length h in which a pair closed unmet: have the next one end where it does."""
-    clock[CRUISE] = max(clock[CRUISE], h)
-    clock[STEP] = max(limits.shortest, share * h)
-    clock[REJECTED] = 1.0
+    clock.cruise = max(clock.cruise, h)
+    clock.step = max(limits.shortest, share * h)
+    clock.rejected = 1
 
 
 @kernel
-def threshold(limits: Limits, clock: FloatArray) -> float:
+def threshold(limits: Limits, clock: StepClock) -> float:
     """Normal velocity up to which an approach is stopped [m/s]."""
     least = limits.velocity_threshold
     if least < 0.0:
-        least = limits.slow + limits.rtol * clock[FASTEST]
-    return max(least, SETTLE * clock[PULL])
+        least = limits.slow + limits.rtol * clock.fastest
+    return max(least, SETTLE * clock.pull)
 
 
 @kernel
-def resume(limits: Limits, clock: FloatArray) -> None:
+def resume(limits: Limits, clock: StepClock) -> None:
     """Go on with the step that was tried before one that had to end at an impact."""
-    clock[STEP] = min(limits.longest, max(clock[STEP], clock[CRUISE]))
-    clock[CRUISE] = 0.0
+    clock.step = min(limits.longest, max(clock.step, clock.cruise))
+    clock.cruise = 0.0
 
 
 @kernel
-def after_impact(limits: Limits, clock: FloatArray, approach: float, pull: float, alone: bool) -> None:
+def after_impact(limits: Limits, clock: StepClock, approach: float, pull: float, alone: bool) -> None:
     """Have a shortest step take an impact that is due, and go on as before once it has.
 
     approach: fastest one of closed pairs that no problem has held yet [m/s]; pull: what a shortest step adds to it.
     """
     if not alone:
-        clock[PULL] = pull
-    if approach > threshold(limits, clock) and clock[STRIKES] < MOST_STRIKES:
-        clock[FASTEST] = max(clock[FASTEST], approach)
-        clock[STEP] = limits.shortest
-        clock[STRIKES] += 1.0
+        clock.pull = pull
+    if approach > threshold(limits, clock) and clock.strikes < MOST_STRIKES:
+        clock.fastest = max(clock.fastest, approach)
+        clock.step = limits.shortest
+        clock.strikes += 1
         return
-    if clock[STRIKES] > 0.0:
+    if clock.strikes > 0:
         resume(limits, clock)
-    clock[STRIKES] = 0.0
+    clock.strikes = 0
 
 
 @kernel
-def next_length(model: Model, limits: Limits, clock: FloatArray) -> float:
+def next_length(model: Model, limits: Limits, clock: StepClock) -> float:
     """Length of the step to try [s]: to the very end, or stop of a load, where little would be left."""
-    rest = time_left(model.signals, clock[TIME], limits.duration)
-    h = min(clock[STEP], rest, longest_look(model.signals))
+    rest = time_left(model.signals, clock.time, limits.duration)
+    h = min(clock.step, rest, longest_look(model.signals))
     return rest if rest - h < 0.01 * h else h
 
 
 @kernel
-def accept(limits: Limits, clock: FloatArray, h: float, error: float, alone: bool, sunk: float) -> None:
+def accept(limits: Limits, clock: StepClock, h: float, error: float, alone: bool, sunk: float) -> None:
     """Go on to the end of a step and choose the length of the next one: local errors grow at least as h^2.
 
     alone: whether it was a single step, not controlled; sunk: deepest penetration at its end [m].
     """
     factor = min(2.0, 0.8 / math.sqrt(max(error, 1e-4)))
-    if clock[REJECTED] == 1.0:
+    if clock.rejected == 1:
         factor = min(factor, 1.0)
-    planned = clock[STEP] if h < ENDED_EARLY * clock[STEP] else 0.0  # a stop says nothing of the step behind it
-    clock[STEP] = min(limits.longest, max(limits.shortest, factor * h, planned))
-    clock[REJECTED] = 0.0
-    clock[DEEPEST] = sunk
-    clock[TIME] = limits.duration if clock[TIME] + h >= limits.duration else clock[TIME] + h
-    clock[RECENT] = h if alone else 0.5 * h
-    clock[STEPS] += 1.0 if alone else 2.0
-    clock[SHORTEST] += 1.0 if alone else 0.0
+    planned = clock.step if h < ENDED_EARLY * clock.step else 0.0  # a stop says nothing of the step behind it
+    clock.step = min(limits.longest, max(limits.shortest, factor * h, planned))
+    clock.rejected = 0
+    clock.deepest = sunk
+    clock.time = limits.duration if clock.time + h >= limits.duration else clock.time + h
+    clock.recent = h if alone else 0.5 * h
+    clock.steps += 1 if alone else 2
+    clock.n_shortest += 1 if alone else 0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.steppers.adaptive import FASTEST, SHORTEST, STEPS, STOPPED, TIME, Limits
+from lcpflex.steppers.adaptive import Limits
+from lcpflex.steppers.clock import StepClock
 
 __all__ = ["Pace", "stopped_note"]
 
@@ -27,9 +27,9 @@ class Pace:
         """Steps after which a few hundred are judged: always the same ones, however many are made at a time."""
         return int(self._seen[1]) + WINDOW
 
-    def look(self, clock: FloatArray) -> None:
+    def look(self, clock: StepClock) -> None:
         """Take the clock of a run into account."""
-        now = (float(clock[TIME]), float(clock[STEPS]), float(clock[SHORTEST]))
+        now = (clock.time, clock.steps, clock.n_shortest)
         made = now[1] - self._seen[1]
         if made < WINDOW:
             return
@@ -45,24 +45,24 @@ class Pace:
             "fixed step suits this scene better"
         )
 
-    def warnings(self, clock: FloatArray) -> list[str]:
+    def warnings(self, clock: StepClock) -> list[str]:
         """A warning where most steps, of all or of a few hundred in a row, were taken without error control."""
-        if clock[SHORTEST] > MOSTLY * clock[STEPS]:
+        if clock.n_shortest > MOSTLY * clock.steps:
             return [
-                f"{int(clock[SHORTEST])} of {int(clock[STEPS])} steps were as short as allowed, {self._shortest:g} s, "
+                f"{clock.n_shortest} of {clock.steps} steps were as short as allowed, {self._shortest:g} s, "
                 "and are not error-controlled: a larger tolerance, a shorter `shortest`, a higher "
                 "`velocity_threshold`, or a fixed step suits this scene better"
             ]
         return [] if self._stuck is None else [self._clause(self._stuck)]
 
 
-def stopped_note(limits: Limits, clock: FloatArray) -> list[str]:
+def stopped_note(limits: Limits, clock: StepClock) -> list[str]:
     """That approaches were stopped instead of reflected, where that was so."""
     given = limits.velocity_threshold
-    threshold = given if given >= 0.0 else limits.slow + limits.rtol * float(clock[FASTEST])
-    if not clock[STOPPED] > NOTICED * threshold:
+    threshold = given if given >= 0.0 else limits.slow + limits.rtol * clock.fastest
+    if not clock.stopped > NOTICED * threshold:
         return []
     how = f"{given:g} m/s" if given >= 0.0 else "that follows from the tolerances"
     return [
-        f"approaches of up to {clock[STOPPED]:.3g} m/s were stopped, not reflected, below a velocity threshold {how}"
+        f"approaches of up to {clock.stopped:.3g} m/s were stopped, not reflected, below a velocity threshold {how}"
     ]

@@ -20,6 +20,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
+from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records
 
@@ -87,7 +88,7 @@ class Sampled(Protocol):
 class Halved(Protocol):
     """A scheme of :mod:`lcpflex.steppers.stepping_run` with its numbers."""
 
-    clock: FloatArray
+    clock: StepCount
     _settings: Any
 
     @property
@@ -103,10 +104,10 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
         scheme._settings = settings._replace(step=half)
     else:
         scheme.change_step(half)
-    scheme.clock[0], scheme.clock[2] = 1.0, 1.0  # counted from 1: none is stored
+    scheme.clock.made, scheme.clock.stored = 1, 1  # counted from 1: none is stored
     try:
         while True:
-            status = scheme.loop(time + (done - 1) * half, int(1 + count - scheme.clock[0]), UNSTORED)
+            status = scheme.loop(time + (done - 1) * half, int(1 + count - scheme.clock.made), UNSTORED)
             if status != PASSED:  # what may have passed through something is looked at in the run itself
                 return status
     finally:

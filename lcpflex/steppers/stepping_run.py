@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import Protocol
 
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.steppers.adaptive import DUE, STEPS, TIME, Limits
+from lcpflex.steppers.adaptive import Limits
+from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.driver import Rescue
 from lcpflex.steppers.pace import Pace, stopped_note
 from lcpflex.steppers.passing import PASSED
@@ -23,7 +23,6 @@ __all__ = [
     "GROW",
     "GROW_TAPE",
     "NOT_FINITE",
-    "NUMBER",
     "SOLVER_FAILED",
     "TAPE_FULL",
     "AdaptiveRun",
@@ -38,7 +37,6 @@ GROW = 2
 GROW_TAPE = 3
 SOLVER_FAILED = 4
 NOT_FINITE = 5
-MADE, NUMBER = 0, 1  # entries of the clock of a scheme with fixed steps; the second in that of adaptive ones, too
 
 
 class Scheme(Protocol):
@@ -46,9 +44,6 @@ class Scheme(Protocol):
 
     records: Records
     work: Workspace
-    clock: (
-        FloatArray  # [1]: a number that explains the last return; fixed steps: [0] steps made, [2] the step last stored
-    )
 
     def make_room(self, contacts: int) -> None:
         """Grow all memory to hold ``contacts`` contacts."""
@@ -73,6 +68,7 @@ class Samples(Protocol):
 class FixedScheme(Scheme, Protocol):
     """A scheme with steps of one length."""
 
+    clock: StepCount
     impulsive: bool  # whether an impact falls on the end of a step
 
     @property
@@ -97,7 +93,9 @@ class FixedScheme(Scheme, Protocol):
 
 
 class ControlledScheme(Scheme, Protocol):
-    """A scheme with step control; its clock is that of :mod:`lcpflex.steppers.adaptive`."""
+    """A scheme with step control."""
+
+    clock: StepClock
 
     def loop(self, limits: Limits, last_step: int) -> int:
         """Steps until there are ``last_step`` of them or the duration is reached; what was returned."""
@@ -141,12 +139,12 @@ class FixedRun:
         """Time reached [s]."""
         if not self._phases:
             return self.duration
-        return self._start + float(self.scheme.clock[MADE]) * self.scheme.step + self.scheme.within
+        return self._start + self.scheme.clock.made * self.scheme.step + self.scheme.within
 
     @property
     def steps(self) -> int:
         """Steps made."""
-        return self._made + int(self.scheme.clock[MADE])
+        return self._made + self.scheme.clock.made
 
     @property
     def finished(self) -> bool:
@@ -166,9 +164,9 @@ class FixedRun:
     def advance(self, n_steps: int) -> str:
         """Make up to ``n_steps`` steps; empty where all went well, else why the run cannot go on."""
         step, whole = self._phases[0]
-        message = self._loop(min(n_steps, whole - int(self.scheme.clock[MADE])), self._stride)
+        message = self._loop(min(n_steps, whole - self.scheme.clock.made), self._stride)
         self.scheme.warn(self.steps)
-        if message or self.scheme.clock[MADE] < whole:
+        if message or self.scheme.clock.made < whole:
             return message
         if len(self._phases) == 1:
             message = self._loop(0, 1)  # the end is stored even where the stride would skip it
@@ -187,7 +185,7 @@ class FixedRun:
         the result, must not depend on how many are made at a time.
         """
         last = self.steps + n_steps
-        left = self._phases[0][1] - int(self.scheme.clock[MADE])  # steps of this length
+        left = self._phases[0][1] - self.scheme.clock.made  # steps of this length
         while self._sampling and self._sampling.ahead - 1.0 < last:
             before = int(self._sampling.ahead) - 1 - self.steps
             if before < 0 or before + self._sampling.steps > left:  # the last, shorter step is not sampled
@@ -202,9 +200,9 @@ class FixedRun:
 
     def _steps(self, n_steps: int, stride: int) -> str:
         clock = self.scheme.clock
-        target = clock[MADE] + n_steps
+        target = clock.made + n_steps
         while True:
-            status = self.scheme.loop(self._start, int(target - clock[MADE]), stride)
+            status = self.scheme.loop(self._start, int(target - clock.made), stride)
             if status == DONE:
                 return ""
             if status == PASSED:
@@ -227,17 +225,17 @@ class AdaptiveRun:
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return float(self.scheme.clock[TIME])
+        return self.scheme.clock.time
 
     @property
     def steps(self) -> int:
         """Steps made, without those rejected and without the long ones that only measure the error."""
-        return int(self.scheme.clock[STEPS])
+        return self.scheme.clock.steps
 
     @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self._limits.duration and self.scheme.clock[DUE] == math.inf
+        return self.time >= self._limits.duration and self.scheme.clock.due == math.inf
 
     @property
     def touching(self) -> list[int]:
@@ -264,9 +262,9 @@ class AdaptiveRun:
             self.records.notes[:] = stopped_note(self._limits, clock)
 
 
-def _remedied(scheme: Scheme, status: int, time: float) -> str:
+def _remedied(scheme: FixedScheme | ControlledScheme, status: int, time: float) -> str:
     """Empty what is full and grow what is too small; why the loop cannot go on where neither is the reason."""
-    number = int(scheme.clock[NUMBER])
+    number = int(scheme.clock.number)
     if status == TAPE_FULL:
         scheme.records.empty()
     elif status == GROW_TAPE:

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.steppers.adaptive import SHORTEST, STEPS, TIME
+from lcpflex.jit.struct import allocate
+from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.pace import Pace
 
 SCHEMES = [lf.MoreauJean, lf.GeneralizedAlpha]
@@ -71,12 +72,11 @@ def test_a_threshold_below_zero_is_refused() -> None:
 
 def test_a_run_that_comes_down_to_its_shortest_steps_says_so_while_it_runs(capsys: pytest.CaptureFixture[str]) -> None:
     pace = Pace(1e-9)
-    clock = np.zeros(20)
-    clock[[TIME, STEPS, SHORTEST]] = 4.0637, 100_000.0, 30.0
+    clock = allocate(StepClock, {}, time=4.0637, steps=100_000, n_shortest=30)
     pace.look(clock)
     assert pace.warnings(clock) == []
     assert capsys.readouterr().err == ""
-    clock[[TIME, STEPS, SHORTEST]] = 4.063701, 101_000.0, 980.0
+    clock.time, clock.steps, clock.n_shortest = 4.063701, 101_000, 980
     pace.look(clock)
     said = capsys.readouterr().err
     assert "from t = 4.0637 s on, most steps were as short as allowed, 1e-09 s" in said
@@ -95,7 +95,7 @@ def test_an_interrupted_run_has_its_warnings(monkeypatch: pytest.MonkeyPatch) ->
         if self.steps > 100:
 
             def interrupted(*_: Any) -> int:
-                self.scheme.clock[SHORTEST] = self.scheme.clock[STEPS]
+                self.scheme.clock.n_shortest = self.scheme.clock.steps
                 raise KeyboardInterrupt
 
             self.scheme.loop = interrupted

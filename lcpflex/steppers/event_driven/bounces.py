@@ -10,7 +10,7 @@ from __future__ import annotations
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_driven.memory import REMEMBERED, STRUCK, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_driven.memory import REMEMBERED, EventMemory, EventSettings
 
 __all__ = ["note_strike", "too_low"]
 
@@ -20,14 +20,14 @@ LOWEST = 1e-5  # of the gap tolerance: lower bounces are not resolved
 @kernel
 def note_strike(memory: EventMemory, key: int) -> None:
     """Remember that a pair has been struck now, and when it was before this instant."""
-    t = memory.clock[TIME]
+    t = memory.time
     row = -1
-    for i in range(min(memory.number[STRUCK], REMEMBERED)):
+    for i in range(min(memory.n_struck, REMEMBERED)):
         if memory.struck_key[i] == key:
             row = i
     if row < 0:
-        row = memory.number[STRUCK] % REMEMBERED
-        memory.number[STRUCK] += 1
+        row = memory.n_struck % REMEMBERED
+        memory.n_struck += 1
         memory.struck_key[row] = key
         memory.struck_time[row, 0] = t
         memory.struck_time[row, 1] = t
@@ -39,10 +39,10 @@ def note_strike(memory: EventMemory, key: int) -> None:
 @kernel
 def too_low(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, k: int) -> bool:
     """Whether entry k of the table, which approaches, would bounce less high than a gap is resolved."""
-    t = memory.clock[TIME]
+    t = memory.time
     key = work.table.key[k]
     e = model.contacts.restitution[work.table.law[k]]
-    for i in range(min(memory.number[STRUCK], REMEMBERED)):
+    for i in range(min(memory.n_struck, REMEMBERED)):
         if memory.struck_key[i] == key and e > 0.0:
             before = memory.struck_time[i, 0] if memory.struck_time[i, 0] != t else memory.struck_time[i, 1]
             if before != t:

@@ -13,7 +13,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_driven.memory import CONTACTS, DEEPEST, HIDDEN, TAKEN, TIME, EventMemory, EventSettings
+from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import interpolate
 
@@ -33,7 +33,7 @@ __all__ = [
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
 SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
 NARROW = 4e-16  # width of a root [s], relative to the time
-CROSSED = 2  # number[HIDDEN]
+CROSSED = 2  # memory.hidden
 GOLDEN = 0.6180339887498949
 DIP_LOOKS = 40  # that narrow a dip to 1e-8 of what is between two looks
 END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
@@ -114,11 +114,10 @@ def locate_gap(
     f_high: float,
 ) -> float:
     """Share of the step at which the gap of entry k of a table closes."""
-    clock = memory.clock
-    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
+    narrow = NARROW * (memory.time + memory.step_taken) / memory.step_taken
     start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
     while asked(memory.bracket) >= 0.0:
-        interpolate(memory.y, memory.slopes, clock[TAKEN], asked(memory.bracket), memory.dipping)
+        interpolate(memory.y, memory.slopes, memory.step_taken, asked(memory.bracket), memory.dipping)
         tell(memory.bracket, gap_above(model, settings, table, k, memory.dipping[: len(memory.u)]))
     return found(memory.bracket)
 
@@ -139,12 +138,12 @@ def first_closing(
 ) -> float:
     """Earliest share in (low, high] at which a pair that was open closes; above high if none. State: before, at.
 
-    A negative number: the table of what is seen must hold as many entries. number[HIDDEN] tells of a pair that
+    A negative number: the table of what is seen must hold as many entries. memory.hidden tells of a pair that
     penetrates and did not come in through its feature: it has gone so far that another one is nearer by now.
     """
-    memory.number[HIDDEN] = 0
+    memory.hidden = 0
     ndof = len(memory.u)
-    n = memory.number[CONTACTS]
+    n = memory.n_contacts
     count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
     if count > len(memory.seen.key):
         return -float(count)
@@ -157,17 +156,17 @@ def first_closing(
         closing = f_high < f_low
         if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
             back = 0.1 * (high - low)
-            interpolate(memory.y, memory.slopes, memory.clock[TAKEN], high - back, memory.at)
+            interpolate(memory.y, memory.slopes, memory.step_taken, high - back, memory.at)
             refresh(model, memory.at[:ndof], memory.seen, i)
             fall = memory.seen.gap[i] - f_high
-            closing = fall > settings.velocity_threshold * back * memory.clock[TAKEN] + 1e-6 * settings.gap_tolerance
+            closing = fall > settings.velocity_threshold * back * memory.step_taken + 1e-6 * settings.gap_tolerance
         if closing:
             first = min(first, locate_gap(model, settings, memory, memory.seen, i, low, high, f_low, f_high))
         elif f_high < -settings.gap_tolerance:
             if seen_before(model, settings, memory, memory.seen.key[i]):
-                memory.clock[DEEPEST] = max(memory.clock[DEEPEST], -f_high)
+                memory.deepest = max(memory.deepest, -f_high)
             else:
-                memory.number[HIDDEN] = 1
+                memory.hidden = 1
     return first
 
 
@@ -196,7 +195,7 @@ def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
 @kernel
 def dip_of(model: Model, settings: EventSettings, memory: EventMemory, k: int, low: float, high: float) -> float:
     """Share in (low, high) at which the gap of entry k of what is near is closed, by golden sections; high if none."""
-    h = memory.clock[TAKEN]
+    h = memory.step_taken
     ndof = len(memory.u)
     a = low
     b = high
@@ -237,12 +236,12 @@ def first_dip(
 ) -> float:
     """A share in (low, high) at which a pair is closed that is open before and after; high if there is none.
 
-    And at which one closes that has gone so far by ``high`` that it is not detected there: number[HIDDEN] = CROSSED.
+    And at which one closes that has gone so far by ``high`` that it is not detected there: memory.hidden = CROSSED.
     State: before, at. A negative number: the table of what is near must hold as many entries.
     """
-    memory.number[HIDDEN] = 0
+    memory.hidden = 0
     ndof = len(memory.u)
-    h = memory.clock[TAKEN]
+    h = memory.step_taken
     tolerance = settings.gap_tolerance
     reach = max(room(model, memory, memory.before), room(model, memory, memory.at)) * (high - low) * h
     count = detect(model, memory.before[:ndof], reach, memory.near)
@@ -250,7 +249,7 @@ def first_dip(
         return -float(count)
     least = high
     for i in range(count):
-        if maintained(work, memory.number[CONTACTS], memory.near.key[i]):
+        if maintained(work, memory.n_contacts, memory.near.key[i]):
             continue
         f_low = gap_above(model, settings, memory.near, i, memory.before[:ndof])
         f_high = gap_above(model, settings, memory.near, i, memory.at[:ndof])
@@ -260,7 +259,7 @@ def first_dip(
             share = locate_gap(model, settings, memory, memory.near, i, low, high, f_low, f_high)
             if share < least:
                 least = share
-                memory.number[HIDDEN] = CROSSED
+                memory.hidden = CROSSED
             continue
         part = END * (high - low)
         interpolate(memory.y, memory.slopes, h, high - part, memory.dipping)
@@ -272,5 +271,5 @@ def first_dip(
         share = dip_of(model, settings, memory, i, low, high)
         if share < least:
             least = share
-            memory.number[HIDDEN] = 0
+            memory.hidden = 0
     return least

@@ -18,24 +18,6 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.bounces import note_strike, too_low
 from lcpflex.steppers.event_driven.memory import (
-    ALONE,
-    CUTS,
-    DETAIL,
-    FASTEST,
-    FIRST_TIE,
-    FOUND,
-    GAINED,
-    GENTLEST,
-    HITS,
-    JAMMING,
-    LOW,
-    NUDGING,
-    ROUND,
-    STAGE,
-    STOPPING,
-    TARGET,
-    TIES,
-    TIME,
     EventMemory,
     EventSettings,
     copy_entry,
@@ -50,7 +32,7 @@ AGAIN = 1
 UNSOLVED = 4
 COUPLED = 5  # several contacts at once, which the law cannot treat
 
-LOOKING, STRIKING, EXPANDING = 0, 1, 2  # number[STAGE]
+LOOKING, STRIKING, EXPANDING = 0, 1, 2  # memory.stage
 HIT, JAM = 1, 2  # law_state[2]
 
 ROUNDS = 30  # simultaneous impacts at one instant: the last third without restitution
@@ -75,7 +57,7 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
             if work.rate[r] != 0.0:
                 memory.y[base + 2] += done
             continue
-        memory.clock[GAINED] += done
+        memory.gained += done
         part = 0
         if r < n_joint + n:
             k = r - n_joint
@@ -86,10 +68,10 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
             memory.y[base] -= done
         law = work.table.law[k]
         memory.law_work[law] += done
-        if part == 0 and memory.number[JAMMING] == 0 and memory.number[STOPPING] != 1:
+        if part == 0 and memory.jamming == 0 and memory.stopping != 1:
             note_strike(memory, work.table.key[k])
-        if memory.law_state[2, law] == 0 and memory.number[STOPPING] != 1:
-            memory.law_state[2, law] = JAM if memory.number[JAMMING] == 1 else HIT
+        if memory.law_state[2, law] == 0 and memory.stopping != 1:
+            memory.law_state[2, law] = JAM if memory.jamming == 1 else HIT
         memory.y[base + 3 + 2 * law + part] += p
 
 
@@ -97,41 +79,39 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
 def keep_closed(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> None:
     """Keep those contacts in the table that do not leave, by the rows laid."""
     kept = 0
-    for k in range(memory.number[FOUND]):
+    for k in range(memory.n_found):
         if row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u) <= settings.velocity_threshold:
             copy_entry(work.table, k, work.table, kept)
             kept += 1
-    memory.number[FOUND] = kept
+    memory.n_found = kept
 
 
 @kernel
 def note_tie(settings: EventSettings, work: Workspace, memory: EventMemory, k: int, first: float, v: float) -> None:
     """Note it if contact k, now at v, approached as fast as the ``first`` one did that was struck, and felt that."""
-    number = memory.number
     before = memory.approach[k]
     equal = before < -settings.velocity_threshold and abs(before - first) <= TIE * abs(first)
     if equal and abs(v - before) > TIE * abs(before):
-        number[TIES] += 1
-        if number[TIES] == 1:
-            memory.clock[FIRST_TIE] = memory.clock[TIME]
+        memory.ties += 1
+        if memory.ties == 1:
+            memory.first_tie = memory.time
             memory.tied[0] = work.table.law[0]
             memory.tied[1] = work.table.law[k]
 
 
 @kernel
 def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> int:
-    """The contact that approaches fastest, to number[TARGET] unless one is jammed; AGAIN if there is an impact.
+    """The contact that approaches fastest, to memory.target unless one is jammed; AGAIN if there is an impact.
 
     Contacts of Stronge's law, one by one, must not change the velocity of others that approach.
     """
-    number = memory.number
     threshold = settings.velocity_threshold
-    n = number[FOUND]
-    guarded = settings.law == ENERGETIC and not settings.sequential and number[ROUND] > 0
-    if number[STOPPING] == 1:
+    n = memory.n_found
+    guarded = settings.law == ENERGETIC and not settings.sequential and memory.round > 0
+    if memory.stopping == 1:
         threshold *= SLOWEST
         guarded = False
-    in_turn = number[ROUND] > 0 and number[ALONE] == 1 and number[JAMMING] == 0 and number[STOPPING] == 0
+    in_turn = memory.round > 0 and memory.alone == 1 and memory.jamming == 0 and memory.stopping == 0
     struck = memory.approach[0]
     at = 0
     lowest = 0.0
@@ -148,13 +128,13 @@ def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: Float
             at = k
     if coupled:
         return COUPLED
-    memory.clock[FASTEST] = max(memory.clock[FASTEST], -lowest)
-    if number[NUDGING] == 0:
+    memory.fastest = max(memory.fastest, -lowest)
+    if memory.nudging == 0:
         if lowest >= -threshold:
             return RESOLVED
-        if number[STOPPING] == 0:
-            memory.clock[GENTLEST] = min(memory.clock[GENTLEST], -lowest)
-        number[TARGET] = at
+        if memory.stopping == 0:
+            memory.gentlest = min(memory.gentlest, -lowest)
+        memory.target = at
     return AGAIN
 
 
@@ -171,32 +151,31 @@ def bring_forward(work: Workspace, memory: EventMemory, k: int) -> None:
 @kernel
 def begin(settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
     """Begin an impact: of all closed contacts, or of one, which comes first in the table."""
-    number = memory.number
-    number[ROUND] += 1
-    number[STAGE] = STRIKING
-    number[JAMMING] = number[NUDGING]
-    number[ALONE] = 1 if settings.sequential or settings.law == ENERGETIC else 0
-    if number[STOPPING] == 1:
-        number[ALONE] = 0
-    if number[ALONE] == 1 and number[ROUND] > CHAIN:
-        number[ALONE] = 0
-        if number[ROUND] == CHAIN + 1:
-            number[CUTS] += 1
-    if number[ALONE] == 1:
-        bring_forward(work, memory, number[TARGET])
-    memory.clock[GAINED] = 0.0
+    memory.round += 1
+    memory.stage = STRIKING
+    memory.jamming = memory.nudging
+    memory.alone = 1 if settings.sequential or settings.law == ENERGETIC else 0
+    if memory.stopping == 1:
+        memory.alone = 0
+    if memory.alone == 1 and memory.round > CHAIN:
+        memory.alone = 0
+        if memory.round == CHAIN + 1:
+            memory.cuts += 1
+    if memory.alone == 1:
+        bring_forward(work, memory, memory.target)
+    memory.gained = 0.0
 
 
 @kernel
 def end(memory: EventMemory, tape: Tape) -> None:
     """End an impact."""
-    memory.number[STAGE] = LOOKING
-    memory.number[NUDGING] = 0
-    if memory.number[STOPPING] == 1:
-        memory.number[STOPPING] = 2
+    memory.stage = LOOKING
+    memory.nudging = 0
+    if memory.stopping == 1:
+        memory.stopping = 2
     else:
-        memory.number[HITS] = 1
-    note_gain(tape, memory.clock[TIME], memory.clock[GAINED])
+        memory.hits = 1
+    note_gain(tape, memory.time, memory.gained)
 
 
 @kernel
@@ -234,15 +213,14 @@ def strike_by_energy(
 @kernel
 def without_restitution(memory: EventMemory) -> bool:
     """Whether approach or bounce are too small, or so many impacts were at this instant that they are to end."""
-    most = CHAIN if memory.number[ALONE] == 1 or memory.number[ROUND] > CHAIN else 2 * ROUNDS // 3
-    return memory.number[ROUND] > most or memory.number[STOPPING] == 1 or memory.number[LOW] == 1
+    most = CHAIN if memory.alone == 1 or memory.round > CHAIN else 2 * ROUNDS // 3
+    return memory.round > most or memory.stopping == 1 or memory.low == 1
 
 
 @kernel
 def compressed(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """Whether contacts give back some of the impulses just laid: at least how much, to ``memory.least``."""
-    number = memory.number
-    if settings.law != POISSON or number[STAGE] == EXPANDING or without_restitution(memory):
+    if settings.law != POISSON or memory.stage == EXPANDING or without_restitution(memory):
         return False
     gives = False
     for k in range(work.n_contacts):
@@ -254,60 +232,59 @@ def compressed(model: Model, settings: EventSettings, work: Workspace, memory: E
 @kernel
 def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
     """One contact problem; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
-    number = memory.number
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
-    looking = number[STAGE] == LOOKING
-    n = number[FOUND]
-    if not looking and number[ALONE] == 1:
+    looking = memory.stage == LOOKING
+    n = memory.n_found
+    if not looking and memory.alone == 1:
         n = 1
-    lay_rows(model, memory.clock[TIME], q, u, n, work, memory.sets)
+    lay_rows(model, memory.time, q, u, n, work, memory.sets)
     if looking:
         limit = CHAIN + ROUNDS if settings.sequential or settings.law == ENERGETIC else ROUNDS
         found = look(settings, work, memory, u)
         if found == COUPLED:
             return COUPLED
-        if found == RESOLVED or number[ROUND] >= limit:
+        if found == RESOLVED or memory.round >= limit:
             keep_closed(settings, work, memory, u)
             return RESOLVED
-        number[LOW] = 0
-        if number[NUDGING] == 0 and too_low(model, settings, work, memory, number[TARGET]):
-            number[LOW] = 1
+        memory.low = 0
+        if memory.nudging == 0 and too_low(model, settings, work, memory, memory.target):
+            memory.low = 1
         begin(settings, work, memory)
-        if number[ALONE] == 1:
+        if memory.alone == 1:
             return AGAIN
-    law = NEWTON if number[ROUND] > CHAIN or number[STOPPING] == 1 or number[LOW] == 1 else settings.law
+    law = NEWTON if memory.round > CHAIN or memory.stopping == 1 or memory.low == 1 else settings.law
     threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
     for i in range(ndof):
         memory.u[i] = u[i]
         work.free_u[i] = u[i]
         memory.reflected[i] = u[i] if law == NEWTON else 0.0
     pose(model, work, memory.reflected, 0.0, threshold)
-    memory.clock[DETAIL] = 0.0
+    memory.detail = 0.0
     if law == ENERGETIC:
         if strike_by_energy(model, settings, work, memory, tape, u) != RESOLVED:
             return UNSOLVED
         end(memory, tape)
         return AGAIN
-    if number[STAGE] == EXPANDING:
+    if memory.stage == EXPANDING:
         shift_normals(work, memory.least)
-    elif number[NUDGING] == 1:
+    elif memory.nudging == 1:
         for k in range(n):
             work.q[k] -= settings.velocity_threshold  # an approach assumed where there is none
     status = solve_lcp(work)
-    memory.clock[DETAIL] = status
+    memory.detail = status
     if status != 0 or not work.certified <= settings.tolerance:
         return UNSOLVED
     note_certificate(work, tape)
-    if number[STAGE] == EXPANDING:
+    if memory.stage == EXPANDING:
         for k in range(n):
             work.z[k] += memory.least[k]
     distribute(work)
     apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
     account(work, memory, tape, u)
     if compressed(model, settings, work, memory):
-        number[STAGE] = EXPANDING
+        memory.stage = EXPANDING
     else:
         end(memory, tape)
     return AGAIN

@@ -18,23 +18,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.event_driven.impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_driven.memory import (
-    CAUSE,
-    CONTACTS,
-    DETAIL,
     EVENT_CAPACITY,
-    EVENTS,
-    FOUND,
-    HITS,
-    LAST_EVENT,
-    LOCATED,
-    PHASE,
-    SHARE,
-    STEPS,
-    STORED,
-    STUCK,
-    TAKEN,
-    TIME,
-    TOO_MANY,
     WINDOW,
     EventMemory,
     EventSettings,
@@ -61,7 +45,7 @@ HIT_TOGETHER = 10
 OUT_OF_RANGE = 11
 CALM = 12  # raised thresholds are to be lowered
 
-# where it is, number[PHASE]
+# where it is, memory.phase
 BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
 
 SAME_TIME = 1e-13  # relative: events so close count as one instant
@@ -77,13 +61,13 @@ def record(
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
     slope(model, t, y, work, memory, memory.slope)
-    n = memory.number[CONTACTS]
+    n = memory.n_contacts
     spots = n + work.laws.n_touching
     if tape.n_instants >= len(tape.times) or (tape.n_points + spots > len(tape.spots) and tape.n_points > 0):
         return TAPE_FULL
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key) or spots > len(tape.spots):
-        memory.clock[DETAIL] = max(needed, spots)
+        memory.detail = max(needed, spots)
         return GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base]
@@ -116,17 +100,16 @@ def record(
 @kernel
 def due(settings: EventSettings, memory: EventMemory) -> float:
     """Time of the next instant to be stored in this step [s], its state in ``memory.at``; negative if none is left."""
-    clock = memory.clock
-    end = clock[TIME] + clock[SHARE] * clock[TAKEN]
-    stored = memory.number[STORED]
+    end = memory.time + memory.share * memory.step_taken
+    stored = memory.stored
     if settings.interval > 0.0:
         t = min(stored * settings.interval, settings.duration)
     else:
         t = end
     if stored < 0 or t > end + 1e-12 * settings.duration:
         return -1.0
-    share = min((t - clock[TIME]) / clock[TAKEN], clock[SHARE])
-    interpolate(memory.y, memory.slopes, clock[TAKEN], share, memory.at)
+    share = min((t - memory.time) / memory.step_taken, memory.share)
+    interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.at)
     return min(t, end)
 
 
@@ -134,33 +117,31 @@ def due(settings: EventSettings, memory: EventMemory) -> float:
 def count_instant(settings: EventSettings, memory: EventMemory, t: float) -> bool:
     """Go on to the next instant; whether there may be more in this step."""
     last = t >= settings.duration * (1.0 - 1e-12)
-    memory.number[STORED] = -1 if last else memory.number[STORED] + 1
+    memory.stored = -1 if last else memory.stored + 1
     return settings.interval > 0.0 and not last
 
 
 @kernel
 def close_step(settings: EventSettings, memory: EventMemory) -> None:
     """Go to the end of the step or to the event in it."""
-    clock = memory.clock
-    number = memory.number
-    if clock[SHARE] < 1.0:
-        interpolate(memory.y, memory.slopes, clock[TAKEN], clock[SHARE], memory.at)
+    if memory.share < 1.0:
+        interpolate(memory.y, memory.slopes, memory.step_taken, memory.share, memory.at)
         copy_state(memory.at, memory.y)
     else:
         copy_state(memory.end, memory.y)
-    clock[TIME] += clock[SHARE] * clock[TAKEN]
-    if clock[TIME] > settings.duration * (1.0 - 1e-14):
-        clock[TIME] = settings.duration
-    number[STEPS] += 1
-    if number[CAUSE] >= 0:
-        again = clock[TIME] - clock[LAST_EVENT] <= SAME_TIME * settings.duration
-        number[STUCK] = number[STUCK] + 1 if again else 0
-        clock[LAST_EVENT] = clock[TIME]
-        place = number[LOCATED] % WINDOW
-        if number[LOCATED] >= WINDOW and clock[TIME] - memory.recent[place] < settings.least_window:
-            number[TOO_MANY] = 1
-        memory.recent[place] = clock[TIME]
-        number[LOCATED] += 1
+    memory.time += memory.share * memory.step_taken
+    if memory.time > settings.duration * (1.0 - 1e-14):
+        memory.time = settings.duration
+    memory.steps += 1
+    if memory.cause >= 0:
+        again = memory.time - memory.last_event <= SAME_TIME * settings.duration
+        memory.stuck = memory.stuck + 1 if again else 0
+        memory.last_event = memory.time
+        place = memory.located % WINDOW
+        if memory.located >= WINDOW and memory.time - memory.recent[place] < settings.least_window:
+            memory.too_many = 1
+        memory.recent[place] = memory.time
+        memory.located += 1
 
 
 @kernel
@@ -169,7 +150,7 @@ def count_impulses(work: Workspace, memory: EventMemory) -> None:
     first = work.n_joint
     n = work.n_contacts
     base = 2 * len(memory.u) + 3
-    for k in range(memory.number[CONTACTS]):
+    for k in range(memory.n_contacts):
         law = base + 2 * work.table.law[k]
         memory.y[law] += work.p[first + k]
         if memory.sets.tangent_of[k] >= 0:
@@ -179,10 +160,9 @@ def count_impulses(work: Workspace, memory: EventMemory) -> None:
 @kernel
 def next_phase(memory: EventMemory) -> int:
     """Where a projection leads: from the end of a step on, or from gathering and choosing."""
-    number = memory.number
-    phase = number[PHASE]
+    phase = memory.phase
     if phase == CLOSING_STEP:  # forces jump at every event, velocities at impacts: both sides are stored
-        return STEPPING if number[CAUSE] < 0 else BEFORE
+        return STEPPING if memory.cause < 0 else BEFORE
     return COLLIDING if phase == GATHERING else AFTER
 
 
@@ -203,18 +183,16 @@ def advance(
 
     Calling again goes on.
     """
-    number = memory.number
-    clock = memory.clock
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
     while True:
-        phase = number[PHASE]
-        ended = phase == STEPPING and clock[TIME] >= settings.duration
-        if ended or (phase in (STEPPING, BEFORE, AFTER) and number[STEPS] >= last_step):
+        phase = memory.phase
+        ended = phase == STEPPING and memory.time >= settings.duration
+        if ended or (phase in (STEPPING, BEFORE, AFTER) and memory.steps >= last_step):
             return DONE
         if phase in (BEFORE, AFTER, EMITTING):
-            t = clock[TIME]
+            t = memory.time
             if phase == EMITTING:
                 t = due(settings, memory)
             else:
@@ -227,28 +205,28 @@ def advance(
                 if phase == EMITTING:
                     more = count_instant(settings, memory, t)
             if phase == BEFORE:
-                number[PHASE] = GATHERING
+                memory.phase = GATHERING
             elif phase == AFTER:
-                number[PHASE] = STEPPING
-                number[STORED] = 1 if number[STORED] == 0 else number[STORED]
+                memory.phase = STEPPING
+                memory.stored = 1 if memory.stored == 0 else memory.stored
             elif not more:
-                number[PHASE] = CLOSING_STEP
+                memory.phase = CLOSING_STEP
         elif phase in (STEPPING, TRYING):
-            slope(model, clock[TIME], memory.y, work, memory, memory.slopes[0])
+            slope(model, memory.time, memory.y, work, memory, memory.slopes[0])
             watch(model, work, memory, memory.y)
             if phase == TRYING:
                 fall_back(memory)
-                number[PHASE] = SETTLING
+                memory.phase = SETTLING
                 continue
             if not step(model, settings, work, memory):
                 return STEP_TOO_SHORT
             if not search(model, settings, work, memory):
                 return GROW
-            number[PHASE] = EMITTING
+            memory.phase = EMITTING
         elif phase == COLLIDING:
             outcome = collide(model, settings, work, memory, tape)
             if outcome == RESOLVED:
-                number[PHASE] = CHOOSING
+                memory.phase = CHOOSING
             elif outcome == COUPLED:
                 return HIT_TOGETHER
             elif outcome != AGAIN:
@@ -257,37 +235,37 @@ def advance(
             outcome = choose(model, settings, work, memory, tape)
             if outcome == UNSOLVED:
                 return SOLVER_FAILED
-            number[PHASE] = TRYING if outcome == RESOLVED else COLLIDING
+            memory.phase = TRYING if outcome == RESOLVED else COLLIDING
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
-            n = number[CONTACTS]
+            n = memory.n_contacts
             if phase == CLOSING_STEP:
-                add_errors(memory.slopes, clock[SHARE] * clock[TAKEN], tape.local)
+                add_errors(memory.slopes, memory.share * memory.step_taken, tape.local)
                 close_step(settings, memory)
             elif phase == SETTLING:
                 note_changes(work, memory)
-                if number[STORED] == 0 and number[HITS] == 0:  # the state before was no other
+                if memory.stored == 0 and memory.hits == 0:  # the state before was no other
                     tape.n_instants = 0
                     tape.n_points = 0
             else:
-                if number[EVENTS] >= EVENT_CAPACITY:
+                if memory.n_events >= EVENT_CAPACITY:
                     return EVENTS_FULL
-                if clock[TIME] >= settings.calm:
+                if memory.time >= settings.calm:
                     return CALM
-                if number[STUCK] > MOST_EVENTS:
+                if memory.stuck > MOST_EVENTS:
                     return CHATTER
-                if number[TOO_MANY] == 1:
+                if memory.too_many == 1:
                     return TOO_OFTEN
                 if not gather(model, settings, work, memory):
                     return GROW
-                n = number[FOUND]
-            joint_drift, gap_drift = project(model, clock[TIME], q, u, n, phase != GATHERING, work, memory.sets)
+                n = memory.n_found
+            joint_drift, gap_drift = project(model, memory.time, q, u, n, phase != GATHERING, work, memory.sets)
             if phase != GATHERING:
                 count_impulses(work, memory)
             if phase == CLOSING_STEP:
                 tape.counts.worst_penetration = max(tape.counts.worst_penetration, gap_drift)
                 tape.counts.worst_drift = max(tape.counts.worst_drift, joint_drift)
-                if not take_note(model, clock[TIME], q, u, work):
+                if not take_note(model, memory.time, q, u, work):
                     return OUT_OF_RANGE
-            number[PHASE] = next_phase(memory)
+            memory.phase = next_phase(memory)
             if not finite(memory):
                 return NOT_FINITE

@@ -14,9 +14,9 @@ from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.lcp.enumeration import enumeration_workspace
-from lcpflex.steppers.event_driven.root import BRACKET
+from lcpflex.steppers.event_driven.root import Bracket
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
@@ -56,59 +56,88 @@ class EventSettings(NamedTuple):
     calm: float  # time at which raised thresholds return to what they were [s]
 
 
-class EventMemory(NamedTuple):
+@struct
+class EventMemory:
     """Work arrays for ``capacity`` contacts, ny = 2 ndof + 3 + 2 laws."""
 
-    y: FloatArray  # (ny,) state at the start of the step
-    end: FloatArray  # (ny,) at its end
-    slopes: FloatArray  # (7, ny)
-    at: FloatArray  # (ny,) state on the dense output
-    before: FloatArray  # (ny,) state at the sample before
-    slope: FloatArray  # (ny,)
-    u: FloatArray  # (ndof,) velocity before an impact
-    reflected: FloatArray  # (ndof,) velocity that restitution reflects
-    approach: FloatArray  # (capacity,) normal velocities when last looked at
-    least: FloatArray  # (capacity,) least normal impulses of an expansion
-    segments: FloatArray  # (SEGMENTS, 2) impulses of the phases of an impact
-    found: FloatArray  # (SEVERAL_KEPT, TESTED) solutions of a choice of sets; work arrays of the enumeration
-    codes: IntArray
-    singular: IntArray
+    y: FloatArray = array("ny")  # state at the start of the step
+    end: FloatArray = array("ny")  # at its end
+    slopes: FloatArray = array(STAGES, "ny")
+    at: FloatArray = array("ny")  # state on the dense output
+    before: FloatArray = array("ny")  # state at the sample before
+    slope: FloatArray = array("ny")
+    u: FloatArray = array("ndof")  # velocity before an impact
+    reflected: FloatArray = array("ndof")  # velocity that restitution reflects
+    approach: FloatArray = array("contacts")  # normal velocities when last looked at
+    least: FloatArray = array("contacts")  # least normal impulses of an expansion
+    segments: FloatArray = array(SEGMENTS, 2)  # impulses of the phases of an impact
+    found: FloatArray = array(SEVERAL_KEPT, TESTED)  # solutions of a choice of sets; work arrays of the enumeration
+    codes: IntArray = array(SEVERAL_KEPT)
+    singular: IntArray = array(1)
     tried: FloatArray
     order: IntArray
-    recent: FloatArray  # (WINDOW,) times of the last events
+    recent: FloatArray = array(WINDOW)  # times of the last events
     sets: ContactSets
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
     near: ContactTable  # what may have touched between two looks
-    dipping: FloatArray  # (ny,) state between them
-    value: FloatArray  # (4, capacity) watched functions at the last evaluation
-    old_value: FloatArray  # (4, capacity) at the sample before
-    bracket: FloatArray  # (BRACKET,) of the root finder
-    force: FloatArray  # (1,) scale of the contact forces [N]
-    law_state: IntArray  # (3, laws) state of each declared contact before and after an event; whether, how it was hit
+    dipping: FloatArray = array("ny")  # state between them
+    value: FloatArray = array(4, "contacts")  # watched functions at the last evaluation
+    old_value: FloatArray = array(4, "contacts")  # at the sample before
+    bracket: Bracket  # of the root finder
+    force: float  # scale of the contact forces [N]
+    law_state: IntArray = array(3, "laws")  # of each contact before and after an event; whether, how it was hit
     taken: IntArray  # (laws,) state where several motions were possible for the first time; -1: not closed
-    tied: IntArray  # (2,) declared contacts of the first tie, the one that was struck first
-    law_work: FloatArray  # (laws,) work of its impulses [J]
-    struck_key: IntArray  # (REMEMBERED,) pairs struck last
-    struck_time: FloatArray  # (REMEMBERED, 2) when each was, and at the instant before [s]
-    events: FloatArray  # (EVENT_CAPACITY, 4) time, kind, law, energy change
-    number: IntArray  # see the names below
-    clock: FloatArray
-
-
-# number
-CONTACTS, PHASE, STEPS, EVENTS, STUCK, HITS, CAUSE, STORED, KIND, WHICH, FOUND = range(11)
-ROUND, STAGE, ALONE, TARGET, JAMMING, NUDGING = range(11, 17)  # of impacts: see event_impacts
-JAMS, NUDGES, SEVERAL, SEVERAL_NOW, CUTS, LOCATED, TOO_MANY = range(17, 24)  # counts, of the run but NUDGES
-STOPPING = 24  # of contacts that approach slower than the threshold: 1 while, 2 after
-TIES = 25  # impacts one after another whose order was arbitrary
-HIDDEN = 26  # whether a pair penetrates that came in where it was not looked for
-STRUCK = 27  # pairs noted as struck, also those forgotten since
-LOW = 28  # 1 while an impact whose bounces are too low to be resolved is stopped
-SPARED = 29  # 1 + declared contact that rests and carries nothing, others sharing its load
-# clock
-TIME, STEP, TAKEN, SHARE, ERROR, LAST_EVENT, DETAIL, GAINED, FIRST_JAM, FIRST_SEVERAL, FIRST_TIE, DEEPEST = range(12)
-FASTEST = 12  # largest normal or tangential velocity of a closed contact so far [m/s]
-GENTLEST = 13  # approach of the slowest impact since events were last counted anew [m/s]
+    tied: IntArray = array(2)  # declared contacts of the first tie, the one that was struck first
+    law_work: FloatArray = array("laws")  # work of its impulses [J]
+    struck_key: IntArray = array(REMEMBERED)  # pairs struck last
+    struck_time: FloatArray = array(REMEMBERED, 2)  # when each was, and at the instant before [s]
+    events: FloatArray = array("events", 4)  # time, kind, law, energy change
+    n_contacts: int
+    phase: int  # where the loop is
+    steps: int
+    n_events: int
+    stuck: int  # events in a row without time between them
+    hits: int
+    cause: int
+    stored: int
+    kind: int
+    which: int
+    n_found: int
+    # impacts: see lcpflex.steppers.event_driven.impacts
+    round: int
+    stage: int
+    alone: int
+    target: int
+    jamming: int
+    nudging: int
+    # counts, of the run but nudges
+    jams: int
+    nudges: int
+    several: int
+    several_now: int
+    cuts: int
+    located: int
+    too_many: int
+    stopping: int  # of contacts that approach slower than the threshold: 1 while, 2 after
+    ties: int  # impacts one after another whose order was arbitrary
+    hidden: int  # whether a pair penetrates that came in where it was not looked for
+    n_struck: int  # pairs noted as struck, also those forgotten since
+    low: int  # 1 while an impact whose bounces are too low to be resolved is stopped
+    spared: int  # 1 + declared contact that rests and carries nothing, others sharing its load
+    time: float  # [s]
+    step: float  # to try next [s]
+    step_taken: float  # [s]
+    share: float  # of it up to the event
+    error: float
+    last_event: float  # [s]
+    detail: float  # explains what a loop returned
+    gained: float  # energy [J]
+    first_jam: float  # [s]
+    first_several: float  # [s]
+    first_tie: float  # [s]
+    deepest: float  # [m]
+    fastest: float  # largest normal or tangential velocity of a closed contact so far [m/s]
+    gentlest: float  # approach of the slowest impact since events were last counted anew [m/s]
 
 
 def event_memory(system: System, capacity: int, near: int) -> EventMemory:
@@ -116,48 +145,21 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
     ndof = len(system.q)
     laws = system.n_laws
     ny = 2 * ndof + 3 + 2 * laws
-    zeros = np.zeros
     tried, order = enumeration_workspace(TESTED)
-    arrays = EventMemory(
-        y=zeros(ny),
-        end=zeros(ny),
-        slopes=zeros((STAGES, ny)),
-        at=zeros(ny),
-        before=zeros(ny),
-        slope=zeros(ny),
-        u=zeros(ndof),
-        reflected=zeros(ndof),
-        approach=zeros(capacity),
-        least=zeros(capacity),
-        segments=zeros((SEGMENTS, 2)),
-        found=zeros((SEVERAL_KEPT, TESTED)),
-        codes=np.zeros(SEVERAL_KEPT, dtype=np.int64),
-        singular=np.zeros(1, dtype=np.int64),
+    memory = allocate(
+        EventMemory,
+        {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
         tried=tried,
         order=order,
-        recent=zeros(WINDOW),
         sets=contact_sets(capacity),
         seen=system.table(capacity),
         near=system.table(near),
-        dipping=zeros(ny),
-        value=zeros((4, capacity)),
-        old_value=zeros((4, capacity)),
-        bracket=zeros(BRACKET),
-        force=zeros(1),
-        law_state=np.zeros((3, laws), dtype=np.int64),
+        bracket=allocate(Bracket, {}),
         taken=np.full(laws, -1, dtype=np.int64),
-        tied=np.zeros(2, dtype=np.int64),
-        law_work=zeros(laws),
-        struck_key=np.zeros(REMEMBERED, dtype=np.int64),
-        struck_time=zeros((REMEMBERED, 2)),
-        events=zeros((EVENT_CAPACITY + 3 * laws, 4)),
-        number=np.zeros(30, dtype=np.int64),
-        clock=zeros(14),
     )
-    memory = pack(arrays)
     memory.y[:ndof] = system.q
     memory.y[ndof : 2 * ndof] = system.u
-    return pack(memory)
+    return memory
 
 
 @kernel
@@ -183,10 +185,10 @@ def copy_entry(source: ContactTable, i: int, target: ContactTable, j: int) -> No
 @kernel
 def note_event(memory: EventMemory, t: float, kind: int, law: int, change: float) -> None:
     """Write down an event."""
-    row = memory.number[EVENTS]
+    row = memory.n_events
     if row < len(memory.events):
         memory.events[row, 0] = t
         memory.events[row, 1] = kind
         memory.events[row, 2] = law
         memory.events[row, 3] = change
-        memory.number[EVENTS] = row + 1
+        memory.n_events = row + 1

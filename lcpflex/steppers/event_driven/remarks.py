@@ -6,14 +6,6 @@ from collections.abc import Callable
 
 from lcpflex.model.arrays import OPEN, STICK
 from lcpflex.steppers.event_driven.memory import (
-    CUTS,
-    FIRST_JAM,
-    FIRST_SEVERAL,
-    FIRST_TIE,
-    JAMS,
-    SEVERAL,
-    SPARED,
-    TIES,
     EventMemory,
 )
 
@@ -25,34 +17,33 @@ def event_remarks(memory: EventMemory, name: Callable[[int], str], proven: bool,
 
     proven: that there was no acceleration where none was found; first_jam: the contact that then was struck.
     """
-    number, clock = memory.number, memory.clock
     warnings = []
-    if number[JAMS]:
+    if memory.jams:
         known = "admissible" if proven else "found"
         warnings.append(
-            f"no acceleration was {known} (Painleve's paradox) {times(number[JAMS])}, first at t = "
-            f"{clock[FIRST_JAM]:.9g} s: an impact without collision of contact {first_jam} resolved it"
+            f"no acceleration was {known} (Painleve's paradox) {times(memory.jams)}, first at t = "
+            f"{memory.first_jam:.9g} s: an impact without collision of contact {first_jam} resolved it"
         )
-    if number[SEVERAL]:
+    if memory.several:
         taken = ", ".join(
             f"{name(law)} {'opens' if state == OPEN else 'sticks' if state == STICK else 'slides'}"
             for law, state in enumerate(memory.taken.tolist())
             if state >= 0
         )
         warnings.append(
-            f"several motions were admissible (Painleve's paradox) {times(number[SEVERAL])}, first at t = "
-            f"{clock[FIRST_SEVERAL]:.9g} s: taken was the one in which contact {taken}"
+            f"several motions were admissible (Painleve's paradox) {times(memory.several)}, first at t = "
+            f"{memory.first_several:.9g} s: taken was the one in which contact {taken}"
         )
-    if number[TIES]:
+    if memory.ties:
         first, other = (name(law) for law in memory.tied.tolist())
         both = f"contacts {first} and {other}" if first != other else f"two points of contact {first}"
         warnings.append(
-            f"the order of impacts was arbitrary {times(number[TIES])}, first at t = {clock[FIRST_TIE]:.9g} s: "
+            f"the order of impacts was arbitrary {times(memory.ties)}, first at t = {memory.first_tie:.9g} s: "
             f"{both} approached equally fast; another order may lead to another motion"
         )
-    if number[CUTS]:
+    if memory.cuts:
         warnings.append(
-            f"a chain of impacts did not end by itself {times(number[CUTS])}: simultaneous impacts without "
+            f"a chain of impacts did not end by itself {times(memory.cuts)}: simultaneous impacts without "
             "restitution ended it"
         )
     return warnings
@@ -60,7 +51,7 @@ def event_remarks(memory: EventMemory, name: Callable[[int], str], proven: bool,
 
 def shared_load(memory: EventMemory, name: Callable[[int], str]) -> list[str]:
     """That contact forces are one choice of several."""
-    spared = int(memory.number[SPARED]) - 1
+    spared = memory.spared - 1
     if spared < 0:
         return []
     return [

@@ -25,22 +25,11 @@ from lcpflex.steppers.event_driven.gaps import (
     slave_margin,
 )
 from lcpflex.steppers.event_driven.memory import (
-    CAUSE,
     CLOSING,
     CONE,
-    CONTACTS,
-    DETAIL,
-    ERROR,
-    HIDDEN,
-    KIND,
     PRESSURE,
-    SHARE,
     SLIDING,
     SPAN,
-    STEP,
-    TAKEN,
-    TIME,
-    WHICH,
     EventMemory,
     EventSettings,
 )
@@ -78,7 +67,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
     ndof = len(memory.u)
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
-    n = memory.number[CONTACTS]
+    n = memory.n_contacts
     assemble(model, t, q, u, n, work, memory.sets)
     fixed_forces(work, memory.sets)
     base = 2 * ndof
@@ -110,8 +99,8 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
     ndof = len(memory.u)
     u = y[ndof : 2 * ndof]
     n_joint = work.n_joint
-    n = memory.number[CONTACTS]
-    memory.force[0] = 0.0
+    n = memory.n_contacts
+    memory.force = 0.0
     for k in range(n):
         p_n = work.p[n_joint + k]
         memory.value[PRESSURE, k] = p_n
@@ -122,7 +111,7 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         size = abs(p_n)
         if work.Gc[k, k] > 0.0:
             size = max(size, abs(work.bc[k]) / work.Gc[k, k])
-        memory.force[0] = max(memory.force[0], size)
+        memory.force = max(memory.force, size)
         tangent = memory.sets.tangent_of[k]
         if tangent >= 0:
             r = n_joint + n + tangent
@@ -140,7 +129,7 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
         return SPAN_TOLERANCE
     if kind == SLIDING:
         return settings.slip_threshold
-    return FORCE_TOLERANCE * memory.force[0]
+    return FORCE_TOLERANCE * memory.force
 
 
 @kernel
@@ -212,14 +201,14 @@ def touch_share(model: Model, h: float, work: Workspace, memory: EventMemory) ->
 
 @kernel
 def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. False if no length is short enough.
+    """One accepted Runge-Kutta step from y to end; its length in memory.step_taken. False if no length is short enough.
 
     The slope at y is in ``slopes[0]``.
     """
-    t = memory.clock[TIME]
+    t = memory.time
     rest = time_left(model.signals, t, settings.duration)
     ndof = len(memory.u)
-    h = memory.clock[STEP]
+    h = memory.step
     if not h > 0.0:
         h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
         h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
@@ -244,17 +233,17 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
             share = touch_share(model, h, work, memory)
             if share < ALL_OF_IT and left > 0:  # its stages would mix what is before and behind
                 if left == REPEATS:
-                    memory.clock[STEP] = h
+                    memory.step = h
                 left -= 1
                 h *= share
                 continue
-            factor = step_factor(error, memory.clock[ERROR])
+            factor = step_factor(error, memory.error)
             if rejected:
                 factor = min(factor, 1.0)
             if left == REPEATS:
-                memory.clock[STEP] = max(memory.clock[STEP], h) if h == rest else h * factor
-            memory.clock[ERROR] = error
-            memory.clock[TAKEN] = h
+                memory.step = max(memory.step, h) if h == rest else h * factor
+            memory.error = error
+            memory.step_taken = h
             return True
         rejected = True
         h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
@@ -265,63 +254,62 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
 @kernel
 def measure(model: Model, work: Workspace, memory: EventMemory, share: float) -> None:
     """State, slope and watched functions at a share of the step."""
-    interpolate(memory.y, memory.slopes, memory.clock[TAKEN], share, memory.at)
-    slope(model, memory.clock[TIME] + share * memory.clock[TAKEN], memory.at, work, memory, memory.slope)
+    interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.at)
+    slope(model, memory.time + share * memory.step_taken, memory.at, work, memory, memory.slope)
     watch(model, work, memory, memory.at)
 
 
 @kernel
 def violated(settings: EventSettings, memory: EventMemory) -> bool:
-    """Whether a watched function is below zero; which one, to number[KIND] and number[WHICH]."""
+    """Whether a watched function is below zero; which one, to memory.kind and memory.which."""
     for kind in range(4):
         tolerance = tolerance_of(settings, memory, kind)
-        for k in range(memory.number[CONTACTS]):
+        for k in range(memory.n_contacts):
             if memory.value[kind, k] < -tolerance:
-                memory.number[KIND] = kind
-                memory.number[WHICH] = k
+                memory.kind = kind
+                memory.which = k
                 return True
     return False
 
 
 @kernel
 def search(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """First event of the step, to clock[SHARE] and number[CAUSE]. False if tables must grow, to clock[DETAIL].
+    """First event of the step, to memory.share and memory.cause. False if tables must grow, to memory.detail.
 
     A violated function is located, and what is violated there too in turn, until nothing else is.
     """
-    clock = memory.clock
-    n = memory.number[CONTACTS]
-    narrow = NARROW * (clock[TIME] + clock[TAKEN]) / clock[TAKEN]
-    memory.number[CAUSE] = NOTHING
-    clock[SHARE] = 1.0
+    n = memory.n_contacts
+    narrow = NARROW * (memory.time + memory.step_taken) / memory.step_taken
+    memory.cause = NOTHING
+    memory.share = 1.0
     copy_state(memory.y, memory.before)
     for sample in range(1, SAMPLES + 1):
         low = (sample - 1) / SAMPLES
         high = sample / SAMPLES
         while True:  # earlier and earlier, until nothing has closed before
-            interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.at)
+            interpolate(memory.y, memory.slopes, memory.step_taken, high, memory.at)
             closing = first_dip(model, settings, work, memory, low, high)
             if closing < 0.0:
-                clock[DETAIL] = closing
+                memory.detail = closing
                 return False
             if closing < high:
-                memory.number[CAUSE] = CLOSING if memory.number[HIDDEN] == CROSSED else NOTHING
+                memory.cause = CLOSING if memory.hidden == CROSSED else NOTHING
                 high = closing
                 continue
             closing = first_closing(model, settings, work, memory, low, high)
             if closing < 0.0:
-                clock[DETAIL] = -closing
+                memory.detail = -closing
                 return False
             if closing < high:
-                memory.number[CAUSE] = CLOSING
+                memory.cause = CLOSING
                 high = closing
                 continue
-            if closing > high and memory.number[HIDDEN] == 1 and high - low > LEAST_SHARE:
-                memory.number[CAUSE] = NOTHING
+            if closing > high and memory.hidden == 1 and high - low > LEAST_SHARE:
+                memory.cause = NOTHING
                 high = low + 0.5 * (high - low)
                 continue
             if closing == high:
-                memory.number[CAUSE] = CLOSING
+                memory.cause = CLOSING
             break
         for kind in range(4):
             for k in range(n):
@@ -329,35 +317,35 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
         target = high  # the root finder is at work where this is behind the end known so far
         while n > 0:
             measure(model, work, memory, target)
-            kind = memory.number[KIND]
-            k = memory.number[WHICH]
+            kind = memory.kind
+            k = memory.which
             if target < high:
                 tell(memory.bracket, memory.value[kind, k])
                 if asked(memory.bracket) < 0.0:
-                    memory.number[CAUSE] = kind
+                    memory.cause = kind
                     if found(memory.bracket) >= high - narrow:
                         break  # as near as time resolves
                     high = found(memory.bracket)
                     target = high
                     continue
             elif violated(settings, memory):
-                kind = memory.number[KIND]
-                k = memory.number[WHICH]
+                kind = memory.kind
+                k = memory.which
                 f_low = memory.old_value[kind, k]
                 tolerance = tolerance_of(settings, memory, kind)
                 if kind == SLIDING and f_low < -tolerance:  # an impact has left it sliding the other way: choose anew
-                    memory.number[CAUSE] = kind
+                    memory.cause = kind
                     high = low + LEAST_SHARE * (high - low)
                     break
                 start(memory.bracket, low, high, f_low, memory.value[kind, k], tolerance, narrow)
                 if asked(memory.bracket) < 0.0 or not asked(memory.bracket) < high:
-                    memory.number[CAUSE] = kind
+                    memory.cause = kind
                     break
             else:
                 break
             target = asked(memory.bracket)
-        if memory.number[CAUSE] != NOTHING or high < sample / SAMPLES:
-            clock[SHARE] = high
+        if memory.cause != NOTHING or high < sample / SAMPLES:
+            memory.share = high
             return True
-        interpolate(memory.y, memory.slopes, clock[TAKEN], high, memory.before)
+        interpolate(memory.y, memory.slopes, memory.step_taken, high, memory.before)
     return True

@@ -32,31 +32,15 @@ from lcpflex.solvers.lcp.enumeration import enumerate_active_sets
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_driven.memory import (
     CONE,
-    CONTACTS,
-    DETAIL,
-    FASTEST,
-    FIRST_SEVERAL,
-    FOUND,
-    HITS,
     IMPACT,
     JAMS_UP,
     LIFT_OFF,
-    NUDGES,
-    NUDGING,
     PRESSURE,
     REVERSES,
-    ROUND,
-    SEVERAL,
     SEVERAL_KEPT,
-    SEVERAL_NOW,
     SLIPS,
-    SPARED,
-    STAGE,
     STICKS,
-    STOPPING,
-    STORED,
     TESTED,
-    TIME,
     TOUCH_DOWN,
     EventMemory,
     EventSettings,
@@ -82,7 +66,7 @@ def law_states(work: Workspace, memory: EventMemory) -> None:
     for law in range(memory.law_state.shape[1]):
         memory.law_state[0, law] = memory.law_state[1, law]
         memory.law_state[row, law] = OPEN
-    for k in range(memory.number[CONTACTS]):
+    for k in range(memory.n_contacts):
         law = work.table.law[k]
         if memory.sets.mode[k] == STICKING:
             memory.law_state[row, law] = STICK
@@ -98,7 +82,7 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
         memory.sets.mode[k] = SMOOTH
         if tangent >= 0:
             slip = row_velocity(work.rows, work.row_body, work.n_joint + n + tangent, work.dof, u)
-            memory.clock[FASTEST] = max(memory.clock[FASTEST], abs(slip))
+            memory.fastest = max(memory.fastest, abs(slip))
             if abs(slip) <= settings.slip_threshold:
                 memory.sets.mode[k] = STICKING
             else:
@@ -134,7 +118,7 @@ def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int
                     tried = mode
         if work.normal[k] <= CARRIES * largest:
             if kept > 0 and largest > 0.0 and rests(n, n_stick, k, work, sets):
-                memory.number[SPARED] = 1 + work.table.law[k]
+                memory.spared = 1 + work.table.law[k]
         else:
             copy_entry(work.table, k, work.table, kept)
             sets.mode[kept] = tried
@@ -159,12 +143,12 @@ def rests(n: int, n_stick: int, r: int, work: Workspace, sets: ContactSets) -> b
 def fall_back(memory: EventMemory) -> None:
     """Return to the modes of the LCP unless all contacts set to stick for a try are well inside their laws."""
     sets = memory.sets
-    n = memory.number[CONTACTS]
+    n = memory.n_contacts
     holds = True
     for k in range(n):
-        inside = -FORCE_TOLERANCE * memory.force[0]
+        inside = -FORCE_TOLERANCE * memory.force
         if sets.mode[k] != sets.fallback[k]:
-            inside = INSIDE * memory.force[0]
+            inside = INSIDE * memory.force
         holds = holds and memory.value[PRESSURE, k] >= 0.0 and memory.value[CONE, k] >= inside
     if not holds:
         for k in range(n):
@@ -227,12 +211,12 @@ def several_motions(n: int, settings: EventSettings, work: Workspace, memory: Ev
 @kernel
 def note_paradox(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
     """Remember that n contacts just chosen for may move in several ways, and which contacts the first ones were."""
-    memory.number[SEVERAL_NOW] = 0
+    memory.several_now = 0
     if several_motions(n, settings, work, memory):
-        memory.number[SEVERAL_NOW] = 1
-        memory.number[SEVERAL] += 1
-        if memory.number[SEVERAL] == 1:
-            memory.clock[FIRST_SEVERAL] = memory.clock[TIME]
+        memory.several_now = 1
+        memory.several += 1
+        if memory.several == 1:
+            memory.first_several = memory.time
             for k in range(n):
                 memory.taken[work.table.law[k]] = OPEN
 
@@ -257,27 +241,27 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
 
     AGAIN: those let go have to be stopped first.
     """
-    n = memory.number[FOUND]
+    n = memory.n_found
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
-    t = memory.clock[TIME]
+    t = memory.time
     kept = 0
     if n > 0:
         assemble(model, t, q, u, n, work, memory.sets)
         sort_tangents(settings, n, work, memory, u)
         n_stick = pose_sets(work, memory.sets)
         status = solve_lcp(work)
-        memory.clock[DETAIL] = status
+        memory.detail = status
         if status != 0 or not work.certified <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
-        if memory.number[STOPPING] == 0 and still_approach(n, settings, work, memory, u):
-            memory.number[STOPPING] = 1
+        if memory.stopping == 0 and still_approach(n, settings, work, memory, u):
+            memory.stopping = 1
             return AGAIN
         note_paradox(n, settings, work, memory)
         kept = read_sets(n, n_stick, work, memory)
-    memory.number[CONTACTS] = kept
+    memory.n_contacts = kept
     return RESOLVED
 
 
@@ -285,12 +269,12 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
 def note_changes(work: Workspace, memory: EventMemory) -> None:
     """Events of every declared contact: what it was before, whether it was hit, what it is now."""
     law_states(work, memory)
-    t = memory.clock[TIME]
-    if memory.number[SEVERAL_NOW] == 1 and memory.number[SEVERAL] == 1:
+    t = memory.time
+    if memory.several_now == 1 and memory.several == 1:
         for law in range(len(memory.taken)):
             if memory.taken[law] >= 0:
                 memory.taken[law] = memory.law_state[1, law]
-    memory.number[SEVERAL_NOW] = 0
+    memory.several_now = 0
     for law in range(memory.law_state.shape[1]):
         before = memory.law_state[0, law]
         after = memory.law_state[1, law]
@@ -301,7 +285,7 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
                 if memory.law_state[2, law] > 0:
                     kind = JAMS_UP if memory.law_state[2, law] == JAM else IMPACT
                     change = memory.law_work[law]
-            elif before == after or memory.number[STORED] == 0:
+            elif before == after or memory.stored == 0:
                 pass
             elif before == OPEN:
                 kind = TOUCH_DOWN
@@ -317,18 +301,21 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
 
 @kernel
 def gather(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """All closed pairs into the table of the workspace. False leaves everything as it was: clock[DETAIL] are needed."""
+    """All closed pairs into the table of the workspace. False leaves everything as it was: memory.detail are needed."""
     found = detect(model, memory.y[: len(memory.u)], settings.gap_tolerance, memory.seen)
     if found > len(memory.seen.key):
-        memory.clock[DETAIL] = found
+        memory.detail = found
         return False
     for law in range(memory.law_state.shape[1]):
         memory.law_state[2, law] = 0
         memory.law_work[law] = 0.0
-    memory.number[HITS] = 0
-    memory.number[FOUND] = found
-    for item in (ROUND, STAGE, NUDGING, NUDGES, STOPPING):
-        memory.number[item] = LOOKING
+    memory.hits = 0
+    memory.n_found = found
+    memory.round = 0
+    memory.stage = LOOKING
+    memory.nudging = 0
+    memory.nudges = 0
+    memory.stopping = 0
     for k in range(found):
         copy_entry(memory.seen, k, work.table, k)
     return True

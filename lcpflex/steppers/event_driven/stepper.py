@@ -15,7 +15,7 @@ from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_no
 from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
-from lcpflex.jit.struct import copy_parts
+from lcpflex.jit.struct import copy_parts, numbers_of
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
@@ -41,27 +41,7 @@ from lcpflex.steppers.event_driven.loop import (
     advance,
 )
 from lcpflex.steppers.event_driven.memory import (
-    CONTACTS,
-    DEEPEST,
-    DETAIL,
     EVENT_KINDS,
-    EVENTS,
-    FASTEST,
-    FIRST_JAM,
-    FOUND,
-    GENTLEST,
-    JAMS,
-    LAST_EVENT,
-    LOCATED,
-    NUDGES,
-    NUDGING,
-    PHASE,
-    STEP,
-    STEPS,
-    STUCK,
-    TARGET,
-    TIME,
-    TOO_MANY,
     WINDOW,
     EventSettings,
     event_memory,
@@ -111,9 +91,9 @@ class EventDrivenRun:
         self._work = system.workspace(16)
         self._work.method = solver_method(stepper.solver)
         self._memory = event_memory(system, 16, 64)
-        self._memory.clock[STEP] = 0.0 if stepper.first_step is None else stepper.first_step
-        self._memory.clock[LAST_EVENT] = -math.inf
-        self._memory.clock[GENTLEST] = math.inf
+        self._memory.step = 0.0 if stepper.first_step is None else stepper.first_step
+        self._memory.last_event = -math.inf
+        self._memory.gentlest = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.laws.memory.worst
         self._solving = solver_hooks(self._rescue.solver, system.watch)
@@ -122,32 +102,32 @@ class EventDrivenRun:
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return float(self._memory.clock[TIME])
+        return self._memory.time
 
     @property
     def steps(self) -> int:
         """Steps made."""
-        return int(self._memory.number[STEPS])
+        return self._memory.steps
 
     @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self.duration and int(self._memory.number[PHASE]) == STEPPING
+        return self.time >= self.duration and self._memory.phase == STEPPING
 
     @property
     def touching(self) -> list[int]:
         """Declared contacts of the present sets."""
-        at_event = self._memory.number[PHASE] in (COLLIDING, CHOOSING)
-        count = int(self._memory.number[FOUND if at_event else CONTACTS])
+        at_event = self._memory.phase in (COLLIDING, CHOOSING)
+        count = int(self._memory.n_found if at_event else self._memory.n_contacts)
         return sorted(set(self._work.table.law[:count].tolist()))
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
         """Time [s], kind, declared contact and energy change [J] of every event so far."""
-        count = int(self._memory.number[EVENTS])
+        count = self._memory.n_events
         for time, kind, law, change in self._memory.events[:count].tolist():
             self._events.append((time, EVENT_KINDS[int(kind)], int(law), change))
-        self._memory.number[EVENTS] = 0
+        self._memory.n_events = 0
         return self._events
 
     def advance(self, n_steps: int) -> str:
@@ -162,7 +142,7 @@ class EventDrivenRun:
             status = self._advance(
                 self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
             )
-            detail = self._memory.clock[DETAIL]
+            detail = self._memory.detail
             if status == DONE:
                 return ""
             if status == TAPE_FULL:
@@ -204,11 +184,10 @@ class EventDrivenRun:
     def _calm(self) -> bool:
         """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised."""
         memory = self._memory
-        clock = memory.clock
-        if not self._thresholds.rise(self.events, self.time, float(clock[FASTEST]), float(clock[GENTLEST])):
+        if not self._thresholds.rise(self.events, self.time, memory.fastest, memory.gentlest):
             return False
-        clock[GENTLEST] = math.inf
-        memory.number[LOCATED] = memory.number[TOO_MANY] = memory.number[STUCK] = 0
+        memory.gentlest = math.inf
+        memory.located = memory.too_many = memory.stuck = 0
         return True
 
     def _jam(self) -> bool:
@@ -216,8 +195,8 @@ class EventDrivenRun:
 
         A solution that the solver has missed is taken instead where all sets can be tried.
         """
-        number, work = self._memory.number, self._work
-        if number[PHASE] != CHOOSING or number[NUDGES] >= MOST_JAMS:
+        memory, work = self._memory, self._work
+        if memory.phase != CHOOSING or memory.nudges >= MOST_JAMS:
             return False
         if work.lcp_size <= MOST_TRIED:  # is there really none?
             solution = Enumeration().solve(posed_lcp(work))
@@ -227,15 +206,15 @@ class EventDrivenRun:
             self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
         else:
             self._proven = False
-        found = int(number[FOUND])
-        number[TARGET] = work.M[:found, :found].diagonal().argmin()  # < 0: its own force pulls this contact in
-        number[NUDGES] += 1
-        number[NUDGING] = 1
-        number[JAMS] += 1
-        number[PHASE] = COLLIDING
-        if number[JAMS] == 1:
-            self._memory.clock[FIRST_JAM] = self.time
-            self._first_jam = self.system.contact_name(work.table.law[number[TARGET]])
+        found = memory.n_found
+        memory.target = int(work.M[:found, :found].diagonal().argmin())  # < 0: its own force pulls this contact in
+        memory.nudges += 1
+        memory.nudging = 1
+        memory.jams += 1
+        memory.phase = COLLIDING
+        if memory.jams == 1:
+            self._memory.first_jam = self.time
+            self._first_jam = self.system.contact_name(work.table.law[memory.target])
         return True
 
     def _warnings(self) -> list[str]:
@@ -249,7 +228,7 @@ class EventDrivenRun:
         ]
 
     def _overlap(self) -> list[str]:
-        deepest = self._memory.clock[DEEPEST]
+        deepest = self._memory.deepest
         if deepest <= DEEP * self._thresholds.settings.gap_tolerance:
             return []
         return [f"bodies overlapped by {deepest:.3g} m without an impact: shorter steps (max_step) may find it"]
@@ -266,12 +245,13 @@ class EventDrivenRun:
         copy_parts(old.sets, new.sets)
         for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)
+        numbers_of(new)[:] = numbers_of(old)
         self._memory = new
 
 
 # what of the memory goes on as it is where tables grow
 CARRIED = (
-    "y", "clock", "number", "events", "recent", "law_state", "law_work", "taken", "tied", "struck_key", "struck_time",
+    "y", "events", "recent", "law_state", "law_work", "taken", "tied", "struck_key", "struck_time",
 )  # fmt: skip
 DEEP = 2e3  # gap tolerances: deeper overlap than may be at the start
 MOST_JAMS = 10  # impacts without collision at one instant

@@ -8,30 +8,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.instants import at_stop
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.jit.struct import copy_parts
+from lcpflex.jit.struct import allocate, copy_parts
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
-    DEEPEST,
-    DETAIL,
-    DUE,
-    ENTRIES,
-    FASTEST,
     MOST_STRIKES,
-    RECENT,
     SETTLE,
-    STEP,
-    STEPS,
-    STOPPED,
-    STRIKES,
-    TIME,
     Backup,
     Limits,
     accept,
@@ -47,25 +34,20 @@ from lcpflex.steppers.adaptive import (
     resume,
     threshold,
 )
+from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
-    APPROACH,
-    LIFTED,
     NOW,
-    PHASE,
     RECURSIVE,
     RESTART,
     SMOOTH,
-    STRUCK,
     VELOCITY,
-    WARM,
     AlphaMemory,
     Held,
     alpha_memory,
     larger,
 )
-from lcpflex.steppers.generalized_alpha.memory import STOPPED as AT_REST
 from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings
 from lcpflex.steppers.generalized_alpha.step import AGAIN, STEPPED, correct, give_up_smooth, predict
 from lcpflex.steppers.moreau_jean.step import grown, record
@@ -78,9 +60,7 @@ from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
 __all__ = ["ControlledGeneralizedAlpha"]
 
-# further entries of the clock: part of a step, its length, the length a belongs to
-PART, TRIED, SCALED = range(ENTRIES, ENTRIES + 3)
-FRESH, LONG, FIRST, SECOND, ALONE = 0.0, 1.0, 2.0, 3.0, 4.0  # clock[PART]
+FRESH, LONG, FIRST, SECOND, ALONE = range(5)  # parts of a step
 
 
 @kernel
@@ -106,22 +86,27 @@ def copy_memory(source: AlphaMemory, target: AlphaMemory) -> None:
         for i in range(2):
             target.law_force[NOW, law, i] = source.law_force[NOW, law, i]
             target.law_force[RECURSIVE, law, i] = source.law_force[RECURSIVE, law, i]
-    for i in range(len(source.number)):
-        target.number[i] = source.number[i]
+    target.phase = source.phase
+    target.turn = source.turn
+    target.between = source.between
+    target.skip = source.skip
+    target.n_found = source.n_found
+    target.warm = source.warm
+    target.unsettled = source.unsettled
     copy_held(source.resting, target.resting)
 
 
 @kernel
-def scale_acceleration(clock: FloatArray, length: float, memory: AlphaMemory) -> None:
-    """Carry the recursive acceleration from steps of length clock[SCALED] to ``length``."""
-    ratio = length / clock[SCALED]
+def scale_acceleration(clock: StepClock, length: float, memory: AlphaMemory) -> None:
+    """Carry the recursive acceleration from steps of length clock.scaled to ``length``."""
+    ratio = length / clock.scaled
     for i in range(len(memory.a)):
         memory.a[i] = memory.w[i] + ratio * (memory.a[i] - memory.w[i])
     share = memory.law_force
     for law in range(share.shape[1]):
         for i in range(2):
             share[RECURSIVE, law, i] = share[NOW, law, i] + ratio * (share[RECURSIVE, law, i] - share[NOW, law, i])
-    clock[SCALED] = length
+    clock.scaled = length
 
 
 @kernel
@@ -145,7 +130,7 @@ def with_step(settings: AlphaSettings, h: float, rebound: float, settle: float) 
 def begin(
     model: Model,
     limits: Limits,
-    clock: FloatArray,
+    clock: StepClock,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -156,10 +141,10 @@ def begin(
 ) -> None:
     """Choose the length of the next step and keep the state it starts from."""
     h = next_length(model, limits, clock)
-    if memory.number[PHASE] == SMOOTH and at_stop(model.signals, clock[TIME], limits.duration):
-        memory.number[PHASE] = RESTART  # forces may jump there, and the recursion with them
-    clock[TRIED] = h
-    clock[PART] = ALONE if h <= limits.shortest else LONG
+    if memory.phase == SMOOTH and at_stop(model.signals, clock.time, limits.duration):
+        memory.phase = RESTART  # forces may jump there, and the recursion with them
+    clock.tried = h
+    clock.part = ALONE if h <= limits.shortest else LONG
     put_by(q, u, work, tape, kept)
     copy_memory(memory, kept_memory)
     scale_acceleration(clock, h, memory)
@@ -167,7 +152,7 @@ def begin(
 
 @kernel
 def undo(
-    clock: FloatArray,
+    clock: StepClock,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -179,22 +164,22 @@ def undo(
     """Back to the start of the step."""
     put_back(q, u, work, tape, kept)
     copy_memory(kept_memory, memory)
-    clock[SCALED] = clock[RECENT]
+    clock.scaled = clock.recent
 
 
 @kernel
-def touch_down(h: float, limits: Limits, clock: FloatArray, memory: AlphaMemory) -> float:
+def touch_down(h: float, limits: Limits, clock: StepClock, memory: AlphaMemory) -> float:
     """Share of the step at which the pair closed that a position problem has moved out; above 1: none, or as found.
 
     A step that is to end at an impact must not end far behind: of a short contact little approach would be left.
     """
-    approach = memory.value[APPROACH]
-    if approach <= threshold(limits, clock) or clock[STRIKES] >= MOST_STRIKES:
+    approach = memory.approach
+    if approach <= threshold(limits, clock) or clock.strikes >= MOST_STRIKES:
         return 2.0
-    late = memory.value[STRUCK] / approach
+    late = memory.struck_at / approach
     if late <= limits.shortest or late >= h:
         return 2.0
-    clock[STRIKES] += 1.0
+    clock.strikes += 1
     return 1.0 - late / h
 
 
@@ -203,7 +188,7 @@ def advance_adaptive(
     model: Model,
     settings: AlphaSettings,
     limits: Limits,
-    clock: FloatArray,
+    clock: StepClock,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -218,39 +203,39 @@ def advance_adaptive(
     A step that could not be finished goes on, at the next call, at the problem where it stopped.
     """
     while True:
-        if clock[PART] == FRESH:
-            t = clock[TIME]
+        if clock.part == FRESH:
+            t = clock.time
             ended = t >= limits.duration
-            if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
+            if clock.due <= t or (ended and clock.due < math.inf):
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
-                clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
-                if clock[DETAIL] > len(tape.table.key):
+                clock.number = record(model, clock.recent, t, q, u, work, tape)
+                if clock.number > len(tape.table.key):
                     return GROW_TAPE
-                clock[DUE] = math.inf if ended else t + limits.interval
-            if ended or clock[STEPS] >= last_step:
+                clock.due = math.inf if ended else t + limits.interval
+            if ended or clock.steps >= last_step:
                 return DONE
             begin(model, limits, clock, q, u, work, memory, tape, kept, kept_memory)
-        h = clock[TRIED]
-        part = clock[PART]
+        h = clock.tried
+        part = clock.part
         length = h if part in (LONG, ALONE) else 0.5 * h
-        now = clock[TIME] + (length if part == SECOND else 0.0)
+        now = clock.time + (length if part == SECOND else 0.0)
         scaled = with_step(settings, length, threshold(limits, clock), SETTLE if part == ALONE else 0.0)
         at = kept.long_q if part == LONG else q
         rate = kept.long_u if part == LONG else u
-        clock[DETAIL] = predict(model, scaled, now, at, rate, work, memory)
-        if clock[DETAIL] > len(work.table.key):
+        clock.number = predict(model, scaled, now, at, rate, work, memory)
+        if clock.number > len(work.table.key):
             return GROW
-        if memory.number[WARM] == 1:
+        if memory.warm == 1:
             recall_basis(work)
-        clock[DETAIL] = solve_lcp(work)
+        clock.number = solve_lcp(work)
         status = AGAIN
-        if clock[DETAIL] != 0 or not work.certified <= settings.tolerance:
+        if clock.number != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             status = SOLVER_FAILED
         else:
-            if memory.number[PHASE] == VELOCITY:
+            if memory.phase == VELOCITY:
                 remember_basis(work)
             status = correct(model, scaled, now, at, rate, work, memory, tape)
         if status == AGAIN:
@@ -260,12 +245,14 @@ def advance_adaptive(
         if status == STEPPED and part == LONG:
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             scale_acceleration(clock, 0.5 * h, memory)
-            for i in (LIFTED, APPROACH, STRUCK, AT_REST):
-                memory.value[i] = 0.0
-            clock[PART] = FIRST
+            memory.lifted = 0.0
+            memory.approach = 0.0
+            memory.struck_at = 0.0
+            memory.stopped = 0.0
+            clock.part = FIRST
             continue
         if status == STEPPED and part == FIRST:
-            clock[PART] = SECOND
+            clock.part = SECOND
             continue
         error = 0.0
         sunk = 0.0
@@ -274,10 +261,10 @@ def advance_adaptive(
             share = min(share, touch_down(h, limits, clock, memory))
             late = (1.0 - share) * h
             if share < 0.0 or late > limits.shortest:
-                clock[PART] = FRESH
+                clock.part = FRESH
                 undo(clock, q, u, work, memory, tape, kept, kept_memory)
                 if share < 0.0:
-                    clock[DETAIL] = -share
+                    clock.number = -share
                     return GROW_TAPE
                 end_there(limits, clock, h, share)
                 continue
@@ -286,11 +273,11 @@ def advance_adaptive(
             if part == SECOND:
                 error = doubling_error(limits, q, u, kept)
                 # an impact in the second half is put at the end by both results: what has sunk by then tells
-                sunk_unseen = max(sunk - clock[DEEPEST], memory.value[LIFTED])
+                sunk_unseen = max(sunk - clock.deepest, memory.lifted)
                 error = max(error, sunk_unseen / position_tolerance(limits, q))
         else:
             error = math.inf
-        clock[PART] = FRESH
+        clock.part = FRESH
         if not error <= 1.0:
             undo(clock, q, u, work, memory, tape, kept, kept_memory)
             after_rejection(limits, clock, h, error)
@@ -298,10 +285,10 @@ def advance_adaptive(
         if part == SECOND:
             add_differences(q, u, kept, tape)
         accept(limits, clock, h, error, part == ALONE, sunk)
-        clock[FASTEST] = max(clock[FASTEST], memory.value[APPROACH])
-        clock[STOPPED] = max(clock[STOPPED], memory.value[AT_REST])
+        clock.fastest = max(clock.fastest, memory.approach)
+        clock.stopped = max(clock.stopped, memory.stopped)
         resume(limits, clock)
-        clock[STRIKES] = 0.0
+        clock.strikes = 0
 
 
 class ControlledGeneralizedAlpha:
@@ -311,9 +298,9 @@ class ControlledGeneralizedAlpha:
         self.records = Records(system)
         self.work = system.workspace(16)
         self.work.method = solver_method(solver)
-        self.clock = np.zeros(ENTRIES + 3)
+        self.clock = allocate(StepClock, {})
         first = min(max(settings.step, limits.shortest), limits.longest)
-        self.clock[STEP] = self.clock[RECENT] = self.clock[SCALED] = first
+        self.clock.step = self.clock.recent = self.clock.scaled = first
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._memory, self._kept_memory = alpha_memory(system, 16), alpha_memory(system, 16)
@@ -357,4 +344,4 @@ class ControlledGeneralizedAlpha:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        return contact_trouble(self.work, self._rescue, status, int(self.clock[DETAIL]), self._settings.tolerance, time)
+        return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import allocate, array, copy_parts, pack, struct
+from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
 __all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]
 
-RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # what is solved next, number[PHASE]
-PHASE, PASS, BETWEEN, SKIP, FOUND, WARM, UNSETTLED = range(7)  # entries of AlphaMemory.number
-CHANGE, NUMERICAL, LIFTED, APPROACH, STRUCK, STOPPED = range(6)  # entries of AlphaMemory.value
+RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaMemory.phase: what is solved next
 NOW, NEXT, RECURSIVE = range(3)  # the last: what the acceleration a of the scheme is to w
 FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
@@ -32,28 +26,38 @@ class Held:
     mode: IntArray = array("contacts")  # of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
 
 
-class AlphaMemory(NamedTuple):
+@struct
+class AlphaMemory:
     """Work arrays for ``capacity`` contacts."""
 
-    a: FloatArray  # (ndof,) the recursive acceleration of the scheme
-    w: FloatArray  # (ndof,) udot at the start of the step
-    a_new: FloatArray  # (ndof,)
-    w_new: FloatArray  # (ndof,) iterate of udot at its end
-    q_new: FloatArray  # (ndof,) configuration at its end
-    v_new: FloatArray  # (ndof,) velocity at its end without impulses
-    push: FloatArray  # (ndof,) a product with M
-    mean: FloatArray  # (ndof,) velocity over the step
+    a: FloatArray = array("ndof")  # the recursive acceleration of the scheme
+    w: FloatArray = array("ndof")  # udot at the start of the step
+    a_new: FloatArray = array("ndof")
+    w_new: FloatArray = array("ndof")  # iterate of udot at its end
+    q_new: FloatArray = array("ndof")  # configuration at its end
+    v_new: FloatArray = array("ndof")  # velocity at its end without impulses
+    push: FloatArray = array("ndof")  # a product with M
+    mean: FloatArray = array("ndof")  # velocity over the step
     sets: ContactSets
     resting: Held  # contacts of the smooth motion with their forces [N]
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
-    matched: IntArray  # (capacity,) the resting contact that each one of the table is, or -1
-    total: FloatArray  # (capacity,) nu of each contact of the table [N s]
-    law_force: FloatArray  # (3, laws, 2) smooth contact forces at start and end of the step, and their share in a [N]
-    working: FloatArray  # (2, 5, ndof) generalised forces that do work, at start and end of the step
-    value: FloatArray  # (6,) last change of an acceleration; energy lost to numerical damping in this step [J]; deepest
-    # penetration that a position problem has taken out [m]; fastest approach of a pair that closed [m/s] and how deep
-    # it was [m]; fastest one stopped [m/s]
-    number: IntArray  # (7,)
+    matched: IntArray = array("contacts")  # the resting contact that each one of the table is, or -1
+    total: FloatArray = array("contacts")  # nu of each contact of the table [N s]
+    law_force: FloatArray = array(3, "laws", 2)  # smooth ones at start and end of the step, their share in a [N]
+    working: FloatArray = array(2, 5, "ndof")  # generalised forces that do work, at start and end of the step
+    change: float  # last one of an acceleration
+    numerical: float  # energy lost to numerical damping in this step [J]
+    lifted: float  # deepest penetration that a position problem has taken out [m]
+    approach: float  # fastest one of a pair that closed [m/s]
+    struck_at: float  # how deep it was [m]
+    stopped: float  # fastest approach stopped [m/s]
+    phase: int  # RESTART, SMOOTH, POSITION or VELOCITY: what is solved next
+    turn: int  # passes of the present problem
+    between: int
+    skip: int
+    n_found: int
+    warm: int
+    unsettled: int
 
 
 def held(system: System, capacity: int) -> Held:
@@ -63,29 +67,14 @@ def held(system: System, capacity: int) -> Held:
 
 def alpha_memory(system: System, capacity: int) -> AlphaMemory:
     """Allocate for ``system``, before its first step."""
-    ndof = len(system.q)
-    zeros = np.zeros
-    arrays = AlphaMemory(
-        a=zeros(ndof),
-        w=zeros(ndof),
-        a_new=zeros(ndof),
-        w_new=zeros(ndof),
-        q_new=zeros(ndof),
-        v_new=zeros(ndof),
-        push=zeros(ndof),
-        mean=zeros(ndof),
+    return allocate(
+        AlphaMemory,
+        {"ndof": len(system.q), "contacts": capacity, "laws": system.n_laws},
         sets=contact_sets(capacity),
         resting=held(system, capacity),
         pressed=held(system, capacity),
-        matched=np.zeros(capacity, dtype=np.int64),
-        total=zeros(capacity),
-        law_force=zeros((3, system.n_laws, 2)),
-        working=zeros((2, 5, ndof)),
-        value=zeros(6),
-        number=np.zeros(7, dtype=np.int64),
+        between=1,
     )
-    arrays.number[BETWEEN] = 1
-    return pack(arrays)
 
 
 def larger(system: System, old: AlphaMemory, capacity: int) -> AlphaMemory:

@@ -16,13 +16,7 @@ from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
-    FOUND,
-    LIFTED,
-    PASS,
-    PHASE,
-    STRUCK,
     VELOCITY,
-    WARM,
     AlphaMemory,
     hold,
     match,
@@ -91,14 +85,14 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
     for i in range(len(memory.q_new)):
         largest = max(largest, abs(memory.q_new[i]))
     worst = position_error(model, t, n, work, memory)
-    if memory.number[PASS] == 0:
+    if memory.turn == 0:
         for k in range(n):
-            memory.value[LIFTED] = max(memory.value[LIFTED], -work.table.gap[k])
-            if -work.table.gap[k] > memory.value[STRUCK] and match(work.table, k, memory.resting) < 0:
-                memory.value[STRUCK] = -work.table.gap[k]
-    if worst <= CLOSED * (1.0 + largest) or memory.number[PASS] >= MOST_LIFTS:
-        memory.number[PHASE] = VELOCITY
-        memory.number[FOUND] = n
+            memory.lifted = max(memory.lifted, -work.table.gap[k])
+            if -work.table.gap[k] > memory.struck_at and match(work.table, k, memory.resting) < 0:
+                memory.struck_at = -work.table.gap[k]
+    if worst <= CLOSED * (1.0 + largest) or memory.turn >= MOST_LIFTS:
+        memory.phase = VELOCITY
+        memory.n_found = n
         return n
     h = settings.step
     scale = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
@@ -116,7 +110,7 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
             work.M[k, c] = work.Gc[k, c]
             work.q[k] -= work.Gc[k, c] * memory.total[c]
     work.lcp_size = n
-    memory.number[WARM] = 1
+    memory.warm = 1
     return n
 
 
@@ -144,4 +138,4 @@ def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memor
         if sign > 0.0:
             apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, memory.q_new)
         sign = -1.0
-    memory.number[PASS] += 1
+    memory.turn += 1

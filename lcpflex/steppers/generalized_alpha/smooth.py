@@ -35,23 +35,16 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import split_friction_solution
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
-    CHANGE,
     DAMPING,
     DRIVE,
-    FOUND,
     FRICTION,
     NEXT,
     NORMAL,
     NOW,
-    PASS,
-    PHASE,
     POSITION,
     RECURSIVE,
-    SKIP,
     SMOOTH,
     STORED,
-    UNSETTLED,
-    WARM,
     AlphaMemory,
     hold,
 )
@@ -96,7 +89,7 @@ def gather_resting(
     model: Model, settings: AlphaSettings, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory
 ) -> int:
     """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
-    memory.number[FOUND] = 0
+    memory.n_found = 0
     found = detect(model, q, settings.gap_tolerance, work.table)
     if found == 0 or found > len(work.table.key):
         return found
@@ -116,7 +109,7 @@ def gather_resting(
             kept += 1
         if frictional:
             j += 1
-    memory.number[FOUND] = kept
+    memory.n_found = kept
     return found
 
 
@@ -162,15 +155,15 @@ def pose_smooth(
 
     h = 0 asks for the acceleration at t itself.
     """
-    n = memory.number[FOUND]
-    if memory.number[PASS] == 0:
+    n = memory.n_found
+    if memory.turn == 0:
         found = 0
-        memory.number[FOUND] = 0
-        if memory.number[SKIP] == 0:
+        memory.n_found = 0
+        if memory.skip == 0:
             found = gather_resting(model, settings, q, u, work, memory)
             if found > len(work.table.key):
                 return found
-        n = memory.number[FOUND]
+        n = memory.n_found
         for i in range(len(q)):
             memory.w_new[i] = memory.w[i]
     place_end(settings, h, q, u, memory)
@@ -194,7 +187,7 @@ def pose_smooth(
     for j in range(n_tangent):
         memory.sets.tangent_of[work.tangent[j]] = j
     n_stick = pose_sets(work, memory.sets)
-    memory.number[WARM] = 1 if n_stick == n_tangent else 0
+    memory.warm = 1 if n_stick == n_tangent else 0
     return n
 
 
@@ -273,15 +266,15 @@ def settled(h: float, work: Workspace, memory: AlphaMemory) -> bool:
         largest = max(largest, abs(work.free_u[i]))
         change = max(change, abs(work.free_u[i] - memory.w_new[i]))
         memory.w_new[i] = work.free_u[i]
-    turn = memory.number[PASS]
-    rate = 1.0 if turn == 0 else change / memory.value[CHANGE]
-    memory.value[CHANGE] = change
-    memory.number[PASS] = turn + 1
+    turn = memory.turn
+    rate = 1.0 if turn == 0 else change / memory.change
+    memory.change = change
+    memory.turn = turn + 1
     if h == 0.0 or change * min(rate, 1.0) <= SETTLED * largest:
         return True
     stalled = turn >= 3 and rate > 0.7 and change <= DOUBTFUL * largest  # what is left is rounding
     if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
-        memory.number[UNSETTLED] += 1
+        memory.unsettled += 1
     return stalled or turn + 1 >= MOST_PASSES
 
 
@@ -294,8 +287,8 @@ def apply_smooth(
     if not settled(h, work, memory):
         return
     place_end(settings, h, q, u, memory)
-    memory.number[PASS] = 0
-    memory.number[SKIP] = 0
+    memory.turn = 0
+    memory.skip = 0
     if h == 0.0:
         note_smooth(work, memory, NOW)
         for law in range(memory.law_force.shape[1]):
@@ -304,10 +297,10 @@ def apply_smooth(
         for i in range(len(q)):
             memory.w[i] = memory.w_new[i]
             memory.a[i] = memory.w_new[i]
-        memory.number[PHASE] = SMOOTH
+        memory.phase = SMOOTH
         return
     note_smooth(work, memory, NEXT)
-    memory.number[PHASE] = POSITION
+    memory.phase = POSITION
     memory.pressed.count = 0
     resting = memory.resting
     for i in range(resting.count):

@@ -18,27 +18,18 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
-    APPROACH,
-    BETWEEN,
     DAMPING,
     DRIVE,
-    FOUND,
     FRICTION,
     NEXT,
     NORMAL,
     NOW,
-    NUMERICAL,
-    PASS,
-    PHASE,
     POSITION,
     RECURSIVE,
     RESTART,
-    SKIP,
     SMOOTH,
-    STOPPED,
     STORED,
     VELOCITY,
-    WARM,
     AlphaMemory,
     match,
 )
@@ -98,9 +89,9 @@ def pose_velocity(
     ``work.free_u``: velocity without any contact impulse. A contact that came to the step at rest has no restitution:
     its approach is that of a curved surface.
     """
-    n = memory.number[FOUND]
+    n = memory.n_found
     n_tangent = lay(model, t, 0.0, 0.0, n, work, memory)
-    memory.value[NUMERICAL] = numerical_damping(model, settings, u, work, memory)
+    memory.numerical = numerical_damping(model, settings, u, work, memory)
     n_joint = work.n_joint
     total = n_joint + n + n_tangent
     h = settings.step
@@ -124,12 +115,12 @@ def pose_velocity(
         e_n = model.contacts.restitution[work.table.law[k]]
         if e_n > 0.0 and memory.matched[k] < 0:
             before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
-            memory.value[APPROACH] = max(memory.value[APPROACH], -before)
+            memory.approach = max(memory.approach, -before)
             gained = abs(work.free[n_joint + k] - before)
             if -before > settings.rebound + settings.settle * gained:
                 work.free[n_joint + k] += e_n * before
             else:
-                memory.value[STOPPED] = max(memory.value[STOPPED], -before)
+                memory.stopped = max(memory.stopped, -before)
     for j in range(n_tangent):
         k = work.tangent[j]
         e_t = model.contacts.tangential_restitution[work.table.law[k]]
@@ -139,7 +130,7 @@ def pose_velocity(
     condense_rows(work)
     assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
     work.lcp_size = n + 2 * n_tangent
-    memory.number[WARM] = 1
+    memory.warm = 1
 
 
 @kernel
@@ -182,7 +173,7 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
     tape.counts.lost_impacts -= 0.25 * h * mean_power(memory, NORMAL, u)
     tape.counts.lost_damping -= 0.25 * h * mean_power(memory, DAMPING, u)
     tape.counts.supplied += 0.25 * h * mean_power(memory, DRIVE, u)
-    tape.counts.lost_damping += memory.value[NUMERICAL]
+    tape.counts.lost_damping += memory.numerical
     accrue_impulse(settings, memory, tape)
     gained = 0.0
     for r in range(n_joint + n + work.n_tangents):
@@ -262,9 +253,9 @@ def apply_velocity(
     for law in range(memory.law_force.shape[1]):
         for i in range(2):
             memory.law_force[NOW, law, i] = memory.law_force[NEXT, law, i]
-    memory.number[PHASE] = RESTART if jumps else SMOOTH
-    memory.number[PASS] = 0
-    memory.number[BETWEEN] = 1
+    memory.phase = RESTART if jumps else SMOOTH
+    memory.turn = 0
+    memory.between = 1
     return finite
 
 
@@ -280,14 +271,14 @@ def predict(
 ) -> int:
     """Pose the next contact problem of the step from t; returns the contacts found, which must fit into the table."""
     h = settings.step
-    memory.number[BETWEEN] = 0
-    if memory.number[PHASE] <= SMOOTH:
-        length = h if memory.number[PHASE] == SMOOTH else 0.0
+    memory.between = 0
+    if memory.phase <= SMOOTH:
+        length = h if memory.phase == SMOOTH else 0.0
         return pose_smooth(model, settings, length, t, q, u, work, memory)
-    n = memory.number[FOUND]
-    if memory.number[PHASE] == POSITION:
+    n = memory.n_found
+    if memory.phase == POSITION:
         n = pose_position(model, settings, t + h, work, memory)
-    if memory.number[PHASE] == VELOCITY:
+    if memory.phase == VELOCITY:
         pose_velocity(model, settings, t + h, u, work, memory)
     return n
 
@@ -305,11 +296,11 @@ def correct(
 ) -> int:
     """Apply the solution of the problem posed: AGAIN where the step has more of them, STEPPED or NOT_FINITE."""
     note_certificate(work, tape)
-    if memory.number[PHASE] <= SMOOTH:
-        length = settings.step if memory.number[PHASE] == SMOOTH else 0.0
+    if memory.phase <= SMOOTH:
+        length = settings.step if memory.phase == SMOOTH else 0.0
         apply_smooth(settings, length, q, u, work, memory)
         return AGAIN
-    if memory.number[PHASE] == POSITION:
+    if memory.phase == POSITION:
         apply_position(model, settings, work, memory, tape)
         return AGAIN
     if apply_velocity(settings, t, q, u, work, memory, tape):
@@ -320,8 +311,8 @@ def correct(
 @kernel
 def give_up_smooth(memory: AlphaMemory) -> bool:
     """After an unsolved problem: whether it was one of accelerations, without which the impulses of the step do."""
-    if memory.number[PHASE] > SMOOTH or memory.number[FOUND] == 0:
+    if memory.phase > SMOOTH or memory.n_found == 0:
         return False
-    memory.number[SKIP] = 1
-    memory.number[PASS] = 0
+    memory.skip = 1
+    memory.turn = 0
     return True

@@ -24,29 +24,25 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
+from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.generalized_alpha.adaptive import ControlledGeneralizedAlpha
 from lcpflex.steppers.generalized_alpha.memory import (
-    BETWEEN,
     NOW,
-    PHASE,
     RECURSIVE,
-    UNSETTLED,
     VELOCITY,
-    WARM,
     AlphaMemory,
     alpha_memory,
     larger,
@@ -87,7 +83,7 @@ def advance(
     model: Model,
     settings: AlphaSettings,
     start: float,
-    clock: FloatArray,
+    clock: StepCount,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -101,35 +97,35 @@ def advance(
     clock: steps made; a number that explains the return value; the step last stored. A step that could not be finished
     goes on, at the next call, at the problem where it stopped.
     """
-    last = clock[0] + n_steps
+    last = clock.made + n_steps
     while True:
-        t = start + clock[0] * settings.step
-        if memory.number[BETWEEN] == 1:
-            if clock[0] % stride == 0 and clock[2] != clock[0]:
+        t = start + clock.made * settings.step
+        if memory.between == 1:
+            if clock.made % stride == 0 and clock.stored != clock.made:
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
-                clock[1] = record(model, settings.step, t, q, u, work, tape)
-                if clock[1] > len(tape.table.key):
+                clock.number = record(model, settings.step, t, q, u, work, tape)
+                if clock.number > len(tape.table.key):
                     return GROW_TAPE
-                clock[2] = clock[0]
-            if clock[0] >= last:
+                clock.stored = clock.made
+            if clock.made >= last:
                 return DONE
             set_out_freely(q, u, settings.step, tape)
-        clock[1] = predict(model, settings, t, q, u, work, memory)
-        if clock[1] > len(work.table.key):
+        clock.number = predict(model, settings, t, q, u, work, memory)
+        if clock.number > len(work.table.key):
             return GROW
-        if memory.number[WARM] == 1:
+        if memory.warm == 1:
             recall_basis(work)
-        clock[1] = solve_lcp(work)
-        if clock[1] != 0 or not work.certified <= settings.tolerance:
+        clock.number = solve_lcp(work)
+        if clock.number != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             return SOLVER_FAILED
-        if memory.number[PHASE] == VELOCITY:
+        if memory.phase == VELOCITY:
             remember_basis(work)
         status = correct(model, settings, t, q, u, work, memory, tape)
         if status == STEPPED:
-            clock[0] += 1.0
+            clock.made += 1
             if may_pass(model, q, tape):
                 return PASSED
         elif status != AGAIN:
@@ -146,7 +142,7 @@ class GeneralizedAlphaScheme:
         self.records = Records(system)
         self.work = system.workspace(16)
         self.work.method = solver_method(solver)
-        self.clock = np.array([0.0, 0.0, -1.0])
+        self.clock = allocate(StepCount, {}, stored=-1)
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._memory = alpha_memory(system, 16)
@@ -187,11 +183,11 @@ class GeneralizedAlphaScheme:
         share[RECURSIVE] = share[NOW] + (share[RECURSIVE] - share[NOW]) * ratio
         self._settings = self._settings._replace(step=step)
         self.work.span[:] = 0.5 * step
-        self.clock[:] = 0.0
+        self.clock.made = self.clock.number = self.clock.stored = 0
 
     def warn(self, steps: int) -> None:
         """Of steps in which Newton's method did not converge, and of those that might have gone another way."""
-        unsettled = int(self._memory.number[UNSETTLED])
+        unsettled = int(self._memory.unsettled)
         name = self._system.contact_name
         self.records.warnings[:] = [*self._several.remarks(self.work, name), *self._rescue.remarks(name)]
         if unsettled:
@@ -219,7 +215,7 @@ class GeneralizedAlphaScheme:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        return contact_trouble(self.work, self._rescue, status, int(self.clock[1]), self._settings.tolerance, time)
+        return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)
 
 
 @dataclass(frozen=True, slots=True)

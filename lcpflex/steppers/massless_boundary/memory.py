@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.dynamics.contact_compliance import ContactCompliance
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 
 __all__ = ["Boundary", "Settings", "boundary_of"]
 
@@ -26,33 +26,29 @@ class Settings(NamedTuple):
     damper: float
 
 
-class Boundary(NamedTuple):
+@struct
+class Boundary:
     """What goes from step to step besides the state."""
 
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
-    acceleration: FloatArray  # (ndof,)
-    rate: FloatArray  # (ndof,) of change of the static coordinates, of which contacts are linearised about a guess
-    guess: FloatArray  # (ndof,) velocity at which forces are evaluated
+    acceleration: FloatArray = array("ndof")
+    rate: FloatArray = array("ndof")  # of change of the static coordinates, of which contacts are linearised
+    guess: FloatArray = array("ndof")  # velocity at which forces are evaluated
     unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
-    power: FloatArray  # (2,) of dissipative forces, and of loads and drives [W]
-    force: FloatArray  # (laws, 2) contact forces [N]
-    tally: FloatArray  # (3,) steps that were divided, most parts of one, contacts closed
+    power: FloatArray = array(2)  # of dissipative forces, and of loads and drives [W]
+    force: FloatArray = array("laws", 2)  # contact forces [N]
+    n_split: int  # steps that were divided
+    finest: float  # most parts of one
+    n_closed: int  # contacts
     compliance: ContactCompliance  # elastic laws of contacts
 
 
 def boundary_of(flexibility: FloatArray, compliance: ContactCompliance) -> Boundary:
     """At the start: everything at rest, no contact closed."""
-    n = len(flexibility)
-    return pack(
-        Boundary(
-            flexibility=np.array(flexibility),
-            acceleration=np.zeros(n),
-            rate=np.zeros(n),
-            guess=np.zeros(n),
-            unit=np.ones(2),
-            power=np.zeros(2),
-            force=np.zeros((len(compliance.soft), 2)),
-            tally=np.zeros(3),
-            compliance=compliance,
-        )
+    return allocate(
+        Boundary,
+        {"ndof": len(flexibility), "laws": len(compliance.soft)},
+        flexibility=np.array(flexibility),
+        unit=np.ones(2),
+        compliance=compliance,
     )

@@ -20,6 +20,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import PASSED, may_pass, set_out
 from lcpflex.steppers.projection import project_joints
@@ -37,8 +38,6 @@ MOST_PASSES = 6  # of the contact problem in a step, each linearised about the s
 MOST_SETTLING = 40  # of them, where elastic laws of contacts are linearised, too
 CURVED = 1e-3  # gap left by the linearisation, relative to the static displacement, that ends them
 MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
-MADE, NUMBER, STORED, WITHIN, BEGUN, PARTS, CLOSED_THEN = 0, 1, 2, 3, 4, 5, 6  # entries of the clock
-SPLIT, FINEST, CLOSED = 0, 1, 2  # entries of Boundary.tally
 
 
 @kernel
@@ -181,12 +180,12 @@ def slip_of(work: Workspace, r: int) -> float:
 
 
 @kernel
-def closed(work: Workspace) -> float:
+def closed(work: Workspace) -> int:
     """How many contacts the solution of the present problem closes."""
-    count = 0.0
+    count = 0
     for k in range(work.n_contacts):
         if work.normal[k] > 0.0:
-            count += 1.0
+            count += 1
     return count
 
 
@@ -202,12 +201,12 @@ def correct(
     for k in range(work.n_contacts):
         if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
             tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
-    boundary.tally[CLOSED] = closed(work)
+    boundary.n_closed = closed(work)
     drives = accelerate(model, t, h, boundary, work)
     finite = True
     for i in range(len(q)):
         boundary.rate[i] = 0.0
-        if boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.tally[CLOSED] > 0.0:
+        if boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.n_closed > 0:
             boundary.rate[i] = (work.middle[i] - q[i]) / h
         q[i] = work.middle[i]
         u[i] = work.free_u[i] + 0.5 * h * boundary.acceleration[i]
@@ -244,12 +243,12 @@ def record(
 
 
 @kernel
-def part_length(settings: Settings, clock: FloatArray) -> float:
+def part_length(settings: Settings, clock: StepCount) -> float:
     """Length of the next part of the step [s]; 0 for the start, which only finds forces."""
-    if clock[BEGUN] == 0.0:
+    if clock.begun == 0:
         return 0.0
-    remaining = settings.step - clock[WITHIN]
-    return remaining / max(1.0, math.ceil(remaining / settings.step * clock[PARTS] - 1e-9))
+    remaining = settings.step - clock.within
+    return remaining / max(1.0, math.ceil(remaining / settings.step * clock.parts - 1e-9))
 
 
 @kernel
@@ -280,19 +279,19 @@ def short_enough(model: Model, settings: Settings, h: float, boundary: Boundary,
 
 
 @kernel
-def divide_less(model: Model, settings: Settings, boundary: Boundary, work: Workspace, clock: FloatArray) -> None:
+def divide_less(model: Model, settings: Settings, boundary: Boundary, work: Workspace, clock: StepCount) -> None:
     """At the end of a step, where fewer contacts are closed than when it was divided: the parts that the next needs.
 
     Those that the contacts still closed admit. Their forces begin the next step: if that throws them open, its own
     problem has no contact that would object to its length, and a kick by h/2 of a contact force makes energy.
     """
     count = closed(work)
-    if clock[PARTS] > settings.parts and count < clock[CLOSED_THEN]:
+    if clock.parts > settings.parts and count < clock.closed_then:
         parts = settings.parts
-        while parts < clock[PARTS] and not short_enough(model, settings, settings.step / parts, boundary, work):
+        while parts < clock.parts and not short_enough(model, settings, settings.step / parts, boundary, work):
             parts = more(parts, settings)
-        clock[PARTS] = min(parts, clock[PARTS])
-    clock[CLOSED_THEN] = count
+        clock.parts = min(parts, clock.parts)
+    clock.closed_then = count
 
 
 @kernel
@@ -306,7 +305,7 @@ def advance(
     model: Model,
     settings: Settings,
     start: float,
-    clock: FloatArray,
+    clock: StepCount,
     q: FloatArray,
     u: FloatArray,
     boundary: Boundary,
@@ -321,36 +320,34 @@ def advance(
     whether forces are known; the parts of a step; contacts closed when that was chosen. Returns DONE, or why the next
     step or record could not be made; the state is then that of the last whole part of a step (but NOT_FINITE).
     """
-    last = clock[MADE] + n_steps
+    last = clock.made + n_steps
     while True:
-        t = start + clock[MADE] * settings.step + clock[WITHIN]
-        if clock[BEGUN] > 0.0 and clock[WITHIN] == 0.0:
-            if clock[MADE] % stride == 0 and clock[STORED] != clock[MADE]:
+        t = start + clock.made * settings.step + clock.within
+        if clock.begun > 0 and clock.within == 0.0:
+            if clock.made % stride == 0 and clock.stored != clock.made:
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
                     return TAPE_FULL
-                clock[NUMBER] = record(model, t, q, u, boundary, work, tape)
-                if clock[NUMBER] > len(tape.table.key):
+                clock.number = record(model, t, q, u, boundary, work, tape)
+                if clock.number > len(tape.table.key):
                     return GROW_TAPE
-                clock[STORED] = clock[MADE]
-            if clock[MADE] >= last:
+                clock.stored = clock.made
+            if clock.made >= last:
                 return DONE
         h = part_length(settings, clock)
         set_out(q, tape)
-        clock[NUMBER] = predict(model, settings, t + h, h, q, u, boundary, work, tape)
-        if clock[NUMBER] > len(work.table.key):
+        clock.number = predict(model, settings, t + h, h, q, u, boundary, work, tape)
+        if clock.number > len(work.table.key):
             return GROW
-        n = int(clock[NUMBER])
+        n = clock.number
         choose(model, boundary.compliance, work, n)
         passes = 0
         while True:
-            clock[NUMBER] = pose_position(
-                model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work
-            )
-            if clock[NUMBER] >= 0.0:
+            clock.number = pose_position(model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work)
+            if clock.number >= 0.0:
                 return STIFF
             recall_basis(work)
-            clock[NUMBER] = solve_lcp(work)
-            if clock[NUMBER] != 0 or not work.certified <= settings.tolerance:
+            clock.number = solve_lcp(work)
+            if clock.number != 0 or not work.certified <= settings.tolerance:
                 return SOLVER_FAILED
             remember_basis(work)
             passes += 1
@@ -358,32 +355,32 @@ def advance(
             unsettled = misfit(boundary.compliance, boundary.unit, work) > 1.0
             if passes >= (MOST_SETTLING if unsettled else MOST_PASSES) or not (unsettled or curved > CURVED):
                 break
-        if unsettled and (h == 0.0 or clock[PARTS] >= settings.most_parts):
+        if unsettled and (h == 0.0 or clock.parts >= settings.most_parts):
             return UNSETTLED
         if unsettled or (h > 0.0 and not short_enough(model, settings, h, boundary, work)):
-            if clock[PARTS] >= settings.most_parts:
+            if clock.parts >= settings.most_parts:
                 return TOO_LONG
-            clock[PARTS] = more(clock[PARTS], settings)
-            clock[CLOSED_THEN] = closed(work)
+            clock.parts = more(clock.parts, settings)
+            clock.closed_then = closed(work)
             continue
-        clock[NUMBER] = note_depths(boundary.compliance, work)
-        if clock[NUMBER] >= 0.0:
+        clock.number = note_depths(boundary.compliance, work)
+        if clock.number >= 0.0:
             return OUT_OF_RANGE
-        ends = h > 0.0 and clock[WITHIN] + h >= settings.step * (1.0 - 1e-9)
-        used = clock[PARTS]
+        ends = h > 0.0 and clock.within + h >= settings.step * (1.0 - 1e-9)
+        used = clock.parts
         if ends:
             divide_less(model, settings, boundary, work, clock)
         if not correct(model, t + h, h, q, u, boundary, work, tape):
             return NOT_FINITE
         if h == 0.0:
-            clock[BEGUN] = 1.0
+            clock.begun = 1
         elif ends:
             if used > 1.0:
-                boundary.tally[SPLIT] += 1.0
-                boundary.tally[FINEST] = max(boundary.tally[FINEST], used)
-            clock[MADE] += 1.0
-            clock[WITHIN] = 0.0
+                boundary.n_split += 1
+                boundary.finest = max(boundary.finest, used)
+            clock.made += 1
+            clock.within = 0.0
         else:
-            clock[WITHIN] += h
+            clock.within += h
         if may_pass(model, q, tape):
             return PASSED

@@ -41,10 +41,12 @@ from lcpflex.errors import ModelError
 from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
+from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.massless_boundary.compliance import (
@@ -56,18 +58,11 @@ from lcpflex.steppers.massless_boundary.compliance import (
 )
 from lcpflex.steppers.massless_boundary.memory import Settings, boundary_of
 from lcpflex.steppers.massless_boundary.step import (
-    BEGUN,
-    FINEST,
-    MADE,
     MOST_PARTS,
-    NUMBER,
     OUT_OF_RANGE,
-    PARTS,
-    SPLIT,
     STIFF,
     TOO_LONG,
     UNSETTLED,
-    WITHIN,
     advance,
     short_enough,
 )
@@ -116,7 +111,7 @@ class MasslessBoundaryScheme:
         self.work.span[:] = 0.5 * self._settings.step  # loads by their mean about the end of a step
         self._boundary = boundary_of(flexibility, self._compliance)
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
-        self.clock = np.array([0.0, 0.0, -1.0, 0.0, 0.0, self._settings.parts, 0.0])
+        self.clock = allocate(StepCount, {}, stored=-1, parts=self._settings.parts)
         self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
@@ -128,11 +123,11 @@ class MasslessBoundaryScheme:
     @property
     def within(self) -> float:
         """Time made of the present step [s]."""
-        return float(self.clock[WITHIN])
+        return self.clock.within
 
     def loop(self, start: float, n_steps: int, stride: int) -> int:
         """Up to ``n_steps`` steps; see ``advance``."""
-        last = float(self.clock[MADE]) + n_steps
+        last = self.clock.made + n_steps
         while True:
             status: int = self._advance(
                 self._system.model,
@@ -144,19 +139,20 @@ class MasslessBoundaryScheme:
                 self._boundary,
                 self.work,
                 self.records.tape,
-                int(last - self.clock[MADE]),
+                int(last - self.clock.made),
                 stride,
             )
             if status != PASSED:
                 return status
-            time = start + float(self.clock[MADE]) * self.step + self.within
-            self.records.examine(time, self.step / float(self.clock[PARTS]))  # it is a part that passed
+            time = start + self.clock.made * self.step + self.within
+            self.records.examine(time, self.step / self.clock.parts)  # it is a part that passed
 
     def change_step(self, step: float) -> None:
         """Go on with steps of another length; its forces are known: it begins where the steps so far ended."""
         self._settings = self._settings._replace(step=step)
         self.work.span[:] = 0.5 * step
-        self.clock[:BEGUN] = 0.0
+        self.clock.made = self.clock.number = self.clock.stored = 0
+        self.clock.within = 0.0
 
     def sampling(self, total: int) -> Sampling | None:
         """What measures the error of some of ``total`` steps; None where an own solver would see it."""
@@ -176,7 +172,7 @@ class MasslessBoundaryScheme:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        number = int(self.clock[NUMBER])
+        number = int(self.clock.number)
         if status == STIFF:
             return (
                 f"contact {self._system.contact_name(self.work.table.law[number])} closes in a direction in which "
@@ -203,7 +199,7 @@ class MasslessBoundaryScheme:
         self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps), *wedged]
 
     def _divided(self, steps: int) -> list[str]:
-        split, finest = int(self._boundary.tally[SPLIT]), int(self._boundary.tally[FINEST])
+        split, finest = self._boundary.n_split, int(self._boundary.finest)
         if self._asked is None or split == 0:
             return []
         return [

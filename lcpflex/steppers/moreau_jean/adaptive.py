@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
-    DEEPEST,
-    DETAIL,
-    DUE,
-    ENTRIES,
-    RECENT,
-    STEP,
-    STEPS,
-    STOPPED,
-    TIME,
     Backup,
     Limits,
     accept,
@@ -38,6 +28,7 @@ from lcpflex.steppers.adaptive import (
     threshold,
     unmet,
 )
+from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
 from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
@@ -56,7 +47,7 @@ def advance_adaptive(
     model: Model,
     settings: Settings,
     limits: Limits,
-    clock: FloatArray,
+    clock: StepClock,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -66,16 +57,16 @@ def advance_adaptive(
 ) -> int:
     """Steps until their number reaches ``last_step`` or the duration is reached; DONE, or what is missing."""
     while True:
-        t = clock[TIME]
+        t = clock.time
         ended = t >= limits.duration
-        if clock[DUE] <= t or (ended and clock[DUE] < math.inf):
+        if clock.due <= t or (ended and clock.due < math.inf):
             if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
-            clock[DETAIL] = record(model, clock[RECENT], t, q, u, work, tape)
-            if clock[DETAIL] > len(tape.table.key):
+            clock.number = record(model, clock.recent, t, q, u, work, tape)
+            if clock.number > len(tape.table.key):
                 return GROW_TAPE
-            clock[DUE] = math.inf if ended else t + limits.interval
-        if ended or clock[STEPS] >= last_step:
+            clock.due = math.inf if ended else t + limits.interval
+        if ended or clock.steps >= last_step:
             return DONE
         h = next_length(model, limits, clock)
         alone = h <= limits.shortest  # not controlled
@@ -85,7 +76,7 @@ def advance_adaptive(
             if alone and part > 0:
                 break
             if part < 2:
-                work.stopped = clock[STOPPED]  # what a trial has stopped counts for nothing
+                work.stopped = clock.stopped  # what a trial has stopped counts for nothing
             length = h if alone or part == 0 else 0.5 * h
             now = t + length if part == 2 else t
             trial = not alone and part == 0
@@ -108,7 +99,7 @@ def advance_adaptive(
             share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
             if share < 0.0:
                 put_back(q, u, work, tape, kept)
-                clock[DETAIL] = -share
+                clock.number = -share
                 return GROW_TAPE
             if (1.0 - share) * h > limits.shortest:
                 put_back(q, u, work, tape, kept)
@@ -118,7 +109,7 @@ def advance_adaptive(
             closing = closed_pairs(model, q, u, settings.gap_tolerance, work, tape, kept)
         if error <= 1.0 and not alone:
             # one that has gone far beyond what it closed with
-            late = max(closing[0] - clock[DEEPEST], unmet(model, q, work.laws, tape.table))
+            late = max(closing[0] - clock.deepest, unmet(model, q, work.laws, tape.table))
             error = max(error, late / position_tolerance(limits, q))
         if status == GROW or (alone and status != DONE):
             if status != NOT_FINITE:
@@ -131,9 +122,9 @@ def advance_adaptive(
         if not alone:
             add_differences(q, u, kept, tape)
         accept(limits, clock, h, error, alone, closing[0])
-        clock[STOPPED] = work.stopped
+        clock.stopped = work.stopped
         after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)
-        if not take_note(model, clock[TIME], q, u, work):
+        if not take_note(model, clock.time, q, u, work):
             return OUT_OF_RANGE
 
 
@@ -147,8 +138,8 @@ class ControlledMoreauJean:
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
         self.records.missed_friction = self.work.laws.missed
-        self.clock = np.zeros(ENTRIES)
-        self.clock[STEP] = self.clock[RECENT] = min(max(settings.step, limits.shortest), limits.longest)
+        self.clock = allocate(StepClock, {})
+        self.clock.step = self.clock.recent = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._kept = backup(system, 16)
@@ -191,4 +182,4 @@ class ControlledMoreauJean:
         """Why the loop cannot go on; empty where it can after all."""
         if status == OUT_OF_RANGE:
             return law_trouble(self._system.names, self.work)
-        return contact_trouble(self.work, self._rescue, status, int(self.clock[DETAIL]), self._settings.tolerance, time)
+        return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)

@@ -29,6 +29,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
@@ -40,7 +41,7 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
-from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, NUMBER, SOLVER_FAILED
+from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, SOLVER_FAILED
 from lcpflex.steppers.system import System
 from lcpflex.steppers.undetermined import least_impulses
 
@@ -237,15 +238,15 @@ def whole_step(
     u: FloatArray,
     work: Workspace,
     tape: Tape,
-    clock: FloatArray,
+    clock: StepCount | StepClock,
 ) -> int:
-    """One step of length ``settings.step`` in place; DONE, or why not, which clock[NUMBER] explains."""
-    clock[NUMBER] = predict(model, settings, t, q, u, work)
-    if clock[NUMBER] > len(work.table.key):
+    """One step of length ``settings.step`` in place; DONE, or why not, which clock.number explains."""
+    clock.number = predict(model, settings, t, q, u, work)
+    if clock.number > len(work.table.key):
         return GROW
     recall_basis(work)
-    clock[NUMBER] = solve_lcp(work)
-    if clock[NUMBER] != 0 or not work.certified <= settings.tolerance:
+    clock.number = solve_lcp(work)
+    if clock.number != 0 or not work.certified <= settings.tolerance:
         return SOLVER_FAILED
     remember_basis(work)
     if not correct(model, settings, t, q, u, work, tape):

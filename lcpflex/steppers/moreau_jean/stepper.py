@@ -16,19 +16,19 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
+from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean.adaptive import ControlledMoreauJean
@@ -50,7 +50,7 @@ def advance(
     model: Model,
     settings: Settings,
     start: float,
-    clock: FloatArray,
+    clock: StepCount,
     q: FloatArray,
     u: FloatArray,
     work: Workspace,
@@ -63,23 +63,23 @@ def advance(
     clock: steps made; a number that explains the return value; the step last stored. Returns DONE, or why the next step
     or record could not be made; the state is then that of the last whole step (but NOT_FINITE).
     """
-    last = clock[0] + n_steps
+    last = clock.made + n_steps
     while True:
-        t = start + clock[0] * settings.step
-        if clock[0] % stride == 0 and clock[2] != clock[0]:
+        t = start + clock.made * settings.step
+        if clock.made % stride == 0 and clock.stored != clock.made:
             if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
                 return TAPE_FULL
-            clock[1] = record(model, settings.step, t, q, u, work, tape)
-            if clock[1] > len(tape.table.key):
+            clock.number = record(model, settings.step, t, q, u, work, tape)
+            if clock.number > len(tape.table.key):
                 return GROW_TAPE
-            clock[2] = clock[0]
-        if clock[0] >= last:
+            clock.stored = clock.made
+        if clock.made >= last:
             return DONE
         set_out(q, tape)
         status = whole_step(model, settings, t, q, u, work, tape, clock)
         if status != DONE:
             return status
-        clock[0] += 1.0
+        clock.made += 1
         if not take_note(model, t + settings.step, q, u, work):
             return OUT_OF_RANGE
         if may_pass(model, q, tape):
@@ -100,7 +100,7 @@ class MoreauJeanScheme:
         self.records.indentation = self.work.laws.memory.worst
         self.records.missed_friction = self.work.laws.missed
         self._product = 0.0  # largest sqrt(k G_nn) step of contacts by law
-        self.clock = np.array([0.0, 0.0, -1.0])
+        self.clock = allocate(StepCount, {}, stored=-1)
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()
         self._rescue = Rescue(solver, settings.tolerance)
@@ -134,7 +134,7 @@ class MoreauJeanScheme:
         """Go on with steps of another length."""
         self._settings = self._settings._replace(step=step)
         self._average()
-        self.clock[:] = 0.0
+        self.clock.made = self.clock.number = self.clock.stored = 0
 
     def _average(self) -> None:
         """Take the mean of loads over a step."""
@@ -181,7 +181,7 @@ class MoreauJeanScheme:
         """Why the loop cannot go on; empty where it can after all."""
         if status == OUT_OF_RANGE:
             return law_trouble(self._system.names, self.work)
-        return contact_trouble(self.work, self._rescue, status, int(self.clock[1]), self._settings.tolerance, time)
+        return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,17 +29,6 @@ from lcpflex.steppers.runge_kutta import (
     step_factor,
 )
 from lcpflex.steppers.smooth.memory import (
-    DETAIL,
-    ERROR,
-    FREQUENCY,
-    LENGTH,
-    PHASE,
-    STALLED,
-    STEP,
-    STEPS,
-    STORED,
-    TAKEN,
-    TIME,
     WORK,
     SmoothMemory,
     begun,
@@ -71,7 +60,7 @@ __all__ = [
     "take_note",
 ]
 
-BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING, ENDING = range(7)  # number[PHASE]
+BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING, ENDING = range(7)  # memory.phase
 SAME = 1e-12  # of the duration: instants nearer than that are one
 HALVINGS = 45  # of a step, to find where a contact begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
@@ -127,7 +116,7 @@ def share_before(model: Model, h: float, work: Workspace, memory: SmoothMemory) 
 def bristle_error(settings: SmoothSettings, h: float, memory: SmoothMemory) -> float:
     """Largest error / (atol + rtol |y|) of the states of friction in a step of h [s]: most are of contacts at rest."""
     largest = 0.0
-    for i in range(memory.states[0], len(memory.y)):
+    for i in range(memory.states, len(memory.y)):
         error = 0.0
         for j in range(STAGES):
             error += E[j] * memory.slopes[j, i]
@@ -138,12 +127,11 @@ def bristle_error(settings: SmoothSettings, h: float, memory: SmoothMemory) -> f
 
 @kernel
 def step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
-    """One accepted Runge-Kutta step from y to end; its length in clock[TAKEN]. DONE, GROW or STEP_TOO_SHORT."""
-    clock = memory.clock
-    t = clock[TIME]
+    """One accepted Runge-Kutta step from y to end; its length in memory.step_taken. DONE, GROW or STEP_TOO_SHORT."""
+    t = memory.time
     rest = time_left(model.signals, t, settings.duration)
     n = 2 * len(work.free_u)
-    h = clock[STEP]
+    h = memory.step
     rejected = False
     shortened = False
     longest = min(settings.max_step, longest_look(model.signals))
@@ -155,13 +143,13 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
             stage_state(memory.y, memory.slopes, h, stage, memory.end)
         found = slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage])
         if found > len(work.table.key):
-            clock[DETAIL] = found
+            memory.detail = found
             return GROW
         stage += 1
         if stage == 1:
             limit = horizon(model, memory.y, memory.slopes[0], settings.margin, work, memory)
             if limit < 0.0:
-                clock[DETAIL] = -limit
+                memory.detail = -limit
                 return GROW
             longest = min(longest, limit)
             if not h > 0.0:
@@ -175,16 +163,16 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
             if error < math.inf:  # and not less than no number
                 error = max(error, bristle_error(settings, h, memory))
             if error <= 1.0:
-                factor = step_factor(error, clock[ERROR])
+                factor = step_factor(error, memory.error)
                 if rejected:
                     factor = min(factor, 1.0)
                 share = share_before(model, h, work, memory)
                 if share < 0.0:
-                    clock[DETAIL] = -share
+                    memory.detail = -share
                     return GROW
                 if NONE_OF_IT < share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
                     shortened = True
-                    clock[STEP] = h
+                    memory.step = h
                     h *= share
                     stage = 1
                     continue
@@ -192,13 +180,13 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                     interpolate(memory.y, memory.slopes, h, share, memory.at)
                     copy_state(memory.at, memory.end)
                 if not shortened:
-                    clock[STEP] = max(clock[STEP], h) if h == rest else h * factor
-                clock[ERROR] = error
-                clock[LENGTH] = h
-                clock[TAKEN] = share * h
-                stalled = clock[TAKEN] < STALL * max(t, 1e-3 * settings.duration)
-                memory.number[STALLED] = memory.number[STALLED] + 1 if stalled else 0
-                return STEP_TOO_SHORT if memory.number[STALLED] > MOST_STALLS else DONE
+                    memory.step = max(memory.step, h) if h == rest else h * factor
+                memory.error = error
+                memory.length = h
+                memory.step_taken = share * h
+                stalled = memory.step_taken < STALL * max(t, 1e-3 * settings.duration)
+                memory.stalled = memory.stalled + 1 if stalled else 0
+                return STEP_TOO_SHORT if memory.stalled > MOST_STALLS else DONE
             rejected = True
             h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
             if h < 1e-14 * max(t, 1e-3 * settings.duration):
@@ -213,10 +201,9 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
     Of those within a step, or of the one at its end: that is stored once contacts have taken note of it, or a contact
     that begins there with an indentation would show a force without its impact speed.
     """
-    clock = memory.clock
-    stored = memory.number[STORED]
-    ending = memory.number[PHASE] != EMITTING
-    end = clock[TIME] if ending else clock[TIME] + clock[TAKEN]
+    stored = memory.stored
+    ending = memory.phase != EMITTING
+    end = memory.time if ending else memory.time + memory.step_taken
     t = min(stored * settings.interval, settings.duration) if settings.interval > 0.0 else end
     if stored < 0 or t > end + SAME * settings.duration:
         return -1.0
@@ -225,7 +212,7 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
         return min(t, end)
     if t >= end - SAME * settings.duration:
         return -1.0
-    interpolate(memory.y, memory.slopes, clock[LENGTH], (t - clock[TIME]) / clock[LENGTH], memory.at)
+    interpolate(memory.y, memory.slopes, memory.length, (t - memory.time) / memory.length, memory.at)
     return t
 
 
@@ -240,19 +227,18 @@ def note_depths(work: Workspace, memory: SmoothMemory) -> None:
 @kernel
 def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
-    clock = memory.clock
     ndof = len(work.free_u)
     copy_state(memory.end, memory.y)
-    clock[TIME] += clock[TAKEN]
-    if clock[TIME] > settings.duration * (1.0 - 1e-14):
-        clock[TIME] = settings.duration
-    memory.number[STEPS] += 1
+    memory.time += memory.step_taken
+    if memory.time > settings.duration * (1.0 - 1e-14):
+        memory.time = settings.duration
+    memory.steps += 1
     note_depths(work, memory)
     if len(work.residual) > 0:
         q = memory.y[:ndof]
         u = memory.y[ndof : 2 * ndof]
         none = int(np.int64(0))  # a literal would have the kernel compiled once more
-        drift = project(model, clock[TIME], q, u, none, True, work, memory.sets)
+        drift = project(model, memory.time, q, u, none, True, work, memory.sets)
         tape.counts.worst_drift = max(tape.counts.worst_drift, drift[0])
     total = 0.0
     for i in range(2 * ndof):
@@ -265,12 +251,12 @@ def take_note(model: Model, work: Workspace, memory: SmoothMemory) -> int:
     """Let contacts take note of the state y, where a law asks for it; DONE, GROW or OUT_OF_RANGE."""
     if memory.contacts.watched[0] == 0:
         return DONE
-    found, outside = note(model, memory.clock[TIME], memory.y, work, memory)
+    found, outside = note(model, memory.time, memory.y, work, memory)
     if found > len(work.table.key):
-        memory.clock[DETAIL] = found
+        memory.detail = found
         return GROW
     if outside >= 0:
-        memory.clock[DETAIL] = outside
+        memory.detail = outside
         return OUT_OF_RANGE
     return DONE
 
@@ -280,36 +266,34 @@ def advance(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape, last_step: int
 ) -> int:
     """Runge-Kutta steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing."""
-    number = memory.number
-    clock = memory.clock
     while True:
-        phase = number[PHASE]
+        phase = memory.phase
         status = DONE
         if phase == STEPPING:
-            if clock[TIME] >= settings.duration or number[STEPS] >= last_step:
+            if memory.time >= settings.duration or memory.steps >= last_step:
                 return DONE
             status = step(model, settings, work, memory)
-            number[PHASE] = EMITTING if status == DONE else STEPPING
+            memory.phase = EMITTING if status == DONE else STEPPING
         elif phase == CLOSING:
-            add_errors(memory.slopes, clock[TAKEN], tape.local)
+            add_errors(memory.slopes, memory.step_taken, tape.local)
             status = close_step(model, settings, work, memory, tape)
-            number[PHASE] = NOTING
+            memory.phase = NOTING
         elif phase in (NOTING, BEFORE):
             status = take_note(model, work, memory)
             if status == DONE:
-                number[PHASE] = ENDING if phase == NOTING else STARTING
+                memory.phase = ENDING if phase == NOTING else STARTING
         else:
             t = due(settings, memory)
             if t >= 0.0:
                 status = record(model, t, memory.at, work, memory, tape)
                 if status == DONE:
-                    number[STORED] += 1
+                    memory.stored += 1
                     if t >= settings.duration * (1.0 - SAME):
-                        number[STORED] = -1
+                        memory.stored = -1
             if status == DONE and phase == EMITTING:
-                number[PHASE] = EMITTING if t >= 0.0 else CLOSING
-            elif status == DONE and (t < 0.0 or settings.interval <= 0.0 or number[STORED] < 0 or phase == STARTING):
-                number[PHASE] = STEPPING
+                memory.phase = EMITTING if t >= 0.0 else CLOSING
+            elif status == DONE and (t < 0.0 or settings.interval <= 0.0 or memory.stored < 0 or phase == STARTING):
+                memory.phase = STEPPING
         if status != DONE:
             return status
 
@@ -334,7 +318,7 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
         law = work.table.law[k]
         kinds = contacts.kinds[law]
         p = contacts.parameters[law]
-        at = memory.states[0] + 2 * place
+        at = memory.states + 2 * place
         z = memory.end[at]
         w = memory.end[at + 1]
         for i in range(2):
@@ -354,26 +338,25 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
 @kernel
 def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
     """One step of Verlet's method from y to end: drift, kick, drift. DONE or GROW."""
-    clock = memory.clock
     ndof = len(work.free_u)
-    rest = settings.duration - clock[TIME]
+    rest = settings.duration - memory.time
     h = rest if rest < (1.0 + 1e-9) * settings.max_step else settings.max_step
     copy_state(memory.y, memory.end)
     for i in range(ndof):
         memory.end[i] += 0.5 * h * memory.y[ndof + i]
-    found = slope(model, clock[TIME] + 0.5 * h, memory.end, work, memory, memory.slope)
+    found = slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope)
     if found > len(work.table.key):
-        clock[DETAIL] = found
+        memory.detail = found
         return GROW
-    clock[FREQUENCY] = max(clock[FREQUENCY], natural_frequency(model, work, memory))
-    if memory.states[0] < len(memory.end):
-        clock[FREQUENCY] = max(clock[FREQUENCY], relax(model, h, work, memory))
-    for i in range(ndof, memory.states[0]):
+    memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
+    if memory.states < len(memory.end):
+        memory.frequency = max(memory.frequency, relax(model, h, work, memory))
+    for i in range(ndof, memory.states):
         memory.end[i] += h * memory.slope[i]
     for i in range(ndof):  # a load does its work at the mean velocity: one step may hold all of it
         memory.end[i] += 0.5 * h * memory.end[ndof + i]
         memory.end[2 * ndof + WORK] += 0.5 * h * work.driving[i] * (memory.end[ndof + i] - memory.y[ndof + i])
-    clock[TAKEN] = h
+    memory.step_taken = h
     return DONE
 
 
@@ -385,27 +368,25 @@ def advance_fixed(
 
     Stores the start, each ``stride``-th step and the end.
     """
-    number = memory.number
-    clock = memory.clock
     while True:
-        if number[PHASE] != STEPPING:
+        if memory.phase != STEPPING:
             status = take_note(model, work, memory)
             if status != DONE:
                 return status
-            number[PHASE] = STEPPING
-        ended = clock[TIME] >= settings.duration
-        if number[STORED] != number[STEPS] + 1 and (ended or number[STEPS] % settings.stride == 0):
-            status = record(model, clock[TIME], memory.y, work, memory, tape)
+            memory.phase = STEPPING
+        ended = memory.time >= settings.duration
+        if memory.stored != memory.steps + 1 and (ended or memory.steps % settings.stride == 0):
+            status = record(model, memory.time, memory.y, work, memory, tape)
             if status != DONE:
                 return status
-            number[STORED] = number[STEPS] + 1
-        if ended or number[STEPS] >= last_step:
+            memory.stored = memory.steps + 1
+        if ended or memory.steps >= last_step:
             return DONE
         set_out(memory.y[: len(work.free_u)], tape)
         status = step_fixed(model, settings, work, memory)
         if status == DONE:
             status = close_step(model, settings, work, memory, tape)
-            number[PHASE] = NOTING
+            memory.phase = NOTING
             if status == DONE and may_pass(model, memory.y[: len(work.free_u)], tape):
                 return PASSED
         if status != DONE:

@@ -27,7 +27,7 @@ from lcpflex.steppers.smooth.explicit import (
     note_depths,
     take_note,
 )
-from lcpflex.steppers.smooth.memory import DETAIL, PHASE, STEPS, STORED, TIME, begun
+from lcpflex.steppers.smooth.memory import begun
 from lcpflex.steppers.smooth.run import SmoothRun
 from lcpflex.steppers.smooth.slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
 from lcpflex.steppers.system import System
@@ -79,7 +79,7 @@ class StiffRun(SmoothRun):
         if not message:
             self._store(0.0, self._memory.y)
             self._start(None)
-            self._memory.number[PHASE] = STEPPING
+            self._memory.phase = STEPPING
         return message
 
     def _start(self, first_step: float | None) -> None:
@@ -90,7 +90,7 @@ class StiffRun(SmoothRun):
         ny, n = len(self._memory.y), 2 * len(self.system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
-        atol[int(self._memory.states[0]) :] = self._settings.state_atol
+        atol[self._memory.states :] = self._settings.state_atol
         self._ode = self._method(
             self._rate,
             self.time,
@@ -110,7 +110,7 @@ class StiffRun(SmoothRun):
             found = int(self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope))
             if found <= len(self._work.table.key):
                 return memory.slope.copy()
-            memory.clock[DETAIL] = found
+            memory.detail = found
             self._handle(GROW)
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
@@ -118,7 +118,7 @@ class StiffRun(SmoothRun):
 
         They go the way of the motion: right behind the beginning of a contact they must not reach before it.
         """
-        n, states = len(self.system.q), int(self._memory.states[0])
+        n, states = len(self.system.q), self._memory.states
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
         for i in (*range(2 * n), *range(states, len(y))):
@@ -156,8 +156,8 @@ class StiffRun(SmoothRun):
         end = self._ode.y.copy() if share == 1.0 else between(ended)
         self._store_between(between, ended)
         memory.y[:] = end
-        memory.clock[TIME] = ended
-        memory.number[STEPS] += 1
+        memory.time = ended
+        memory.steps += 1
         off = self._put_right() if self.system.n_joint else False
         message, changed = self._note()
         if not message:
@@ -180,7 +180,7 @@ class StiffRun(SmoothRun):
         h = min(longest, *(self._settings.atol[:n][moving] / np.abs(memory.y[n : 2 * n][moving])).tolist())
         inside = memory.y + h * self._rate(self.time, memory.y)
         memory.y[:] += h * self._rate(self.time + h, inside)
-        memory.clock[TIME] += h
+        memory.time += h
 
     def _try(self, longest: float) -> tuple[float, Dense | None]:
         """Share of the next step at which a contact begins or turns that is remembered, 1: none; the states in it."""
@@ -209,7 +209,7 @@ class StiffRun(SmoothRun):
             found = int(self._begun(self.system.model, memory.at, self._work, memory))
             if found >= 0:
                 return found == 1
-            memory.clock[DETAIL] = -found
+            memory.detail = -found
             self._handle(GROW)
 
     def _note(self) -> tuple[str, bool]:
@@ -234,13 +234,13 @@ class StiffRun(SmoothRun):
             )
             if limit >= 0.0:
                 return limit
-            memory.clock[DETAIL] = -limit
+            memory.detail = -limit
             self._handle(GROW)
             self._rate(self.time, memory.y)  # the larger memory needs the factors of this state
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
-        interval, stored = self._settings.interval, int(self._memory.number[STORED])
+        interval, stored = self._settings.interval, self._memory.stored
         if stored < 0:
             return math.inf
         return min(stored * interval, self.duration) if interval > 0.0 else end
@@ -255,7 +255,7 @@ class StiffRun(SmoothRun):
         if (t := self._due(self.time)) <= self.time + SAME * self.duration:
             self._store(min(t, self.time), self._memory.y)
             if t >= self.duration * (1.0 - SAME):
-                self._memory.number[STORED] = -1
+                self._memory.stored = -1
 
     def _store(self, t: float, y: FloatArray) -> None:
         """Store one instant."""
@@ -264,7 +264,7 @@ class StiffRun(SmoothRun):
             memory.at[:] = y
             status = self._record(self.system.model, t, memory.at, self._work, memory, self.records.tape)
             if status == DONE:
-                memory.number[STORED] += 1
+                memory.stored += 1
                 return
             self._handle(status)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +15,8 @@ from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.history import PLACES, ContactMemory, contact_memory
 from lcpflex.force_laws.layout import LawRow
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.runge_kutta import STAGES
@@ -26,27 +25,33 @@ from lcpflex.steppers.system import System
 __all__ = ["SmoothMemory", "begun", "early", "look", "note", "smooth_memory"]
 
 FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y behind q and u
-# number
-PHASE, STEPS, STORED, STALLED = range(4)  # STALLED: steps in a row that were of no length
-# clock: LENGTH of the step whose stages these are, TAKEN of it; FREQUENCY: highest of a contact so far [rad/s]
-TIME, STEP, TAKEN, ERROR, DETAIL, FREQUENCY, LENGTH = range(7)
 
 ROUNDING = 1e-14  # of the largest coordinate, at least of 1: contacts nearer than that are taken note of
 
 
-class SmoothMemory(NamedTuple):
+@struct
+class SmoothMemory:
     """State, stages and laws of a run; ny = 2 ndof + 4 + 2 laws, + 2 places where friction has states of its own."""
 
-    y: FloatArray  # (ny,) state at the start of the step
-    end: FloatArray  # (ny,) at its end
-    slopes: FloatArray  # (7, ny)
-    at: FloatArray  # (ny,) state on the dense output
-    slope: FloatArray  # (ny,)
+    y: FloatArray = array("ny")  # state at the start of the step
+    end: FloatArray = array("ny")  # at its end
+    slopes: FloatArray = array(STAGES, "ny")
+    at: FloatArray = array("ny")  # state on the dense output
+    slope: FloatArray = array("ny")
     sets: ContactSets  # of no contacts, for the projection onto joints
     contacts: ContactMemory  # laws, and what contacts remember
-    states: IntArray  # (1,) where in y the two states of friction of each place begin; ny if there are none
-    number: IntArray  # (4,) see the names above
-    clock: FloatArray  # (7,) see the names above
+    states: int  # where in y the two states of friction of each place begin; ny if there are none
+    phase: int
+    steps: int
+    stored: int
+    stalled: int  # steps in a row that were of no length
+    time: float  # [s]
+    step: float  # to try next [s]
+    step_taken: float  # of the one whose stages these are [s]
+    length: float  # of that one [s]
+    error: float
+    detail: float  # explains what a loop returned
+    frequency: float  # highest of a contact so far [rad/s]
 
 
 def smooth_memory(system: System, laws: Sequence[LawRow]) -> SmoothMemory:
@@ -55,21 +60,10 @@ def smooth_memory(system: System, laws: Sequence[LawRow]) -> SmoothMemory:
     contacts = contact_memory(system.model.contacts, laws)
     states = 2 * ndof + IMPULSES + 2 * len(laws)
     ny = states + (2 * len(contacts.feature) if any(law.bristles for law in laws) else 0)
-    arrays = SmoothMemory(
-        y=np.zeros(ny),
-        end=np.zeros(ny),
-        slopes=np.zeros((STAGES, ny)),
-        at=np.zeros(ny),
-        slope=np.zeros(ny),
-        sets=contact_sets(1),
-        contacts=contacts,
-        states=np.array([states]),
-        number=np.zeros(4, dtype=np.int64),
-        clock=np.zeros(7),
-    )
-    arrays.y[:ndof] = system.q
-    arrays.y[ndof : 2 * ndof] = system.u
-    return pack(arrays)
+    memory = allocate(SmoothMemory, {"ny": ny}, sets=contact_sets(1), contacts=contacts, states=states)
+    memory.y[:ndof] = system.q
+    memory.y[ndof : 2 * ndof] = system.u
+    return memory
 
 
 @kernel
@@ -145,6 +139,6 @@ def note(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothM
             joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
         solve_rows(model, work, int(np.int64(0)), n_joint + n + work.n_tangents)  # no literal, see dot
         condense_rows(work)
-    states = y[memory.states[0] :].reshape(-1, PLACES)
+    states = y[memory.states :].reshape(-1, PLACES)
     rates = work.free[n_joint : n_joint + n]
     return n, settle(model, contacts, work.table, n, rates, work.Gc, states)

@@ -18,13 +18,6 @@ from lcpflex.steppers.smooth.explicit import (
     advance_fixed,
 )
 from lcpflex.steppers.smooth.memory import (
-    DETAIL,
-    FREQUENCY,
-    PHASE,
-    STEP,
-    STEPS,
-    TAKEN,
-    TIME,
     smooth_memory,
 )
 from lcpflex.steppers.smooth.slope import (
@@ -56,7 +49,7 @@ class SmoothRun:
         self._settings = settings
         self._work = system.workspace(16)
         self._memory = smooth_memory(system, laws)
-        self._memory.clock[STEP] = first_step
+        self._memory.step = first_step
         self.records.indentation = self._memory.contacts.worst
         self._advance = link(advance, system.hooks)
         bouncing = [
@@ -72,17 +65,17 @@ class SmoothRun:
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return float(self._memory.clock[TIME])
+        return self._memory.time
 
     @property
     def steps(self) -> int:
         """Steps accepted."""
-        return int(self._memory.number[STEPS])
+        return self._memory.steps
 
     @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self.duration and int(self._memory.number[PHASE]) == STEPPING
+        return self.time >= self.duration and self._memory.phase == STEPPING
 
     @property
     def touching(self) -> list[int]:
@@ -112,9 +105,9 @@ class SmoothRun:
 
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
-        detail = int(self._memory.clock[DETAIL])
+        detail = int(self._memory.detail)
         if status == PASSED:
-            self.records.examine(self.time, float(self._memory.clock[TAKEN]))
+            self.records.examine(self.time, self._memory.step_taken)
         elif status == TAPE_FULL:
             self.records.empty()
         elif status == GROW_TAPE:
@@ -174,9 +167,9 @@ class FixedRun(SmoothRun):
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""
         super()._warn()
-        product = float(self._memory.clock[FREQUENCY]) * self._settings.max_step
+        product = self._memory.frequency * self._settings.max_step
         if not product <= STABLE:
             self.records.warnings.append(
                 f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
-                f"unstable there (highest contact frequency {float(self._memory.clock[FREQUENCY]):.4g} rad/s)"
+                f"unstable there (highest contact frequency {self._memory.frequency:.4g} rad/s)"
             )

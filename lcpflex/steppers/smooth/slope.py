@@ -37,10 +37,8 @@ from lcpflex.steppers.recorder import Tape, note_contact, store_contacts, store_
 from lcpflex.steppers.smooth.memory import (
     CONTACT_DAMPING,
     DAMPING,
-    DETAIL,
     FRICTION,
     IMPULSES,
-    STEP,
     WORK,
     SmoothMemory,
 )
@@ -109,7 +107,7 @@ def press(
         work.p[r] = force
         add_row(work, r, force)
         out[impulses + 2 * law] += force
-    states = memory.states[0]
+    states = memory.states
     for j in range(work.n_tangents):
         r = n_joint + n + j
         k = work.tangent[j]
@@ -203,7 +201,7 @@ def natural_frequency(model: Model, work: Workspace, memory: SmoothMemory) -> fl
     """Highest sqrt(k G_nn) of the contacts that ``slope`` found [rad/s], each by itself."""
     n_joint = work.n_joint
     n = work.n_contacts
-    bristles = memory.states[0] < len(memory.y)
+    bristles = memory.states < len(memory.y)
     solve_rows(model, work, n_joint, n_joint + n + (work.n_tangents if bristles else 0))
     highest = 0.0
     for k in range(n):
@@ -270,7 +268,7 @@ def horizon(
             contacts = memory.contacts
             place = pair_place(model, contacts, work.table, k)
             if place >= 0 or pair_force(contacts, work.table.law[k], place, -gap, approach)[0] == 0.0:
-                longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * memory.clock[STEP]))
+                longest = min(longest, max(LEAVING * gap / approach, LEAST_SHARE * memory.step))
     return longest
 
 
@@ -285,12 +283,12 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     needed = store_contacts(model, q, tape)
     n = slope(model, t, y, work, memory, memory.slope)
     if n > len(work.table.key):
-        memory.clock[DETAIL] = n
+        memory.detail = n
         return GROW
     if tape.n_points + n > len(tape.spots) and tape.n_points > 0:
         return TAPE_FULL
     if needed > len(tape.table.key) or n > len(tape.spots):
-        memory.clock[DETAIL] = max(needed, n)
+        memory.detail = max(needed, n)
         return GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base + FRICTION]
