@@ -29,7 +29,7 @@ from typing import Any, TypeVar, cast, dataclass_transform
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "struct"]
+__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "struct", "with_parts"]
 
 T = TypeVar("T")
 NUMBERS = {"int": np.dtype(np.int64), "float": np.dtype(np.float64)}
@@ -65,25 +65,22 @@ class Packed:
         for name in names:
             setattr(self, name, values[name])
 
-    @property
-    def label(self) -> str:
-        """Name of the struct."""
-        return self._label
+    # names of methods begin with an underscore, so that fields may have any other
 
-    def parts(self) -> dict[str, Any]:
+    def _parts(self) -> dict[str, Any]:
         """All fields by name."""
         numbers = {name: getattr(self, name) for name, _ in self._numbers}
         return numbers | {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
-    def with_parts(self, parts: dict[str, Any]) -> Packed:
+    def _with_parts(self, parts: dict[str, Any]) -> Packed:
         """Another one like this, some of its fields replaced."""
         other = object.__new__(type(self))
-        other._pack(self._label, self.parts() | parts)
+        other._pack(self._label, self._parts() | parts)
         return other
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its block holds addresses: a copy, or what is unpickled, gets one of its own."""
-        own = self.parts()
+        own = self._parts()
         frozen = [name for name, value in own.items() if isinstance(value, np.ndarray) and not value.flags.writeable]
         return _packed_again, (type(self), self._label, own, frozen)
 
@@ -160,7 +157,12 @@ def allocate(kind: type[T], dimensions: Mapping[str, int], **given: Any) -> T:
 
 def parts_of(values: Any) -> dict[str, Any]:
     """The fields of a struct by name."""
-    return cast(Packed, values).parts()
+    return cast(Packed, values)._parts()
+
+
+def with_parts(values: T, parts: Mapping[str, Any]) -> T:
+    """Another struct like this one, some of its fields replaced."""
+    return cast(T, cast(Packed, values)._with_parts(dict(parts)))
 
 
 def numbers_of(values: Any) -> npt.NDArray[np.int64]:

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.jit.struct import Packed
+from lcpflex.jit.struct import Packed, parts_of, with_parts
 
 __all__ = ["Arrays", "Unkept", "freeze", "thaw"]
 
@@ -80,8 +80,8 @@ def _freeze_whole(value: Any, name: str, arrays: Arrays, known: dict[int, str] |
             return {"scalar": name}
         return {"array": name} if value.flags.writeable else {"array": name, "fixed": True}
     if isinstance(value, Packed):
-        kept = {field: item for field, item in value.parts().items() if field not in CONSTANT}
-        return {"packed": value.label, "fields": {field: part(field, item) for field, item in kept.items()}}
+        kept = {field: item for field, item in parts_of(value).items() if field not in CONSTANT}
+        return {"packed": value._label, "fields": {field: part(field, item) for field, item in kept.items()}}
     if isinstance(value, tuple) and hasattr(value, "_fields"):
         return {
             "values": _class_name(type(value), name),
@@ -115,7 +115,7 @@ def _is_live(value: Any) -> bool:
     if isinstance(value, FUNCTIONS) or hasattr(value, "py_func") or isinstance(value, type):
         return True
     if isinstance(value, Packed):
-        return value.label in LIVE
+        return value._label in LIVE
     return type(value).__name__ in LIVE or hasattr(value, "solve") or hasattr(value, "complaint")
 
 
@@ -235,7 +235,7 @@ def _packed(kept: dict[str, Any], live: Any, part: Any) -> Any:
             setattr(live, field, value)
     if all(getattr(live, field) is value or isinstance(value, int | float) for field, value in found.items()):
         return live
-    return live.with_parts(found)
+    return with_parts(live, found)
 
 
 def _object(node: dict[str, Any], live: Any, name: str, made: dict[str, Any], part: Any) -> Any:

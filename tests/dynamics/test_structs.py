@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import allocate, array, copy_parts, parts_of, struct
+from lcpflex.jit.struct import allocate, array, copy_parts, parts_of, struct, with_parts
 
 
 @struct
@@ -108,3 +108,15 @@ def test_content_goes_into_a_larger_one() -> None:
     np.testing.assert_array_equal(large.grid, [[0, 1, 2, 0, 0], [3, 4, 5, 0, 0]])
     np.testing.assert_array_equal(large.keys, [0, 0, 9, 9])
     assert list(parts_of(small)) == ["count", "time", "inner", "grid", "keys"]
+
+
+def test_fields_may_be_called_as_they_like() -> None:
+    @struct
+    class Named:
+        parts: float
+        label: int
+        memory: FloatArray = array(2)
+
+    named = allocate(Named, {}, parts=2.0, label=3)
+    assert list(parts_of(named)) == ["parts", "label", "memory"]
+    assert (with_parts(named, {"parts": 4.0}).parts, named.parts) == (4.0, 2.0)
