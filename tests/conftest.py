@@ -1,4 +1,15 @@
-"""How tests are shared between processes: file by file, because fixtures are dear; examples one by one."""
+"""Tests: where each stands, and how they are shared between processes.
+
+unit/<room>  one room of lcpflex or of solvers, by the name of its folder
+contract     what every solver owes, whichever it is
+analytic     motions against closed forms and published numbers
+convergence  rates, of steps, tolerances, modes and meshes
+property     random scenes, problems and calls (fuzz), judged by what must always hold
+failures     where methods fail: each such scene, and a method that gets it right
+benchmarks   ratios of speeds; not collected by a plain ``pytest``
+
+Between processes: file by file, because fixtures are dear; examples one by one.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +20,11 @@ import pytest
 # With a cold cache every process compiles what no other one has finished: each of these files needs one stepper alone.
 FIRST = (
     "tests/analytic/test_event_driven_closed_forms.py",
-    "tests/steppers/test_moreau_jean.py",
-    "tests/laws/test_elastic_laws.py",
-    "tests/steppers/test_generalized_alpha.py",
-    "tests/steppers/test_massless_compliance.py",
-    "tests/laws/test_dissipation.py",
+    "tests/unit/steppers/test_moreau_jean.py",
+    "tests/unit/force_laws/test_elastic_laws.py",
+    "tests/unit/steppers/test_generalized_alpha.py",
+    "tests/unit/steppers/test_massless_compliance.py",
+    "tests/unit/force_laws/test_dissipation.py",
 )
 
 

@@ -6,9 +6,10 @@ Every array of the result stands in the file under its dotted name: ``times``, `
     {"array": name}                    is the array of that name in the file,
     {"tuple": [...]}                   a tuple,
     {"map": [[key, value], ...]}       a mapping,
-    {"value": class, "fields": {...}}  a frozen value of lcpflex, such as ``scene.Layout`` or ``model.Bodies``,
+    {"value": class, "fields": {...}}  a frozen value of lcpflex by the name of its class, such as ``Layout``,
 
-and numbers, texts, true, false and null are themselves. The entry ``format`` holds "lcpflex result 1".
+and numbers, texts, true, false and null are themselves. The entry ``format`` holds "lcpflex result 2". Files of the
+first format named the modules of the classes, too (``scene.Layout``), as they were then; they are read as well.
 """
 
 from __future__ import annotations
@@ -35,8 +36,11 @@ DAMAGED = (
     ValueError, KeyError, TypeError, AttributeError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error
 )  # fmt: skip
 EXPECTED = "expected a result saved by Result.save"
-FORMAT = "lcpflex result 1"
-_MODULES = ("result", "energy", "scene", "model")  # whose value classes a file may name
+FORMAT = "lcpflex result 2"
+READ = ("lcpflex result 1", FORMAT)
+_HOMES = (  # of the value classes that a file may name
+    "lcpflex.results.result", "lcpflex.results.energy_balance", "lcpflex.compile.compiled_scene", "lcpflex.model.arrays"
+)  # fmt: skip
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -59,8 +63,8 @@ def read(path: str | os.PathLike[str]) -> Any:
     target = path_of("path", path)
     try:
         with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            if "format" not in file or str(file["format"]) != FORMAT:
-                found = str(file["format"]) if "format" in file else "no such entry"
+            found = str(file["format"]) if "format" in file else "no such entry"
+            if found not in READ:
                 raise ModelError(f"path: {str(target)!r} has the format {shown(found)}; expected {FORMAT!r}")
             return _decode(json.loads(str(file["structure"])), file)
     except ModelError:
@@ -105,10 +109,18 @@ def _encode(value: Any, path: str, arrays: Arrays) -> Any:
 
 
 def _class_name(kind: type, path: str) -> str:
-    package, _, module = kind.__module__.rpartition(".")
-    if package != "lcpflex" or module not in _MODULES:
-        raise ModelError(f"{path}: a {kind.__name__} cannot be saved; expected a value class of {', '.join(_MODULES)}")
-    return f"{module}.{kind.__name__}"
+    if kind.__module__ not in _HOMES:
+        raise ModelError(f"{path}: a {kind.__name__} cannot be saved; expected a value class of {', '.join(_HOMES)}")
+    return kind.__name__
+
+
+def _class(name: str) -> Any:
+    """The value class of that name; ValueError for anything else."""
+    for home in _HOMES:
+        kind = getattr(import_module(home), name, None)
+        if isinstance(kind, type) and kind.__module__ == home and (is_dataclass(kind) or hasattr(kind, "_fields")):
+            return kind
+    raise ValueError(f"no value class {name!r}")
 
 
 def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
@@ -122,8 +134,7 @@ def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
         return tuple(_decode(item, arrays) for item in node["tuple"])
     if "map" in node:
         return {_decode(key, arrays): _decode(value, arrays) for key, value in node["map"]}
-    module, _, name = node["value"].partition(".")
-    kind = getattr(import_module(f"lcpflex.{module}"), name) if module in _MODULES else None
-    if not isinstance(kind, type) or kind.__module__ != f"lcpflex.{module}":
+    module, _, name = node["value"].rpartition(".")
+    if module not in ("", "result", "energy", "scene", "model"):
         raise ValueError(f"no value class {node['value']!r}")
-    return kind(**{key: _decode(value, arrays) for key, value in node["fields"].items()})
+    return _class(name)(**{key: _decode(value, arrays) for key, value in node["fields"].items()})

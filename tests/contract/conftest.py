@@ -20,8 +20,8 @@ WITHOUT_GUARANTEE = ("GaussSeidel", "BlockGaussSeidel", "MinMapNewton")
 
 
 def _solver_classes():
-    """Every class in the room that can solve and refuse, public or not."""
-    for module in pkgutil.iter_modules(lcpflex.solvers.__path__, "lcpflex.solvers."):
+    """Every class in the room and its chambers that can solve and refuse, public or not."""
+    for module in pkgutil.walk_packages(lcpflex.solvers.__path__, "lcpflex.solvers."):
         for cls in vars(importlib.import_module(module.name)).values():
             solves = callable(getattr(cls, "solve", None)) and callable(getattr(cls, "refuses", None))
             if solves and inspect.isclass(cls) and cls.__module__ == module.name and dataclasses.is_dataclass(cls):

@@ -39,9 +39,10 @@ def contact_velocity(problem, z):
     return problem.slack(z) if isinstance(problem, Lcp) else problem.velocity(np.concatenate(problem.forces(z)))
 
 
-def test_every_solver_has_a_public_name(all_solvers):
-    private = {type(solver).__name__ for solver in all_solvers.values()} - set(lcpflex.solvers.__all__)
-    assert not private
+def test_every_solver_has_a_public_name_and_every_public_one_is_found(all_solvers):
+    found = {type(solver).__name__ for solver in all_solvers.values()}
+    public = {name: getattr(lcpflex.solvers, name) for name in lcpflex.solvers.__all__}
+    assert found == {name for name, value in public.items() if hasattr(value, "solve") and hasattr(value, "refuses")}
 
 
 class TestAnswers:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from lcpflex.solvers import Auto
-
-from .contact_campaign import draw, judged, moved
+from tests.property.contact_campaign import draw, judged, moved
 
 TOLERANCE = 1e-10
 EXACT = 1e-14

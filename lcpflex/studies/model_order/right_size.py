@@ -56,7 +56,7 @@ def right_size(
     The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
     do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
     together took as long as two to five of the full mesh, and with half the step as four to eight
-    (``tests/studies/test_right_size_scenes.py``).
+    (``tests/unit/studies/test_right_size_scenes.py``).
 
     All rungs are run with the same step, so that their differences measure the model and not the step. What the step
     does is measured by one more run with half of it, of the scene that was found, and one of that which all others are

@@ -11,7 +11,19 @@ from typing import Any
 import scipy.io
 
 import lcpflex as lf
-from tests.fuzz.face import Face, bar, beam, body, continuum, matrices, mesh, points, result, small_scene, solid
+from tests.property.fuzz.face import (
+    Face,
+    bar,
+    beam,
+    body,
+    continuum,
+    matrices,
+    mesh,
+    points,
+    result,
+    small_scene,
+    solid,
+)
 
 __all__ = ["bodies_faces", "run_faces", "scene_faces"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from lcpflex import laws, meshes
 from lcpflex.checks import resolution_rules as advice
-from tests.fuzz.face import Face, beam, body, mesh, pair, steel
+from tests.property.fuzz.face import Face, beam, body, mesh, pair, steel
 
 __all__ = ["advice_faces", "law_faces", "mesh_faces"]
 

@@ -2,7 +2,7 @@
 
 What must hold of each call: it ends within ten seconds, in a result that such a value can have, or in a LcpflexError
 that names an argument of the call and says what was expected in less than 500 characters. What does not is in ``KNOWN``
-(tests/fuzz/known.py), each entry of which is tried: one that has been mended must go from there.
+(tests/property/fuzz/known.py), each entry of which is tried: one that has been mended must go from there.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from matplotlib import pyplot as plt
 import lcpflex as lf
 from lcpflex import gallery, laws, meshes, solvers, studies
 from lcpflex.checks import resolution_rules as advice
-from tests.fuzz.bad_values import NUMBERS, WRONG
-from tests.fuzz.callables import INTERNAL, OUTPUTS, PLAIN, SLOW, faces
-from tests.fuzz.judge import ending_of, limited_memory
-from tests.fuzz.known import ADMITTED, ARRAYS, KNOWN, NUMBERS_OF_LAWS, TAKEN
+from tests.property.fuzz.bad_values import NUMBERS, WRONG
+from tests.property.fuzz.callables import INTERNAL, OUTPUTS, PLAIN, SLOW, faces
+from tests.property.fuzz.judge import ending_of, limited_memory
+from tests.property.fuzz.known import ADMITTED, ARRAYS, KNOWN, NUMBERS_OF_LAWS, TAKEN
 
 VALUES = {**WRONG, **NUMBERS}
 OF_SLOW = 5  # of a hundred calls in the default and the slow test, so many are of callables that take long
@@ -138,4 +138,4 @@ def test_what_is_known_to_fail_still_does():
         for (name, argument), label in KNOWN.items()
         if not wrong_ending(table[name], argument, label)[1]
     ]
-    assert not mended, f"take them out of tests/fuzz/known.py: {mended}"
+    assert not mended, f"take them out of tests/property/fuzz/known.py: {mended}"

@@ -21,7 +21,7 @@ from lcpflex.studies.model_order.report import RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.verdict import contradictions
-from tests.studies.fidelity_scenes import sled
+from tests.unit.studies.fidelity_scenes import sled
 
 FLOOR = ((0.0, 0.0), (0.0, 1.0))
 

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 
 import lcpflex as lf
 from lcpflex import gallery, studies
-from tests.fuzz.face import Face, case, result, small_scene
+from tests.property.fuzz.face import Face, case, result, small_scene
 
 __all__ = ["gallery_faces", "study_faces"]
 

@@ -20,7 +20,7 @@ from lcpflex.studies import right_size
 from lcpflex.studies.model_order import search as fidelity_search
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
-from tests.studies.fidelity_scenes import QUESTIONS, random_question
+from tests.unit.studies.fidelity_scenes import QUESTIONS, random_question
 
 OF_A_STEP = 25
 

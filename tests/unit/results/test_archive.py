@@ -54,7 +54,7 @@ def test_file_is_open_to_any_program(swing: Result, tmp_path: Path) -> None:
     """Documented names, plain arrays, JSON; no pickle."""
     swing.save(tmp_path / "swing.npz")
     with np.load(tmp_path / "swing.npz", allow_pickle=False) as file:
-        assert str(file["format"]) == "lcpflex result 1"
+        assert str(file["format"]) == "lcpflex result 2"
         np.testing.assert_array_equal(file["times"], swing.times)
         np.testing.assert_array_equal(file["energies.kinetic"], swing.energies.kinetic)
         assert "compiled.model.bodies.mass" in file
@@ -145,3 +145,15 @@ def test_file_cannot_name_anything_but_values(bounce: Result, tmp_path: Path, na
 def test_entries_are_plain_npy(swing: Result, tmp_path: Path) -> None:
     with zipfile.ZipFile(swing.save(tmp_path / "swing.npz")) as file:
         assert all(name.endswith(".npy") for name in file.namelist())
+
+
+def test_a_file_of_the_first_format_is_read() -> None:
+    """Its classes were named by modules that are elsewhere now. A disc of 2 kg lands after 1 cm, and slides."""
+    found = Result.load(Path(__file__).parent / "result_of_first_format.npz")
+    impact = found.events[0]
+    assert (impact.kind, impact.contact) == ("impact", "floor")
+    assert impact.time == pytest.approx(np.sqrt(2.0 * 0.01 / 10.0), abs=1e-12)
+    assert found.contact("floor").force[4] == pytest.approx([20.0, -0.3 * 20.0], abs=1e-9)
+    assert found.spots.place == pytest.approx(found.point("disc", "center")[4:] - [0.0, 0.1], abs=1e-9)
+    assert found.compiled.model.contacts.friction == pytest.approx([0.3])
+    found.draw(0.06)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse
 
 from lcpflex import solvers
-from tests.fuzz.bad_values import NUMBERS, WRONG
+from tests.property.fuzz.bad_values import NUMBERS, WRONG
 
 __all__ = ["Attempt", "attempts"]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import cache
 
-from tests.fuzz.face import Face
-from tests.fuzz.faces_of_laws import advice_faces, law_faces, mesh_faces
-from tests.fuzz.faces_of_scenes import bodies_faces, run_faces, scene_faces
-from tests.fuzz.faces_of_solvers import solver_faces
-from tests.fuzz.faces_of_studies import gallery_faces, study_faces
+from tests.property.fuzz.face import Face
+from tests.property.fuzz.faces_of_laws import advice_faces, law_faces, mesh_faces
+from tests.property.fuzz.faces_of_scenes import bodies_faces, run_faces, scene_faces
+from tests.property.fuzz.faces_of_solvers import solver_faces
+from tests.property.fuzz.faces_of_studies import gallery_faces, study_faces
 
 __all__ = ["INTERNAL", "OUTPUTS", "PLAIN", "SLOW", "faces"]
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex import solvers
-from tests.fuzz.face import Face, boxed, contact, lcp, mixed
+from tests.property.fuzz.face import Face, boxed, contact, lcp, mixed
 
 __all__ = ["solver_faces"]
 

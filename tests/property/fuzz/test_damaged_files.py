@@ -13,9 +13,9 @@ import scipy.io
 
 import lcpflex as lf
 from lcpflex import meshes, solvers
-from tests.fuzz.bad_values import write_files
-from tests.fuzz.face import lcp, matrices, result, small_scene
-from tests.fuzz.judge import ending_of, limited_memory
+from tests.property.fuzz.bad_values import write_files
+from tests.property.fuzz.face import lcp, matrices, result, small_scene
+from tests.property.fuzz.judge import ending_of, limited_memory
 
 SIZE = 10**12  # numbers that an array claims to have
 CHANGED = 12  # copies of each file with other bytes

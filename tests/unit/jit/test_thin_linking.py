@@ -11,7 +11,7 @@ import pytest
 
 from lcpflex.jit.kernel_file import ENDING, KernelFile, thin_out
 from lcpflex.jit.private import why_not_thin
-from tests.interface.tiny_kernels import LOW, jobs, package
+from tests.unit.jit.tiny_kernels import LOW, jobs, package
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are started in another way")
 

@@ -1,4 +1,4 @@
-"""Systems of the user's own: what is refused, and a consistent start. (Motion: tests/analytic, tests/steppers.)"""
+"""Systems of the user's own: what is refused, and a consistent start. (Motion: tests/analytic, tests/unit/steppers.)"""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from lcpflex.studies.model_order.report import FidelityRun, RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.verdict import scatter
-from tests.studies.fidelity_scenes import strip
+from tests.unit.studies.fidelity_scenes import strip
 
 STEP = lf.MoreauJean(step=2e-3)
 

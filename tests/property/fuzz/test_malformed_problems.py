@@ -10,8 +10,8 @@ import pytest
 
 from lcpflex import solvers
 from lcpflex.errors import ModelError
-from tests.fuzz.judge import ending_of, limited_memory
-from tests.fuzz.malformed import attempts
+from tests.property.fuzz.judge import ending_of, limited_memory
+from tests.property.fuzz.malformed import attempts
 
 
 def plain(value):

@@ -21,8 +21,8 @@ import lcpflex as lf
 from lcpflex.runs import checkpoint as checkpoints
 from lcpflex.runs.checkpoint import Checkpoints, read
 from lcpflex.runs.object_tree import freeze
-from tests.interface import checkpoint_runs
-from tests.interface.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
+from tests.unit.runs import checkpoint_runs
+from tests.unit.runs.checkpoint_runs import RUNS, assert_same_bits, heap, own_system, pushed, thrown
 
 QUICK = ("moreau", "moreau adaptive", "alpha adaptive", "event-driven by law", "massless", "stiff", "own system")
 
@@ -138,7 +138,7 @@ import sys
 sys.path[:0] = [sys.argv[1]]
 import lcpflex as lf
 from lcpflex.runs import checkpoint
-from tests.interface.checkpoint_runs import heap
+from tests.unit.runs.checkpoint_runs import heap
 from pathlib import Path
 checkpoint.SHARE = 1.0
 path = Path(sys.argv[2])
@@ -151,7 +151,7 @@ else:
 
 def killed(path: Path, duration: float, rewritten: int, later: float) -> bool:
     """Begin or go on with a run in a process of its own, and kill it in the midst of it; whether it was there yet."""
-    here = str(Path(checkpoint_runs.__file__).parents[2])
+    here = str(Path(checkpoint_runs.__file__).parents[3])
     child = subprocess.Popen([sys.executable, "-c", CHILD, here, str(path), str(duration)])
     try:
         last, seen = (path.stat().st_ino if path.exists() else None), 0

@@ -71,8 +71,9 @@ def test_packaging_lists_every_package() -> None:
 
     root = Path(__file__).parents[2]
     listed = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
-    found = {".".join(path.parent.relative_to(root).parts) for path in (root / "lcpflex").glob("**/__init__.py")}
-    assert set(listed) == found | {"lcpflex.solvers"}
+    rooms = {path.parent.relative_to(root).parts for path in (root / "lcpflex").glob("**/__init__.py")}
+    solvers = {("lcpflex", *path.parent.relative_to(root).parts) for path in (root / "solvers").glob("**/__init__.py")}
+    assert set(listed) == {".".join(parts) for parts in rooms | solvers}
 
 
 @pytest.mark.parametrize(

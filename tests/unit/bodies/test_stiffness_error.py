@@ -16,7 +16,7 @@ from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.errors import ModelError, ModelWarning
 
 ALUMINIUM = {"density": 2700.0, "youngs_modulus": 7e10}
-README = Path(__file__).parents[2] / "README.md"
+README = Path(__file__).parents[3] / "README.md"
 
 
 def continuum(mesh, ratio=0.33, plane_strain=False) -> lf.Continuum:
