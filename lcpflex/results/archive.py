@@ -29,6 +29,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of, shown
+from lcpflex.results.first_format import CHANGED
 
 __all__ = ["read", "write"]
 
@@ -134,7 +135,8 @@ def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
         return tuple(_decode(item, arrays) for item in node["tuple"])
     if "map" in node:
         return {_decode(key, arrays): _decode(value, arrays) for key, value in node["map"]}
+    fields = {key: _decode(value, arrays) for key, value in node["fields"].items()}
     module, _, name = node["value"].rpartition(".")
     if module not in ("", "result", "energy", "scene", "model"):
         raise ValueError(f"no value class {node['value']!r}")
-    return _class(name)(**{key: _decode(value, arrays) for key, value in node["fields"].items()})
+    return _class(name)(**CHANGED.get(node["value"], dict)(fields))

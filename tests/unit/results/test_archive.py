@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lcpflex.dynamics.applied_forces import spring_energy
 from lcpflex.errors import ModelError
+from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.results.result import Result
 
 
@@ -157,3 +159,15 @@ def test_a_file_of_the_first_format_is_read() -> None:
     assert found.spots.place == pytest.approx(found.point("disc", "center")[4:] - [0.0, 0.1], abs=1e-9)
     assert found.compiled.model.contacts.friction == pytest.approx([0.3])
     found.draw(0.06)
+
+
+def test_joints_and_loads_of_the_first_format_hold_as_they_held() -> None:
+    """One joint of each kind: the stored motion does not violate them, and the spring has the energy it had."""
+    found = Result.load(Path(__file__).parent / "result_of_first_format.npz")
+    model = found.compiled.model
+    residual = np.zeros(model.joints.row[-1])
+    joint_residual(model, found.times[-1], found.q[-1], np.zeros((0, 3)), residual)
+    assert np.abs(residual).max() < 1e-9
+    weight = 10.0 * found.q[:, 1::3] @ model.bodies.mass
+    springs = [spring_energy(model, q) for q in found.q]
+    assert springs == pytest.approx(found.energies.potential - weight, abs=1e-9)
