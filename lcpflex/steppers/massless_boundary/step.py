@@ -338,7 +338,7 @@ def advance(
         clock.number = predict(model, settings, t + h, h, q, u, boundary, work, tape)
         if clock.number > len(work.table.key):
             return GROW
-        n = clock.number
+        n = int(clock.number)
         choose(model, boundary.compliance, work, n)
         passes = 0
         while True:
