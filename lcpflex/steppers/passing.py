@@ -12,9 +12,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.recorder import Tape
 
-__all__ = ["PASSED", "may_pass", "set_out", "set_out_freely"]
-
-PASSED = 30  # what a loop returns for a step that is to be examined
+__all__ = ["may_pass", "set_out", "set_out_freely"]
 
 
 @kernel

@@ -21,8 +21,8 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
-from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import FIELDS, Records
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried", "half_steps"]
 
@@ -108,7 +108,7 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
     try:
         while True:
             status = scheme.loop(time + (done - 1) * half, int(1 + count - scheme.clock.made), UNSTORED)
-            if status != PASSED:  # what may have passed through something is looked at in the run itself
+            if status != RunStatus.PASSED:  # what may have passed through something is looked at in the run itself
                 return status
     finally:
         scheme._settings = settings

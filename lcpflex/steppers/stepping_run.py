@@ -15,28 +15,14 @@ from lcpflex.steppers.adaptive import Limits
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.driver import Rescue
 from lcpflex.steppers.pace import Pace, stopped_note
-from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
+from lcpflex.steppers.status import RunStatus
 
 __all__ = [
-    "DONE",
-    "GROW",
-    "GROW_TAPE",
-    "NOT_FINITE",
-    "SOLVER_FAILED",
-    "TAPE_FULL",
     "AdaptiveRun",
     "FixedRun",
     "contact_trouble",
 ]
-
-# what a loop returns; a scheme may have more reasons
-DONE = 0
-TAPE_FULL = 1
-GROW = 2
-GROW_TAPE = 3
-SOLVER_FAILED = 4
-NOT_FINITE = 5
 
 
 class Scheme(Protocol):
@@ -106,9 +92,9 @@ class ControlledScheme(Scheme, Protocol):
 
 def contact_trouble(work: Workspace, rescue: Rescue, status: int, number: int, tolerance: float, time: float) -> str:
     """Why a loop that returned ``status`` cannot go on; empty where its contact problem was solved after all."""
-    if status == SOLVER_FAILED:
+    if status == RunStatus.SOLVER_FAILED:
         return "" if rescue(work, time) else rescue.unsolved(work, number, tolerance)
-    return "the state is no longer finite: the step is too long for the forces of this scene"
+    return RunStatus.NOT_FINITE.sentence
 
 
 def _touching(work: Workspace) -> list[int]:
@@ -203,9 +189,9 @@ class FixedRun:
         target = clock.made + n_steps
         while True:
             status = self.scheme.loop(self._start, int(target - clock.made), stride)
-            if status == DONE:
+            if status == RunStatus.DONE:
                 return ""
-            if status == PASSED:
+            if status == RunStatus.PASSED:
                 self.records.examine(self.time, self.scheme.step)
                 continue
             message = _remedied(self.scheme, status, self.time)
@@ -253,9 +239,9 @@ class AdaptiveRun:
         try:
             while True:
                 status = self.scheme.loop(self._limits, min(target, self._pace.due))
-                message = "" if status == DONE else _remedied(self.scheme, status, self.time)
+                message = "" if status == RunStatus.DONE else _remedied(self.scheme, status, self.time)
                 self._pace.look(clock)
-                if message or (status == DONE and (self.steps >= target or self.finished)):
+                if message or (status == RunStatus.DONE and (self.steps >= target or self.finished)):
                     return message
         finally:  # of an interrupted run, too
             self.records.warnings[:] = [*self.scheme.remarks(), *self._pace.warnings(clock)]
@@ -265,11 +251,11 @@ class AdaptiveRun:
 def _remedied(scheme: FixedScheme | ControlledScheme, status: int, time: float) -> str:
     """Empty what is full and grow what is too small; why the loop cannot go on where neither is the reason."""
     number = int(scheme.clock.number)
-    if status == TAPE_FULL:
+    if status == RunStatus.TAPE_FULL:
         scheme.records.empty()
-    elif status == GROW_TAPE:
+    elif status == RunStatus.GROW_TAPE:
         scheme.records.grow(number)
-    elif status == GROW:
+    elif status == RunStatus.GROW:
         scheme.make_room(2 * number)
     else:
         return scheme.trouble(status, time)

@@ -27,23 +27,10 @@ from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
 from lcpflex.steppers.recorder import Tape, note_contact, note_laws, store_contacts, store_state
 from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
+from lcpflex.steppers.status import RunStatus
 
-__all__ = ["CALM", "CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
+__all__ = ["CHOOSING", "COLLIDING", "STEPPING", "advance", "record"]
 
-# what the loop returns
-DONE = 0
-TAPE_FULL = 1
-GROW = 2
-GROW_TAPE = 3
-SOLVER_FAILED = 4
-NOT_FINITE = 5
-EVENTS_FULL = 6
-CHATTER = 7
-STEP_TOO_SHORT = 8
-TOO_OFTEN = 9
-HIT_TOGETHER = 10
-OUT_OF_RANGE = 11
-CALM = 12  # raised thresholds are to be lowered
 
 # where it is, memory.phase
 BEFORE, GATHERING, COLLIDING, CHOOSING, TRYING, SETTLING, AFTER, STEPPING, EMITTING, CLOSING_STEP = range(10)
@@ -64,11 +51,11 @@ def record(
     n = memory.n_contacts
     spots = n + work.laws.n_touching
     if tape.n_instants >= len(tape.times) or (tape.n_points + spots > len(tape.spots) and tape.n_points > 0):
-        return TAPE_FULL
+        return RunStatus.TAPE_FULL
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key) or spots > len(tape.spots):
         memory.detail = max(needed, spots)
-        return GROW_TAPE
+        return RunStatus.GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base]
     tape.counts.lost_damping = y[base + 1]
@@ -94,7 +81,7 @@ def record(
     note_laws(model, q, work.laws, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
     store_state(tape, t, q, u, kinetic, elastic + work.laws.stored, potential)
-    return DONE
+    return RunStatus.DONE
 
 
 @kernel
@@ -190,7 +177,7 @@ def advance(
         phase = memory.phase
         ended = phase == STEPPING and memory.time >= settings.duration
         if ended or (phase in (STEPPING, BEFORE, AFTER) and memory.steps >= last_step):
-            return DONE
+            return RunStatus.DONE
         if phase in (BEFORE, AFTER, EMITTING):
             t = memory.time
             if phase == EMITTING:
@@ -200,7 +187,7 @@ def advance(
             more = False
             if t >= 0.0:
                 status = record(model, settings, t, memory.at, work, memory, tape)
-                if status != DONE:
+                if status != RunStatus.DONE:
                     return status
                 if phase == EMITTING:
                     more = count_instant(settings, memory, t)
@@ -219,22 +206,22 @@ def advance(
                 memory.phase = SETTLING
                 continue
             if not step(model, settings, work, memory):
-                return STEP_TOO_SHORT
+                return RunStatus.STEP_TOO_SHORT
             if not search(model, settings, work, memory):
-                return GROW
+                return RunStatus.GROW
             memory.phase = EMITTING
         elif phase == COLLIDING:
             outcome = collide(model, settings, work, memory, tape)
             if outcome == RESOLVED:
                 memory.phase = CHOOSING
             elif outcome == COUPLED:
-                return HIT_TOGETHER
+                return RunStatus.HIT_TOGETHER
             elif outcome != AGAIN:
-                return SOLVER_FAILED
+                return RunStatus.SOLVER_FAILED
         elif phase == CHOOSING:
             outcome = choose(model, settings, work, memory, tape)
             if outcome == UNSOLVED:
-                return SOLVER_FAILED
+                return RunStatus.SOLVER_FAILED
             memory.phase = TRYING if outcome == RESOLVED else COLLIDING
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = memory.n_contacts
@@ -248,15 +235,15 @@ def advance(
                     tape.n_points = 0
             else:
                 if memory.n_events >= EVENT_CAPACITY:
-                    return EVENTS_FULL
+                    return RunStatus.EVENTS_FULL
                 if memory.time >= settings.calm:
-                    return CALM
+                    return RunStatus.CALM
                 if memory.stuck > MOST_EVENTS:
-                    return CHATTER
+                    return RunStatus.CHATTER
                 if memory.too_many == 1:
-                    return TOO_OFTEN
+                    return RunStatus.TOO_OFTEN
                 if not gather(model, settings, work, memory):
-                    return GROW
+                    return RunStatus.GROW
                 n = memory.n_found
             joint_drift, gap_drift = project(model, memory.time, q, u, n, phase != GATHERING, work, memory.sets)
             if phase != GATHERING:
@@ -265,7 +252,7 @@ def advance(
                 tape.counts.worst_penetration = max(tape.counts.worst_penetration, gap_drift)
                 tape.counts.worst_drift = max(tape.counts.worst_drift, joint_drift)
                 if not take_note(model, memory.time, q, u, work):
-                    return OUT_OF_RANGE
+                    return RunStatus.OUT_OF_RANGE
             memory.phase = next_phase(memory)
             if not finite(memory):
-                return NOT_FINITE
+                return RunStatus.NOT_FINITE

@@ -22,22 +22,10 @@ from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.loop import (
-    CALM,
-    CHATTER,
     CHOOSING,
     COLLIDING,
-    DONE,
-    EVENTS_FULL,
-    GROW,
-    GROW_TAPE,
-    HIT_TOGETHER,
     MOST_EVENTS,
-    OUT_OF_RANGE,
-    SOLVER_FAILED,
-    STEP_TOO_SHORT,
     STEPPING,
-    TAPE_FULL,
-    TOO_OFTEN,
     advance,
 )
 from lcpflex.steppers.event_driven.memory import (
@@ -52,6 +40,7 @@ from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refu
 from lcpflex.steppers.named import listed
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 
 __all__ = ["EventDriven", "EventDrivenRun"]
@@ -143,41 +132,41 @@ class EventDrivenRun:
                 self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
             )
             detail = self._memory.detail
-            if status == DONE:
+            if status == RunStatus.DONE:
                 return ""
-            if status == TAPE_FULL:
+            if status == RunStatus.TAPE_FULL:
                 self.records.empty()
-            elif status == GROW_TAPE:
+            elif status == RunStatus.GROW_TAPE:
                 self.records.grow(int(detail))
-            elif status == GROW:
+            elif status == RunStatus.GROW:
                 self._grow(int(detail))
-            elif status == EVENTS_FULL:
+            elif status == RunStatus.EVENTS_FULL:
                 _ = self.events
-            elif status == SOLVER_FAILED:
+            elif status == RunStatus.SOLVER_FAILED:
                 if self._rescue(self._work, self.time) or self._jam():
                     continue
                 return self._rescue.unsolved(self._work, int(detail), self._thresholds.settings.tolerance)
-            elif status == HIT_TOGETHER:
+            elif status == RunStatus.HIT_TOGETHER:
                 return (
                     f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
                     "close together here: use Energetic(sequential=True), Poisson() or Newton()"
                 )
-            elif status == CALM:
+            elif status == RunStatus.CALM:
                 self._thresholds.fall()
-            elif status in (TOO_OFTEN, CHATTER) and self._calm():
+            elif status in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) and self._calm():
                 continue
-            elif status == TOO_OFTEN:
+            elif status == RunStatus.TOO_OFTEN:
                 named = listed(sorted({event[2] for event in self.events[-WINDOW:]}), self.system.contact_name)
                 return (
                     f"the last {WINDOW} events, of {named}, followed each other at more than "
                     f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
                 )
-            elif status == CHATTER:
+            elif status == RunStatus.CHATTER:
                 return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
-            elif status == OUT_OF_RANGE:
+            elif status == RunStatus.OUT_OF_RANGE:
                 return law_trouble(self.system.names, self._work)
-            elif status == STEP_TOO_SHORT:
-                return "no step is short enough: the forces are not smooth, or the state grows without bound"
+            elif status == RunStatus.STEP_TOO_SHORT:
+                return RunStatus.STEP_TOO_SHORT.sentence
             else:
                 return "the state is no longer finite"
 

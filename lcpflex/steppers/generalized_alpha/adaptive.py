@@ -54,7 +54,8 @@ from lcpflex.steppers.moreau_jean.step import grown, record
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
-from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, SOLVER_FAILED, TAPE_FULL, contact_trouble
+from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.stepping_run import contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
@@ -208,13 +209,13 @@ def advance_adaptive(
             ended = t >= limits.duration
             if clock.due <= t or (ended and clock.due < math.inf):
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
-                    return TAPE_FULL
+                    return RunStatus.TAPE_FULL
                 clock.number = record(model, clock.recent, t, q, u, work, tape)
                 if clock.number > len(tape.table.key):
-                    return GROW_TAPE
+                    return RunStatus.GROW_TAPE
                 clock.due = math.inf if ended else t + limits.interval
             if ended or clock.steps >= last_step:
-                return DONE
+                return RunStatus.DONE
             begin(model, limits, clock, q, u, work, memory, tape, kept, kept_memory)
         h = clock.tried
         part = clock.part
@@ -225,7 +226,7 @@ def advance_adaptive(
         rate = kept.long_u if part == LONG else u
         clock.number = predict(model, scaled, now, at, rate, work, memory)
         if clock.number > len(work.table.key):
-            return GROW
+            return RunStatus.GROW
         if memory.warm == 1:
             recall_basis(work)
         clock.number = solve_lcp(work)
@@ -233,7 +234,7 @@ def advance_adaptive(
         if clock.number != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
-            status = SOLVER_FAILED
+            status = RunStatus.SOLVER_FAILED
         else:
             if memory.phase == VELOCITY:
                 remember_basis(work)
@@ -265,7 +266,7 @@ def advance_adaptive(
                 undo(clock, q, u, work, memory, tape, kept, kept_memory)
                 if share < 0.0:
                     clock.number = -share
-                    return GROW_TAPE
+                    return RunStatus.GROW_TAPE
                 end_there(limits, clock, h, share)
                 continue
         if status == STEPPED:

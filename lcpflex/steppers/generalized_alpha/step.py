@@ -45,7 +45,7 @@ from lcpflex.steppers.generalized_alpha.smooth import (
     slip_mode,
 )
 from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
-from lcpflex.steppers.stepping_run import NOT_FINITE
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
 
@@ -305,7 +305,7 @@ def correct(
         return AGAIN
     if apply_velocity(settings, t, q, u, work, memory, tape):
         return STEPPED
-    return NOT_FINITE
+    return RunStatus.NOT_FINITE
 
 
 @kernel

@@ -57,18 +57,14 @@ from lcpflex.steppers.generalized_alpha.step import (
 )
 from lcpflex.steppers.law_run import refuse_laws
 from lcpflex.steppers.moreau_jean.step import grown, record
-from lcpflex.steppers.passing import PASSED, may_pass, set_out_freely
+from lcpflex.steppers.passing import may_pass, set_out_freely
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, given_or, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import (
-    DONE,
-    GROW,
-    GROW_TAPE,
-    SOLVER_FAILED,
-    TAPE_FULL,
     AdaptiveRun,
     FixedRun,
     contact_trouble,
@@ -103,31 +99,31 @@ def advance(
         if memory.between == 1:
             if clock.made % stride == 0 and clock.stored != clock.made:
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
-                    return TAPE_FULL
+                    return RunStatus.TAPE_FULL
                 clock.number = record(model, settings.step, t, q, u, work, tape)
                 if clock.number > len(tape.table.key):
-                    return GROW_TAPE
+                    return RunStatus.GROW_TAPE
                 clock.stored = clock.made
             if clock.made >= last:
-                return DONE
+                return RunStatus.DONE
             set_out_freely(q, u, settings.step, tape)
         clock.number = predict(model, settings, t, q, u, work, memory)
         if clock.number > len(work.table.key):
-            return GROW
+            return RunStatus.GROW
         if memory.warm == 1:
             recall_basis(work)
         clock.number = solve_lcp(work)
         if clock.number != 0 or not work.certified <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
-            return SOLVER_FAILED
+            return RunStatus.SOLVER_FAILED
         if memory.phase == VELOCITY:
             remember_basis(work)
         status = correct(model, settings, t, q, u, work, memory, tape)
         if status == STEPPED:
             clock.made += 1
             if may_pass(model, q, tape):
-                return PASSED
+                return RunStatus.PASSED
         elif status != AGAIN:
             return status
 

@@ -22,17 +22,13 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
-from lcpflex.steppers.passing import PASSED, may_pass, set_out
+from lcpflex.steppers.passing import may_pass, set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.recorder import Tape, note_certificate, note_contact, store_contacts, store_state
-from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, SOLVER_FAILED, TAPE_FULL
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["advance", "short_enough"]
 
-TOO_LONG = 6
-STIFF = 7
-UNSETTLED = 8
-OUT_OF_RANGE = 9
 STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
 MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
 MOST_SETTLING = 40  # of them, where elastic laws of contacts are linearised, too
@@ -326,29 +322,29 @@ def advance(
         if clock.begun > 0 and clock.within == 0.0:
             if clock.made % stride == 0 and clock.stored != clock.made:
                 if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
-                    return TAPE_FULL
+                    return RunStatus.TAPE_FULL
                 clock.number = record(model, t, q, u, boundary, work, tape)
                 if clock.number > len(tape.table.key):
-                    return GROW_TAPE
+                    return RunStatus.GROW_TAPE
                 clock.stored = clock.made
             if clock.made >= last:
-                return DONE
+                return RunStatus.DONE
         h = part_length(settings, clock)
         set_out(q, tape)
         clock.number = predict(model, settings, t + h, h, q, u, boundary, work, tape)
         if clock.number > len(work.table.key):
-            return GROW
+            return RunStatus.GROW
         n = int(clock.number)
         choose(model, boundary.compliance, work, n)
         passes = 0
         while True:
             clock.number = pose_position(model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work)
             if clock.number >= 0.0:
-                return STIFF
+                return RunStatus.STIFF
             recall_basis(work)
             clock.number = solve_lcp(work)
             if clock.number != 0 or not work.certified <= settings.tolerance:
-                return SOLVER_FAILED
+                return RunStatus.SOLVER_FAILED
             remember_basis(work)
             passes += 1
             curved = deform(model, boundary, work)
@@ -356,22 +352,22 @@ def advance(
             if passes >= (MOST_SETTLING if unsettled else MOST_PASSES) or not (unsettled or curved > CURVED):
                 break
         if unsettled and (h == 0.0 or clock.parts >= settings.most_parts):
-            return UNSETTLED
+            return RunStatus.UNSETTLED
         if unsettled or (h > 0.0 and not short_enough(model, settings, h, boundary, work)):
             if clock.parts >= settings.most_parts:
-                return TOO_LONG
+                return RunStatus.TOO_LONG
             clock.parts = more(clock.parts, settings)
             clock.closed_then = closed(work)
             continue
         clock.number = note_depths(boundary.compliance, work)
         if clock.number >= 0.0:
-            return OUT_OF_RANGE
+            return RunStatus.OUT_OF_RANGE
         ends = h > 0.0 and clock.within + h >= settings.step * (1.0 - 1e-9)
         used = clock.parts
         if ends:
             divide_less(model, settings, boundary, work, clock)
         if not correct(model, t + h, h, q, u, boundary, work, tape):
-            return NOT_FINITE
+            return RunStatus.NOT_FINITE
         if h == 0.0:
             clock.begun = 1
         elif ends:
@@ -383,4 +379,4 @@ def advance(
         else:
             clock.within += h
         if may_pass(model, q, tape):
-            return PASSED
+            return RunStatus.PASSED

@@ -59,19 +59,15 @@ from lcpflex.steppers.massless_boundary.compliance import (
 from lcpflex.steppers.massless_boundary.memory import Settings, boundary_of
 from lcpflex.steppers.massless_boundary.step import (
     MOST_PARTS,
-    OUT_OF_RANGE,
-    STIFF,
-    TOO_LONG,
-    UNSETTLED,
     advance,
     short_enough,
 )
 from lcpflex.steppers.moreau_jean.step import grown
-from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import scales_of
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import Sampling, half_steps
-from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun, contact_trouble
+from lcpflex.steppers.stepping_run import FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 
 __all__ = ["MasslessBoundary"]
@@ -142,7 +138,7 @@ class MasslessBoundaryScheme:
                 int(last - self.clock.made),
                 stride,
             )
-            if status != PASSED:
+            if status != RunStatus.PASSED:
                 return status
             time = start + self.clock.made * self.step + self.within
             self.records.examine(time, self.step / self.clock.parts)  # it is a part that passed
@@ -173,19 +169,19 @@ class MasslessBoundaryScheme:
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
         number = int(self.clock.number)
-        if status == STIFF:
+        if status == RunStatus.STIFF:
             return (
                 f"contact {self._system.contact_name(self.work.table.law[number])} closes in a direction in which "
                 "neither body has any compliance: use more modes, or MoreauJean or EventDriven"
             )
-        if status == TOO_LONG:
+        if status == RunStatus.TOO_LONG:
             return self._limit()
-        if status == OUT_OF_RANGE:
+        if status == RunStatus.OUT_OF_RANGE:
             return out_of_range(self._compliance, number, self._system.names[number])
-        if status == UNSETTLED:
-            return "the forces of the elastic laws of contacts do not settle to one part in a billion: shorten the step"
+        if status == RunStatus.UNSETTLED:
+            return RunStatus.UNSETTLED.sentence
         message = contact_trouble(self.work, self._rescue, status, number, self._settings.tolerance, time)
-        if message and status == SOLVER_FAILED:
+        if message and status == RunStatus.SOLVER_FAILED:
             message += (
                 "; if more contacts close at a time than there are static modes, lower dynamic_modes or reduce the "
                 "bodies to more modes"

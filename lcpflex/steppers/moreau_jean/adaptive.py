@@ -31,11 +31,12 @@ from lcpflex.steppers.adaptive import (
 from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
-from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
+from lcpflex.steppers.moreau_jean.step import Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.several_motions import SeveralMotions
-from lcpflex.steppers.stepping_run import DONE, GROW, GROW_TAPE, NOT_FINITE, TAPE_FULL, contact_trouble
+from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.stepping_run import contact_trouble
 from lcpflex.steppers.system import System
 from lcpflex.steppers.unmet import closed_pairs, first_unmet
 
@@ -61,17 +62,17 @@ def advance_adaptive(
         ended = t >= limits.duration
         if clock.due <= t or (ended and clock.due < math.inf):
             if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
-                return TAPE_FULL
+                return RunStatus.TAPE_FULL
             clock.number = record(model, clock.recent, t, q, u, work, tape)
             if clock.number > len(tape.table.key):
-                return GROW_TAPE
+                return RunStatus.GROW_TAPE
             clock.due = math.inf if ended else t + limits.interval
         if ended or clock.steps >= last_step:
-            return DONE
+            return RunStatus.DONE
         h = next_length(model, limits, clock)
         alone = h <= limits.shortest  # not controlled
         put_by(q, u, work, tape, kept)
-        status = DONE
+        status: int = RunStatus.DONE
         for part in range(3):
             if alone and part > 0:
                 break
@@ -87,20 +88,20 @@ def advance_adaptive(
             status = whole_step(
                 model, scaled, now, kept.long_q if trial else q, kept.long_u if trial else u, work, tape, clock
             )
-            if status != DONE:
+            if status != RunStatus.DONE:
                 break
             if trial:
                 put_back(q, u, work, tape, kept)
         error = math.inf
         closing = (0.0, 0.0, 0.0)
-        if status == DONE:
+        if status == RunStatus.DONE:
             error = 0.0 if alone else doubling_error(limits, q, u, kept)
         if error <= 1.0 and not alone:
             share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
             if share < 0.0:
                 put_back(q, u, work, tape, kept)
                 clock.number = -share
-                return GROW_TAPE
+                return RunStatus.GROW_TAPE
             if (1.0 - share) * h > limits.shortest:
                 put_back(q, u, work, tape, kept)
                 end_there(limits, clock, h, share)
@@ -111,8 +112,8 @@ def advance_adaptive(
             # one that has gone far beyond what it closed with
             late = max(closing[0] - clock.deepest, unmet(model, q, work.laws, tape.table))
             error = max(error, late / position_tolerance(limits, q))
-        if status == GROW or (alone and status != DONE):
-            if status != NOT_FINITE:
+        if status == RunStatus.GROW or (alone and status != RunStatus.DONE):
+            if status != RunStatus.NOT_FINITE:
                 put_back(q, u, work, tape, kept)
             return status
         if not error <= 1.0:
@@ -125,7 +126,7 @@ def advance_adaptive(
         clock.stopped = work.stopped
         after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)
         if not take_note(model, clock.time, q, u, work):
-            return OUT_OF_RANGE
+            return RunStatus.OUT_OF_RANGE
 
 
 class ControlledMoreauJean:
@@ -180,6 +181,6 @@ class ControlledMoreauJean:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        if status == OUT_OF_RANGE:
+        if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self._system.names, self.work)
         return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)

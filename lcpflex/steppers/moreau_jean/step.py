@@ -41,12 +41,11 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
-from lcpflex.steppers.stepping_run import DONE, GROW, NOT_FINITE, SOLVER_FAILED
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [
-    "OUT_OF_RANGE",
     "Settings",
     "correct",
     "grown",
@@ -56,7 +55,6 @@ __all__ = [
     "whole_step",
 ]
 
-OUT_OF_RANGE = 6  # what a loop returns beside the reasons of all
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
 
 
@@ -243,15 +241,15 @@ def whole_step(
     """One step of length ``settings.step`` in place; DONE, or why not, which clock.number explains."""
     clock.number = predict(model, settings, t, q, u, work)
     if clock.number > len(work.table.key):
-        return GROW
+        return RunStatus.GROW
     recall_basis(work)
     clock.number = solve_lcp(work)
     if clock.number != 0 or not work.certified <= settings.tolerance:
-        return SOLVER_FAILED
+        return RunStatus.SOLVER_FAILED
     remember_basis(work)
     if not correct(model, settings, t, q, u, work, tape):
-        return NOT_FINITE
-    return DONE
+        return RunStatus.NOT_FINITE
+    return RunStatus.DONE
 
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:

@@ -32,14 +32,15 @@ from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
 from lcpflex.steppers.moreau_jean.adaptive import ControlledMoreauJean
-from lcpflex.steppers.moreau_jean.step import OUT_OF_RANGE, Settings, grown, record, spots_of, whole_step
-from lcpflex.steppers.passing import PASSED, may_pass, set_out
+from lcpflex.steppers.moreau_jean.step import Settings, grown, record, spots_of, whole_step
+from lcpflex.steppers.passing import may_pass, set_out
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import Scales, scales_of
 from lcpflex.steppers.several_motions import SeveralMotions
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
-from lcpflex.steppers.stepping_run import DONE, GROW_TAPE, TAPE_FULL, AdaptiveRun, FixedRun, contact_trouble
+from lcpflex.steppers.stepping_run import AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
 
 __all__ = ["MoreauJean"]
@@ -68,22 +69,22 @@ def advance(
         t = start + clock.made * settings.step
         if clock.made % stride == 0 and clock.stored != clock.made:
             if tape.n_instants >= len(tape.times) or tape.n_points + spots_of(work) > len(tape.spots):
-                return TAPE_FULL
+                return RunStatus.TAPE_FULL
             clock.number = record(model, settings.step, t, q, u, work, tape)
             if clock.number > len(tape.table.key):
-                return GROW_TAPE
+                return RunStatus.GROW_TAPE
             clock.stored = clock.made
         if clock.made >= last:
-            return DONE
+            return RunStatus.DONE
         set_out(q, tape)
         status = whole_step(model, settings, t, q, u, work, tape, clock)
-        if status != DONE:
+        if status != RunStatus.DONE:
             return status
         clock.made += 1
         if not take_note(model, t + settings.step, q, u, work):
-            return OUT_OF_RANGE
+            return RunStatus.OUT_OF_RANGE
         if may_pass(model, q, tape):
-            return PASSED
+            return RunStatus.PASSED
 
 
 class MoreauJeanScheme:
@@ -179,7 +180,7 @@ class MoreauJeanScheme:
 
     def trouble(self, status: int, time: float) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        if status == OUT_OF_RANGE:
+        if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self._system.names, self.work)
         return contact_trouble(self.work, self._rescue, status, int(self.clock.number), self._settings.tolerance, time)
 

@@ -15,7 +15,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.passing import PASSED, may_pass, set_out
+from lcpflex.steppers.passing import may_pass, set_out
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.runge_kutta import (
     STAGES,
@@ -36,17 +36,13 @@ from lcpflex.steppers.smooth.memory import (
     note,
 )
 from lcpflex.steppers.smooth.slope import (
-    DONE,
-    GROW,
-    NOT_FINITE,
-    OUT_OF_RANGE,
-    STEP_TOO_SHORT,
     horizon,
     mobility,
     natural_frequency,
     record,
     slope,
 )
+from lcpflex.steppers.status import RunStatus
 
 __all__ = [
     "SmoothSettings",
@@ -144,13 +140,13 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
         found = slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage])
         if found > len(work.table.key):
             memory.detail = found
-            return GROW
+            return RunStatus.GROW
         stage += 1
         if stage == 1:
             limit = horizon(model, memory.y, memory.slopes[0], settings.margin, work, memory)
             if limit < 0.0:
                 memory.detail = -limit
-                return GROW
+                return RunStatus.GROW
             longest = min(longest, limit)
             if not h > 0.0:
                 h = error_norm(memory.y, memory.y, memory.slopes, 1.0, n, settings.rtol, settings.atol)
@@ -169,7 +165,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 share = share_before(model, h, work, memory)
                 if share < 0.0:
                     memory.detail = -share
-                    return GROW
+                    return RunStatus.GROW
                 if NONE_OF_IT < share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
                     shortened = True
                     memory.step = h
@@ -186,11 +182,11 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 memory.step_taken = share * h
                 stalled = memory.step_taken < STALL * max(t, 1e-3 * settings.duration)
                 memory.stalled = memory.stalled + 1 if stalled else 0
-                return STEP_TOO_SHORT if memory.stalled > MOST_STALLS else DONE
+                return RunStatus.STEP_TOO_SHORT if memory.stalled > MOST_STALLS else RunStatus.DONE
             rejected = True
             h *= max(0.1, 0.9 * error**-0.2) if error < math.inf else 0.1
             if h < 1e-14 * max(t, 1e-3 * settings.duration):
-                return STEP_TOO_SHORT
+                return RunStatus.STEP_TOO_SHORT
             stage = 1
 
 
@@ -243,22 +239,22 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     total = 0.0
     for i in range(2 * ndof):
         total += abs(memory.y[i])
-    return DONE if math.isfinite(total) else NOT_FINITE
+    return RunStatus.DONE if math.isfinite(total) else RunStatus.NOT_FINITE
 
 
 @kernel
 def take_note(model: Model, work: Workspace, memory: SmoothMemory) -> int:
     """Let contacts take note of the state y, where a law asks for it; DONE, GROW or OUT_OF_RANGE."""
     if memory.contacts.watched[0] == 0:
-        return DONE
+        return RunStatus.DONE
     found, outside = note(model, memory.time, memory.y, work, memory)
     if found > len(work.table.key):
         memory.detail = found
-        return GROW
+        return RunStatus.GROW
     if outside >= 0:
         memory.detail = outside
-        return OUT_OF_RANGE
-    return DONE
+        return RunStatus.OUT_OF_RANGE
+    return RunStatus.DONE
 
 
 @kernel
@@ -268,33 +264,35 @@ def advance(
     """Runge-Kutta steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing."""
     while True:
         phase = memory.phase
-        status = DONE
+        status: int = RunStatus.DONE
         if phase == STEPPING:
             if memory.time >= settings.duration or memory.steps >= last_step:
-                return DONE
+                return RunStatus.DONE
             status = step(model, settings, work, memory)
-            memory.phase = EMITTING if status == DONE else STEPPING
+            memory.phase = EMITTING if status == RunStatus.DONE else STEPPING
         elif phase == CLOSING:
             add_errors(memory.slopes, memory.step_taken, tape.local)
             status = close_step(model, settings, work, memory, tape)
             memory.phase = NOTING
         elif phase in (NOTING, BEFORE):
             status = take_note(model, work, memory)
-            if status == DONE:
+            if status == RunStatus.DONE:
                 memory.phase = ENDING if phase == NOTING else STARTING
         else:
             t = due(settings, memory)
             if t >= 0.0:
                 status = record(model, t, memory.at, work, memory, tape)
-                if status == DONE:
+                if status == RunStatus.DONE:
                     memory.stored += 1
                     if t >= settings.duration * (1.0 - SAME):
                         memory.stored = -1
-            if status == DONE and phase == EMITTING:
+            if status == RunStatus.DONE and phase == EMITTING:
                 memory.phase = EMITTING if t >= 0.0 else CLOSING
-            elif status == DONE and (t < 0.0 or settings.interval <= 0.0 or memory.stored < 0 or phase == STARTING):
+            elif status == RunStatus.DONE and (
+                t < 0.0 or settings.interval <= 0.0 or memory.stored < 0 or phase == STARTING
+            ):
                 memory.phase = STEPPING
-        if status != DONE:
+        if status != RunStatus.DONE:
             return status
 
 
@@ -347,7 +345,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     found = slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope)
     if found > len(work.table.key):
         memory.detail = found
-        return GROW
+        return RunStatus.GROW
     memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
     if memory.states < len(memory.end):
         memory.frequency = max(memory.frequency, relax(model, h, work, memory))
@@ -357,7 +355,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         memory.end[i] += 0.5 * h * memory.end[ndof + i]
         memory.end[2 * ndof + WORK] += 0.5 * h * work.driving[i] * (memory.end[ndof + i] - memory.y[ndof + i])
     memory.step_taken = h
-    return DONE
+    return RunStatus.DONE
 
 
 @kernel
@@ -371,23 +369,23 @@ def advance_fixed(
     while True:
         if memory.phase != STEPPING:
             status = take_note(model, work, memory)
-            if status != DONE:
+            if status != RunStatus.DONE:
                 return status
             memory.phase = STEPPING
         ended = memory.time >= settings.duration
         if memory.stored != memory.steps + 1 and (ended or memory.steps % settings.stride == 0):
             status = record(model, memory.time, memory.y, work, memory, tape)
-            if status != DONE:
+            if status != RunStatus.DONE:
                 return status
             memory.stored = memory.steps + 1
         if ended or memory.steps >= last_step:
-            return DONE
+            return RunStatus.DONE
         set_out(memory.y[: len(work.free_u)], tape)
         status = step_fixed(model, settings, work, memory)
-        if status == DONE:
+        if status == RunStatus.DONE:
             status = close_step(model, settings, work, memory, tape)
             memory.phase = NOTING
-            if status == DONE and may_pass(model, memory.y[: len(work.free_u)], tape):
-                return PASSED
-        if status != DONE:
+            if status == RunStatus.DONE and may_pass(model, memory.y[: len(work.free_u)], tape):
+                return RunStatus.PASSED
+        if status != RunStatus.DONE:
             return status

@@ -29,7 +29,8 @@ from lcpflex.steppers.smooth.explicit import (
 )
 from lcpflex.steppers.smooth.memory import begun
 from lcpflex.steppers.smooth.run import SmoothRun
-from lcpflex.steppers.smooth.slope import DONE, GROW, OUT_OF_RANGE, STEP_TOO_SHORT, horizon, record, slope
+from lcpflex.steppers.smooth.slope import horizon, record, slope
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 
 __all__ = ["StiffRun"]
@@ -111,7 +112,7 @@ class StiffRun(SmoothRun):
             if found <= len(self._work.table.key):
                 return memory.slope.copy()
             memory.detail = found
-            self._handle(GROW)
+            self._handle(RunStatus.GROW)
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """d(dy/dt)/dy by differences; the quadratures have no influence on anything.
@@ -148,7 +149,7 @@ class StiffRun(SmoothRun):
             # before a jump a step may fall short, time after time: the next one over it is taken as it is
             self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
-            return self._handle(STEP_TOO_SHORT)
+            return self._handle(RunStatus.STEP_TOO_SHORT)
         tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self.system.q)])
         self.records.tape.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
         length = float(self._ode.t) - begin
@@ -210,7 +211,7 @@ class StiffRun(SmoothRun):
             if found >= 0:
                 return found == 1
             memory.detail = -found
-            self._handle(GROW)
+            self._handle(RunStatus.GROW)
 
     def _note(self) -> tuple[str, bool]:
         """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
@@ -218,12 +219,12 @@ class StiffRun(SmoothRun):
         feature, loading = contacts.feature.copy(), contacts.loading.copy()
         while True:
             status = int(self._take_note(self.system.model, self._work, self._memory))
-            if status != GROW:
+            if status != RunStatus.GROW:
                 break
-            self._handle(GROW)
+            self._handle(RunStatus.GROW)
         begun = ((feature == FREE) & (contacts.feature != FREE)).any()
         turned = contacts.turns.any() and (loading != contacts.loading).any()
-        return self._handle(OUT_OF_RANGE) if status == OUT_OF_RANGE else "", bool(begun or turned)
+        return self._handle(RunStatus.OUT_OF_RANGE) if status == RunStatus.OUT_OF_RANGE else "", bool(begun or turned)
 
     def _ahead(self) -> float:
         """Longest step from the present state that passes over no contact."""
@@ -235,7 +236,7 @@ class StiffRun(SmoothRun):
             if limit >= 0.0:
                 return limit
             memory.detail = -limit
-            self._handle(GROW)
+            self._handle(RunStatus.GROW)
             self._rate(self.time, memory.y)  # the larger memory needs the factors of this state
 
     def _due(self, end: float) -> float:
@@ -263,7 +264,7 @@ class StiffRun(SmoothRun):
         while True:
             memory.at[:] = y
             status = self._record(self.system.model, t, memory.at, self._work, memory, self.records.tape)
-            if status == DONE:
+            if status == RunStatus.DONE:
                 memory.stored += 1
                 return
             self._handle(status)

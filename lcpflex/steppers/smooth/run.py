@@ -9,7 +9,6 @@ from typing import Any
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
-from lcpflex.steppers.passing import PASSED
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.smooth.explicit import (
     STEPPING,
@@ -20,14 +19,7 @@ from lcpflex.steppers.smooth.explicit import (
 from lcpflex.steppers.smooth.memory import (
     smooth_memory,
 )
-from lcpflex.steppers.smooth.slope import (
-    DONE,
-    GROW,
-    GROW_TAPE,
-    NOT_FINITE,
-    OUT_OF_RANGE,
-    TAPE_FULL,
-)
+from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import UNSTORED, Sampling
 from lcpflex.steppers.system import System
 
@@ -94,8 +86,8 @@ class SmoothRun:
             status = self._advance(
                 self.system.model, self._settings, self._work, self._memory, self.records.tape, target
             )
-            message = "" if status == DONE else self._handle(status)
-            if message or status == DONE:
+            message = "" if status == RunStatus.DONE else self._handle(status)
+            if message or status == RunStatus.DONE:
                 self._warn()
                 return message
 
@@ -106,22 +98,20 @@ class SmoothRun:
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
         detail = int(self._memory.detail)
-        if status == PASSED:
+        if status == RunStatus.PASSED:
             self.records.examine(self.time, self._memory.step_taken)
-        elif status == TAPE_FULL:
+        elif status == RunStatus.TAPE_FULL:
             self.records.empty()
-        elif status == GROW_TAPE:
+        elif status == RunStatus.GROW_TAPE:
             self.records.grow(detail)
-        elif status == GROW:
+        elif status == RunStatus.GROW:
             span = self._work.span
             self._work = self.system.workspace(2 * detail)
             self._work.span[:] = span
-        elif status == OUT_OF_RANGE:
+        elif status == RunStatus.OUT_OF_RANGE:
             return too_deep(self.system.names, self._memory.contacts, detail)
-        elif status == NOT_FINITE:
-            return "the state is no longer finite: the step is too long for the forces of this scene"
         else:
-            return "no step is short enough: the forces are not smooth, or the state grows without bound"
+            return RunStatus(status).sentence
         return ""
 
 
@@ -159,7 +149,7 @@ class FixedRun(SmoothRun):
         try:
             while True:
                 status = self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target)
-                if status != PASSED:
+                if status != RunStatus.PASSED:
                     return int(status)
         finally:
             self._work.span[:] *= 2.0

@@ -42,17 +42,10 @@ from lcpflex.steppers.smooth.memory import (
     WORK,
     SmoothMemory,
 )
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["horizon", "mobility", "natural_frequency", "record", "slope"]
 
-# what compiled loops return
-DONE = 0
-TAPE_FULL = 1
-GROW = 2
-GROW_TAPE = 3
-NOT_FINITE = 4
-STEP_TOO_SHORT = 5
-OUT_OF_RANGE = 6
 
 TURN = 0.25  # [rad] in a step
 ONSET = 0.5  # of the time in which a contact would reach its largest indentation: how far a step may go into it
@@ -279,17 +272,17 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
     if tape.n_instants >= len(tape.times):
-        return TAPE_FULL
+        return RunStatus.TAPE_FULL
     needed = store_contacts(model, q, tape)
     n = slope(model, t, y, work, memory, memory.slope)
     if n > len(work.table.key):
         memory.detail = n
-        return GROW
+        return RunStatus.GROW
     if tape.n_points + n > len(tape.spots) and tape.n_points > 0:
-        return TAPE_FULL
+        return RunStatus.TAPE_FULL
     if needed > len(tape.table.key) or n > len(tape.spots):
         memory.detail = max(needed, n)
-        return GROW_TAPE
+        return RunStatus.GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base + FRICTION]
     tape.counts.lost_impacts = y[base + CONTACT_DAMPING]
@@ -318,4 +311,4 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
         note_contact(tape, law, place, work.table.normal[k], work.p[n_joint + k], force_t, state)
     kinetic, elastic, potential = energies(model, q, u, work)
     store_state(tape, t, q, u, kinetic, elastic + stored, potential)
-    return DONE
+    return RunStatus.DONE

@@ -20,7 +20,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
-from lcpflex.steppers.stepping_run import SOLVER_FAILED, FixedRun
+from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.stepping_run import FixedRun
 
 # Every path of Lemke ends on a ray, although z = (0, 0, 1/2) is a solution.
 HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0])
@@ -105,7 +106,7 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
         if not failures:
             compiled(*arguments[:-2], 2, arguments[-1])
             failures.append(run.steps)
-            return SOLVER_FAILED
+            return RunStatus.SOLVER_FAILED
         return int(compiled(*arguments))
 
     run.scheme._advance = fails_once
