@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import os
 import reprlib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +22,6 @@ __all__ = [
     "StepError",
     "as_number",
     "in_range",
-    "nearest",
     "path_of",
     "shown",
     "writable_path",
@@ -152,15 +150,6 @@ def in_range(name: str, value: Any, low: float, high: float, *, open_ends: bool 
     if not (math.isfinite(number) and inside):
         raise ModelError(f"{name}: {shown(value)} was given, {expected}")
     return number
-
-
-def nearest(given: str, known: Iterable[str]) -> str:
-    """``" (did you mean 'pendulum'?)"`` for 'pendulm' among known names; empty where none is near."""
-    from difflib import get_close_matches
-
-    plain = {name.lower().replace("_", "-"): name for name in known}
-    found = get_close_matches(given.lower().replace("_", "-"), plain, n=1)
-    return f" (did you mean {plain[found[0]]!r}?)" if found else ""
 
 
 def path_of(name: str, value: Any) -> Path:

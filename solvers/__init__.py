@@ -7,11 +7,9 @@ Cottle, Pang & Stone, *The Linear Complementarity Problem*. Every solver is a fr
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-if __name__ != "lcpflex.solvers":
-    raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
+from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto, solve_lcp
@@ -39,6 +37,9 @@ if TYPE_CHECKING:
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.solvers.user_solver import OwnSolver
+
+if __name__ != "lcpflex.solvers":
+    raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
 
 __all__ = [
     "Auto",
@@ -77,52 +78,4 @@ __all__ = [
     "solve_lcp",
 ]
 
-_HOME = {
-    "Auto": "lcpflex.solvers.auto",
-    "BlockGaussSeidel": "lcpflex.solvers.contact.block_gauss_seidel",
-    "BoxedLcp": "lcpflex.solvers.mixed.problems",
-    "ContactProblem": "lcpflex.solvers.contact.problem",
-    "ConvexFriction": "lcpflex.solvers.contact.cone",
-    "CrossCheck": "lcpflex.solvers.benchmark.comparison",
-    "Enumeration": "lcpflex.solvers.lcp.enumeration",
-    "GaussSeidel": "lcpflex.solvers.lcp.gauss_seidel",
-    "Lcp": "lcpflex.solvers.problem",
-    "Lemke": "lcpflex.solvers.lcp.lemke",
-    "MinMapNewton": "lcpflex.solvers.lcp.newton",
-    "MixedLcp": "lcpflex.solvers.mixed.problems",
-    "OwnSolver": "lcpflex.solvers.user_solver",
-    "PrincipalPivoting": "lcpflex.solvers.lcp.principal_pivoting",
-    "QuadraticProgram": "lcpflex.solvers.quadratic_program",
-    "Replay": "lcpflex.solvers.benchmark.replays",
-    "Solution": "lcpflex.solvers.problem",
-    "SpatialContactProblem": "lcpflex.solvers.contact.spatial",
-    "Status": "lcpflex.solvers.problem",
-    "TimeLimit": "lcpflex.solvers.clock",
-    "accept": "lcpflex.solvers.problem",
-    "all_solvers": "lcpflex.solvers.benchmark.comparison",
-    "cross_check": "lcpflex.solvers.benchmark.comparison",
-    "load_fclib": "lcpflex.solvers.benchmark.fclib",
-    "load_problems": "lcpflex.solvers.benchmark.files",
-    "load_siconos": "lcpflex.solvers.benchmark.siconos_files",
-    "load_siconos_contacts": "lcpflex.solvers.benchmark.siconos_files",
-    "load_siconos_lcp": "lcpflex.solvers.benchmark.siconos_files",
-    "load_siconos_mlcp": "lcpflex.solvers.benchmark.siconos_files",
-    "load_text_lcp": "lcpflex.solvers.benchmark.files",
-    "replay": "lcpflex.solvers.benchmark.replays",
-    "save_fclib": "lcpflex.solvers.benchmark.fclib",
-    "save_problems": "lcpflex.solvers.benchmark.files",
-    "solve_lcp": "lcpflex.solvers.auto",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Load a solver at its first use, so that importing the package costs nothing."""
-    if name in _HOME:
-        return getattr(import_module(_HOME[name]), name)
-    from lcpflex.basics.arguments import nearest
-
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}{nearest(name, __all__)}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = attach(__name__)

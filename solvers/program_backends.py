@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import limited, remaining
 from lcpflex.solvers.guard import words_of
@@ -122,23 +123,19 @@ class Program:
         return Answer(z, w, ray, found.iterations, found.said, found.form)
 
     def _boxed(self, backend: str, start: FloatArray | None) -> Answer:
-        import qpsolvers
-
         n = len(self.q)
         M = self.M + RIDGE * np.eye(n) if backend in DEFINITE_ONLY else self.M
         upper = None if (self.upper == np.inf).all() else self.upper
         lower = None if upper is not None and (self.lower == -np.inf).all() else self.lower
-        found = _asked(backend, qpsolvers.Problem(_stored(backend, M), self.q, lb=lower, ub=upper), start)
+        found = _asked(backend, libs.qpsolvers.Problem(_stored(backend, M), self.q, lb=lower, ub=upper), start)
         if isinstance(found, str):
             return Answer.none(n, found)
         ray = _vector(found.extras.get("dual_inf_cert"), n)
         return Answer(_vector(found.x, n), -_vector(found.z_box, n), ray, *_told(backend, found))
 
     def _velocities(self, backend: str, J: FloatArray, start: FloatArray | None) -> Answer:
-        import qpsolvers
-
         n, k = J.shape
-        program = qpsolvers.Problem(_stored(backend, np.eye(k)), np.zeros(k), _stored(backend, -J), self.q)
+        program = libs.qpsolvers.Problem(_stored(backend, np.eye(k)), np.zeros(k), _stored(backend, -J), self.q)
         found = _asked(backend, program, start)
         if isinstance(found, str):
             return Answer.none(n, found)
@@ -156,23 +153,18 @@ def usable(start: FloatArray | None) -> FloatArray | None:
 
 def _stored(backend: str, matrix: FloatArray) -> Any:
     """The matrix as the backend wants it."""
-    import qpsolvers
-    import scipy.sparse
-
-    return scipy.sparse.csc_matrix(matrix) if backend in qpsolvers.sparse_solvers else np.asarray(matrix)
+    return libs.sparse.csc_matrix(matrix) if backend in libs.qpsolvers.sparse_solvers else np.asarray(matrix)
 
 
 def _asked(backend: str, program: Any, start: FloatArray | None) -> Any:
     """The backend's solution, or what it said when it raised an exception."""
-    import qpsolvers
-
     settings = dict(SETTINGS.get(backend, {}))
     if limited() and backend in TIME_LIMITS:
         settings[TIME_LIMITS[backend]] = max(remaining(), 1e-6)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # "solution may be inaccurate": the residual tells how much
         try:
-            return qpsolvers.solve_problem(program, solver=backend, initvals=start, **settings)
+            return libs.qpsolvers.solve_problem(program, solver=backend, initvals=start, **settings)
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:  # each backend has its own, a panic in Rust is no Exception

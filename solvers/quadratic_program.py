@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
@@ -66,10 +67,8 @@ class QuadraticProgram:
 
     def __post_init__(self) -> None:
         keep_settings(self)
-        import qpsolvers
-
-        if not isinstance(self.backend, str) or self.backend not in qpsolvers.available_solvers:
-            installed = ", ".join(sorted(qpsolvers.available_solvers))
+        if not isinstance(self.backend, str) or self.backend not in libs.qpsolvers.available_solvers:
+            installed = ", ".join(sorted(libs.qpsolvers.available_solvers))
             raise ModelError(f"backend is {shown(self.backend)}: expected one of the installed {installed}")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:

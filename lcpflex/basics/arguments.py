@@ -5,7 +5,6 @@ Numbers alone are checked by :func:`lcpflex.errors.in_range`. Every message show
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -13,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
+from lcpflex.basics.names import nearest
 from lcpflex.errors import ModelError, as_number, in_range, shown
 
 __all__ = [
@@ -28,7 +29,6 @@ __all__ = [
     "lines_of",
     "listed",
     "mapping_of",
-    "nearest",
     "numbers",
     "one_of",
     "optional_flag",
@@ -190,9 +190,7 @@ def mapping_of(name: str, value: Any) -> Mapping[str, Any]:
 
 def check_axes(axes: Any, *, needed: bool = False) -> None:
     """Raise ModelError for what is neither axes of matplotlib nor, unless they are needed, None."""
-    from matplotlib.axes import Axes
-
-    if not (isinstance(axes, Axes) or (axes is None and not needed)):
+    if not (isinstance(axes, libs.Axes) or (axes is None and not needed)):
         raise ModelError(f"axes: {shown(axes)} was given, expected Axes of matplotlib{'' if needed else ', or None'}")
 
 
@@ -239,12 +237,3 @@ def listed(names: Iterable[str]) -> str:
         return "(there are none)"
     more = f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
     return ", ".join(shown(name) for name in every[:LISTED]) + more
-
-
-def nearest(value: Any, known: Iterable[str]) -> str:
-    """``: did you mean 'x'?`` where a known name is near; else empty."""
-    if not isinstance(value, str) or len(value) > 100:
-        return ""
-    plain = {name.casefold(): name for name in known if isinstance(name, str)}
-    found = difflib.get_close_matches(value.casefold(), plain, n=1)
-    return f": did you mean {plain[found[0]]!r}?" if found else ""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from lcpflex.basics import libs
+
 __all__ = ["Stopwatch"]
 
 
@@ -12,11 +14,9 @@ class Stopwatch:
     """Counts from when it is made; compiling counts apart, also what is compiled in the midst of computing."""
 
     def __init__(self) -> None:
-        from numba.core import event
-
         watch = self
 
-        class Compiling(event.Listener):  # type: ignore[misc]
+        class Compiling(libs.numba_event.Listener):  # type: ignore[misc]
             def on_start(self, event: Any) -> None:
                 watch._compile_begins()
 
@@ -30,9 +30,7 @@ class Stopwatch:
 
     def started(self) -> None:
         """Computing begins."""
-        from numba.core import event
-
-        event.register("numba:compile", self._listener)
+        libs.numba_event.register("numba:compile", self._listener)
         now = time.perf_counter()
         self._loading, self._began, self._compiling = now - self._began, now, 0.0
 
@@ -42,9 +40,7 @@ class Stopwatch:
 
     def ended(self) -> tuple[float, float]:
         """Time of computing, and of compiling or loading [s]."""
-        from numba.core import event
-
-        event.unregister("numba:compile", self._listener)
+        libs.numba_event.unregister("numba:compile", self._listener)
         return self.so_far()
 
     def _compile_begins(self) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.bodies.body import Body, array_of, named
 from lcpflex.bodies.fem.finite_elements import FiniteElements, rigid_motions
 from lcpflex.bodies.reduction.component_modes import free_interface
@@ -134,15 +135,13 @@ class Matrices:
 
 def _symmetric(name: str, matrix: Any, n: int) -> csc_matrix[Any]:
     """The matrix in compressed columns, exactly symmetric; refuses wrong shapes, NaN and asymmetry."""
-    from scipy.sparse import csc_matrix, issparse
-
     shape = getattr(matrix, "shape", None)
-    if not issparse(matrix):
+    if not libs.sparse.issparse(matrix):
         matrix = array_of(name, matrix, (n, n))
     elif shape != (n, n):
         raise ModelError(f"{name}: a matrix of shape {shape} was given, expected ({n}, {n}), two rows a node")
     try:
-        columns = csc_matrix(matrix, dtype=np.float64, copy=True)
+        columns = libs.sparse.csc_matrix(matrix, dtype=np.float64, copy=True)
     except (TypeError, ValueError) as error:
         raise ModelError(f"{name}: expected a matrix of real numbers ({error})") from None
     if not np.isfinite(columns.data).all():

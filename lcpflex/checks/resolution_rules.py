@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag
 from lcpflex.bodies.body import Body
 from lcpflex.errors import ModelError, as_number, in_range, shown
@@ -195,9 +196,9 @@ def modes_needed(body: Body | HasMesh | HasModes, frequency: float) -> int:
 
 def _negative_pivots(matrix: Any) -> int:
     """Negative eigenvalues of a sparse symmetric matrix: pivots of its L D L^T, with pivoting on the diagonal only."""
-    from scipy.sparse.linalg import splu
-
-    factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    factors = libs.splu(
+        matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
     return int(np.count_nonzero(factors.U.diagonal() < 0.0))
 
 

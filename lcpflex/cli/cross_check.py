@@ -8,8 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from lcpflex.basics import libs
+from lcpflex.basics.names import meant
+from lcpflex.cli import later
 from lcpflex.cli.reading import called, check_picture, in_file, load_named
-from lcpflex.errors import ModelError, nearest, writable_path
+from lcpflex.errors import ModelError, writable_path
 
 __all__ = ["add_cross_check"]
 
@@ -35,23 +38,16 @@ def add_cross_check(commands: Any) -> None:
 
 def _cross_check(request: argparse.Namespace) -> int:
     """One problem: who solves it, and how well. Many: the sums of each solver. 1 if a claim was wrong."""
-    from tqdm import tqdm
-
-    from lcpflex.solvers.arguments import check_repeats
-    from lcpflex.solvers.benchmark.replays import replay
-    from lcpflex.solvers.clock import check_time_limit
-    from lcpflex.solvers.limits import check_tolerance
-
     check_picture("--plot", request.plot)
     if request.csv is not None:
         writable_path("--csv", request.csv)
     if request.tolerance is not None:
-        check_tolerance(request.tolerance)
-    check_time_limit("--time-limit", request.time_limit)
-    check_repeats(request.repeats)
+        later.check_tolerance(request.tolerance)
+    later.check_time_limit("--time-limit", request.time_limit)
+    later.check_repeats(request.repeats)
     problems, solvers = _problems(request.file, request.index), _solvers(request.solver)
-    with tqdm(total=len(problems), desc="solving", unit="problem", leave=False, disable=None) as bar:
-        sums = replay(
+    with libs.tqdm(total=len(problems), desc="solving", unit="problem", leave=False, disable=None) as bar:
+        sums = later.replay(
             problems,
             solvers,
             request.repeats,
@@ -74,17 +70,13 @@ def _cross_check(request: argparse.Namespace) -> int:
 
 def _problems(path: Path, index: int | None) -> list[Any]:
     """The problems of a file with their names, read by its suffix; only the one asked for."""
-    from lcpflex.solvers.benchmark import files
-
     suffix = path.suffix.lower()
     if suffix == ".npz":
-        problems = files.load_problems(path)
+        problems = later.load_problems(path)
     elif suffix in (".dat", ".txt"):
-        problems = [files.Recorded(path.name, _text(path))]
+        problems = [later.Recorded(path.name, _text(path))]
     elif suffix in (".hdf5", ".h5"):
-        from lcpflex.solvers.benchmark.fclib import load_fclib
-
-        problems = [files.Recorded(path.name, load_fclib(path))]
+        problems = [later.Recorded(path.name, later.load_fclib(path))]
     else:
         raise ModelError(f"FILE: {str(path)[-80:]!r}; expected a name that ends in one of {', '.join(SUFFIXES)}")
     if index is None:
@@ -98,35 +90,29 @@ def _problems(path: Path, index: int | None) -> list[Any]:
 
 def _text(path: Path) -> Any:
     """The problem of a text file: of the plain forms, else of those of Siconos."""
-    from lcpflex.solvers.benchmark.files import load_text_lcp
-    from lcpflex.solvers.benchmark.siconos_files import load_siconos
-
     try:
-        return load_text_lcp(path)
+        return later.load_text_lcp(path)
     except ModelError as plain:
         try:
-            return load_siconos(path)
+            return later.load_siconos(path)
         except ModelError as other:
             raise ModelError(f"{str(plain)[:230]}; or, of Siconos, {str(other)[:230]}") from other
 
 
 def _solvers(names: Sequence[str] | None) -> dict[str, Any]:
     """The solvers asked for, or all; a name without its backend stands for all of them, a:b for an object of a."""
-    from lcpflex.solvers.benchmark.comparison import all_solvers
-    from lcpflex.solvers.user_solver import as_solver
-
-    known = all_solvers()
+    known = later.all_solvers()
     if names is None:
         return known
     chosen: dict[str, Any] = {}
     for name in names:
         if ":" in name:
-            chosen[name] = as_solver(_object(name), name=name)
+            chosen[name] = later.as_solver(_object(name), name=name)
             continue
         found = {key: solver for key, solver in known.items() if name in (key, key.partition("(")[0])}
         if not found:
             known_names = ", ".join(known)
-            near = nearest(name[:60], [*known, *(key.partition("(")[0] for key in known)])
+            near = meant(name[:60], [*known, *(key.partition("(")[0] for key in known)])
             raise ModelError(
                 f"--solver: no solver {name[:60]!r}{near}; expected one of {known_names}, or "
                 "file.py:name or module:name"

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from lcpflex.errors import nearest
+from lcpflex.basics.names import meant
 
 __all__ = ["Parser"]
 
@@ -23,7 +23,7 @@ class Parser(argparse.ArgumentParser):
             return
         choices = [str(choice) for choice in action.choices]
         text = str(value)[:LONGEST]
-        raise argparse.ArgumentError(action, f"{text!r}{nearest(text, choices)}; expected one of {', '.join(choices)}")
+        raise argparse.ArgumentError(action, f"{text!r}{meant(text, choices)}; expected one of {', '.join(choices)}")
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
         """As always, but for options that are not known, each told with the nearest one."""
@@ -31,7 +31,7 @@ class Parser(argparse.ArgumentParser):
         request, unknown = self.parse_known_args(words, namespace)
         if unknown:
             options = self._options_for(words)
-            told = [f"{word[:LONGEST]!r}{nearest(word.partition('=')[0][:LONGEST], options)}" for word in unknown]
+            told = [f"{word[:LONGEST]!r}{meant(word.partition('=')[0][:LONGEST], options)}" for word in unknown]
             self.error(f"unrecognized arguments: {', '.join(told)}")
         return request
 

@@ -8,11 +8,13 @@ import sys
 from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
+from lcpflex.basics.names import meant
 from lcpflex.basics.whole_file import whole_file
-from lcpflex.errors import LcpflexError, ModelError, nearest, shown, writable_path
+from lcpflex.errors import LcpflexError, ModelError, shown, writable_path
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +31,7 @@ __all__ = [
     "load_named",
     "methods_named",
     "outputs_named",
+    "save_figure",
 ]
 
 PICTURES = (".png", ".pdf", ".svg")
@@ -87,7 +90,7 @@ def load_named(option: str, text: str) -> Any:
     except AttributeError:
         known = [key for key in vars(module) if not key.startswith("_")]
         raise ModelError(
-            f"{option}: {file[-80:]!r} has no function {name[:40]!r}{nearest(name[:40], known)}; expected one of "
+            f"{option}: {file[-80:]!r} has no function {name[:40]!r}{meant(name[:40], known)}; expected one of "
             f"{', '.join(known)[:200]}"
         ) from None
 
@@ -108,8 +111,6 @@ def _module(path: Path, _changed: int) -> ModuleType:
 
 def called(option: str, text: str, function: Callable[[], Any], expected: str) -> Any:
     """What a function of the user's own returns; what it raises as ModelError, with the line of it."""
-    from traceback import extract_tb
-
     try:
         return function()
     except LcpflexError:
@@ -128,7 +129,7 @@ def outputs_named(option: str, texts: Sequence[str], known: Sequence[str]) -> li
     for text in texts:
         if not in_file(text):
             if text not in known:
-                near = nearest(text[:80], known)
+                near = meant(text[:80], known)
                 raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
             chosen.append(text)
             continue
@@ -154,7 +155,7 @@ def methods_named(option: str, texts: Sequence[str], known: Callable[[], dict[st
             continue
         found = {label: one for label, one in known().items() if _plain(label) == _plain(text)}
         if not found:
-            near = nearest(_plain(text[:80]), map(_plain, known()))
+            near = meant(_plain(text[:80]), map(_plain, known()))
             raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known())}")
         chosen |= found
     return chosen
@@ -199,3 +200,12 @@ def deliver(request: argparse.Namespace, study: Study, success: bool) -> int:
         print("lcpflex: interrupted", file=sys.stderr)
         return 130
     return 0 if success else 1
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a picture whole or not at all; raises ModelError where it cannot be written."""
+    try:
+        with whole_file("path", path) as part:
+            figure.savefig(part, dpi=150)
+    except (OSError, ValueError) as error:
+        raise ModelError(f"path: cannot write {str(path)!r}: {error}") from error

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from lcpflex.cli import later
 from lcpflex.cli.reading import (
     add_files,
     check_files,
@@ -17,6 +17,7 @@ from lcpflex.cli.reading import (
     load_named,
     outputs_named,
 )
+from lcpflex.cli.scenes import scene_named
 from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["add_right_size"]
@@ -25,8 +26,8 @@ TOLERANCE = 1e-2
 LIMIT = 60.0  # wall time of a run [s]
 
 
-def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None, Any]]) -> None:
-    """Add the command to the subparsers; ``load`` makes scene, duration and stepper of the text that names a scene."""
+def add_right_size(commands: Any) -> None:
+    """Add the command to the subparsers."""
     command = commands.add_parser(
         "right-size",
         help="the smallest bodies that will do: rigid, a few modes, or the full mesh",
@@ -48,33 +49,31 @@ def add_right_size(commands: Any, load: Callable[[str], tuple[Any, float | None,
                          "that makes one")  # fmt: skip
     command.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
                          help=f"leave out what takes longer for one run (default: {LIMIT:g})")  # fmt: skip
-    command.set_defaults(command=lambda request: _right_size(request, load))
+    command.set_defaults(command=_right_size)
 
 
-def _right_size(request: argparse.Namespace, load: Callable[[str], tuple[Any, float | None, Any]]) -> int:
+def _right_size(request: argparse.Namespace) -> int:
     """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
-    from lcpflex.studies.model_order.right_size import right_size
-    from lcpflex.studies.model_order.scenes import known_outputs
-
     check_files(request)
     in_range("--tolerance", request.tolerance, 0.0, 1.0, open_ends=True)
     in_range("--limit", request.limit, 0.0, math.inf, open_ends=True)
     given = _stepper(request)
-    outputs = outputs_named("--quantity", request.quantity or (), known_outputs())
-    scene, duration, stepper = load(request.scene)
+    outputs = outputs_named("--quantity", request.quantity or (), later.known_outputs())
+    scene, duration, stepper = scene_named(request.scene)
     duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
     case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
-    found = right_size(case, outputs or None, request.tolerance, duration=duration, stepper=given, limit=request.limit)
+    found = later.right_size(
+        case, outputs or None, request.tolerance, duration=duration, stepper=given, limit=request.limit
+    )
     return deliver(request, found, found.within)
 
 
 def _stepper(request: argparse.Namespace) -> Any:
     """The stepper asked for: Moreau-Jean with a step, or what a file of the user's own has; None where none is."""
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
     if request.stepper is None:
-        return None if request.step is None else MoreauJean(step=in_range("--step", request.step, 0.0, math.inf,
-                                                                          open_ends=True))  # fmt: skip
+        if request.step is None:
+            return None
+        return later.MoreauJean(step=in_range("--step", request.step, 0.0, math.inf, open_ends=True))
     if request.step is not None:
         raise ModelError("--step: given with --stepper, which has its own; expected one of them")
     if not in_file(request.stepper):

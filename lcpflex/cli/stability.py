@@ -13,9 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.names import meant
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.cli import later
 from lcpflex.cli.reading import check_picture, in_file, load_named, outputs_named
-from lcpflex.errors import ModelError, in_range, nearest, shown, writable_path
+from lcpflex.cli.scenes import case_or_function
+from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.studies.outcome import Criteria
 from lcpflex.studies.outputs import known_outputs
 
@@ -33,11 +36,8 @@ STEPPED = "moreau-jean"
 STEP = 1e-4  # of methods where neither an axis nor the scene's own stepper gives one [s]
 
 
-def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
-    """Add the command to the subparsers ``commands``; ``find`` turns SCENE into a Case or a function that builds one.
-
-    ``find`` raises ModelError for a scene that is not there.
-    """
+def add_stability(commands: Any) -> None:
+    """Add the command to the subparsers."""
     command = commands.add_parser(
         "stability",
         help="map where in a plane of two parameters the methods work and how they fail elsewhere",
@@ -72,12 +72,10 @@ def add_stability(commands: Any, find: Callable[[str], Any]) -> None:
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="computing time of a cell; default: none")
     command.add_argument("--plot", type=Path, metavar="FILE", help="write the map to this png, pdf or svg file")
     command.add_argument("--csv", type=Path, metavar="FILE", help="write every cell to this file")
-    command.set_defaults(command=lambda request: _run(request, find))
+    command.set_defaults(command=_run)
 
 
-def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
-    from lcpflex.studies.stability_maps.study import stability
-
+def _run(request: argparse.Namespace) -> int:
     check_picture("--plot", request.plot)
     if request.csv is not None:
         writable_path("--csv", request.csv)
@@ -90,7 +88,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     tolerance = Criteria().error if request.tolerance is None else request.tolerance
     criteria = Criteria(error=in_range("--tolerance", tolerance, 0.0, 1.0, open_ends=True))
     quantities = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
-    scene = find(request.scene)
+    scene = case_or_function(request.scene)
     if not (callable(scene) or hasattr(scene, "build")):
         raise ModelError(
             f"SCENE: {shown(request.scene)} is {shown(scene)}; expected a Case or a function that builds a scene"
@@ -113,7 +111,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     if request.x is None and "step" not in axes:
         axes = {"step": _default_steps(scene, request.duration), **axes}
     _check_size(axes, methods)
-    found = stability(
+    found = later.stability(
         scene, methods, axes, request.duration, criteria=criteria, truth=truth, outputs=quantities or None,
         time_limit=request.time_limit,
     )  # fmt: skip
@@ -138,7 +136,7 @@ def _method(option: str, text: str, known: Mapping[str, Any]) -> Any:
     """The method of that name, or the stepper or function of a file of the user's own."""
     if not in_file(text):
         if text not in known:
-            near = nearest(text[:80], known)
+            near = meant(text[:80], known)
             raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
         return known[text]
     found = load_named(option, text)
@@ -169,40 +167,27 @@ def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
 
 
 def _moreau_jean(step: float, theta: float = 0.5) -> Any:
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
-    return MoreauJean(step=step, theta=theta)
+    return later.MoreauJean(step=step, theta=theta)
 
 
 def _event_driven(step: float = math.inf, rtol: float = 1e-8) -> Any:
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-
-    return EventDriven(rtol=rtol, max_step=step)
+    return later.EventDriven(rtol=rtol, max_step=step)
 
 
 def _generalized_alpha(step: float, rho_inf: float = 0.8) -> Any:
-    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-
-    return GeneralizedAlpha(step=step, rho_inf=rho_inf)
+    return later.GeneralizedAlpha(step=step, rho_inf=rho_inf)
 
 
 def _massless_boundary(step: float, dynamic_modes: float | None = None) -> Any:
-    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
-
-    return MasslessBoundary(step=step, dynamic_modes=None if dynamic_modes is None else round(dynamic_modes))
+    return later.MasslessBoundary(step=step, dynamic_modes=None if dynamic_modes is None else round(dynamic_modes))
 
 
 def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
-    from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.steppers.smooth.stepper import Smooth, Verlet
-
-    return Smooth(Penalty(stiffness=stiffness, damping=damping), integrator=Verlet(step))
+    return later.Smooth(later.Penalty(stiffness=stiffness, damping=damping), integrator=later.Verlet(step))
 
 
 def _acceleration_level(scene: Any) -> Any:
-    from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
-
-    return acceleration_level(scene)
+    return later.acceleration_level(scene)
 
 
 def _axis(option: str, text: str, owners: Sequence[Callable[..., Any]]) -> tuple[str, list[Any]]:

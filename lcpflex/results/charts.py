@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.chart_words import stepper_words, told_apart
@@ -33,13 +34,11 @@ def plot(result: Result) -> Figure:
 
     Of many contacts those with the largest normal impulses are shown.
     """
-    from matplotlib.figure import Figure
-
     if not result.times.size:
         raise ModelError("result: it holds no instant; expected at least one")
     order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
     panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
-    figure = Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
+    figure = libs.Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for panel, ax in zip(panels, axes, strict=True):
         panel(ax, result, order)

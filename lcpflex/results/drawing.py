@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.results.result import world_places
 
@@ -61,27 +62,26 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
 
 def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
     """Deformed outlines, with their holes left open, and discs of all bodies at the configuration q (ndof,)."""
-    from matplotlib.patches import Circle, PathPatch
-    from matplotlib.path import Path
-
     model = compiled.model
     for ids, thin in _stars(compiled):
         _draw_star(ax, compiled, q, ids, thin)
-    loops: dict[int, list[Path]] = {}
+    loops: dict[int, list[libs.Path]] = {}
     for body, points, closed in compiled.layout.outlines:
         if body >= 0:
             xy = world_places(model, q, points)
             if closed:
                 xy = np.vstack([xy, xy[:1]])
-                loops.setdefault(body, []).append(Path(xy, closed=True))
+                loops.setdefault(body, []).append(libs.Path(xy, closed=True))
             ax.plot(xy[:, 0], xy[:, 1], color=_BODY, linewidth=1.2, solid_joinstyle="round")
     for paths in loops.values():  # a hole runs around the other way: it is left open
-        ax.add_patch(PathPatch(Path.make_compound_path(*paths), facecolor=_BODY, alpha=0.2, edgecolor="none"))
+        ax.add_patch(libs.PathPatch(libs.Path.make_compound_path(*paths), facecolor=_BODY, alpha=0.2, edgecolor="none"))
     for point, radius in compiled.layout.circles:
         body = int(model.points.body[point])
         if body >= 0:
             x, y = world_places(model, q, np.array([point]))[0]
-            ax.add_patch(Circle((x, y), radius, facecolor=(0.0, 0.447, 0.698, 0.2), edgecolor=_BODY, linewidth=1.2))
+            ax.add_patch(
+                libs.Circle((x, y), radius, facecolor=(0.0, 0.447, 0.698, 0.2), edgecolor=_BODY, linewidth=1.2)
+            )
             angle = q[model.bodies.dof[body] + 2]
             spoke = (x + radius * np.cos(angle), y + radius * np.sin(angle))
             ax.plot([x, spoke[0]], [y, spoke[1]], color=_BODY, linewidth=0.8)
@@ -184,19 +184,16 @@ def _draw_arc(ax: Axes, compiled: Compiled, q: FloatArray, f: int, body: int, ad
 
 def _draw_sides(ax: Axes, ends: FloatArray, view: View, on_ground: bool) -> None:
     """Straight sides (k, 2, 2) of a chain, hatched on the solid side if it is the ground's, filled if a closed body."""
-    from matplotlib.collections import LineCollection
-    from matplotlib.patches import Polygon
-
     if not len(ends):
         return
     ax.add_collection(
-        LineCollection(list(ends), colors=_GROUND if on_ground else _BODY, linewidths=1.2, capstyle="round")
+        libs.LineCollection(list(ends), colors=_GROUND if on_ground else _BODY, linewidths=1.2, capstyle="round")
     )
     if on_ground:
         for a, b in ends:
             _hatch(ax, a, b, view)
     elif len(ends) > 2 and np.array_equal(ends[1:, 0], ends[:-1, 1]) and np.array_equal(ends[0, 0], ends[-1, 1]):
-        ax.add_patch(Polygon(ends[:, 0], facecolor=_BODY, alpha=0.2, edgecolor="none"))
+        ax.add_patch(libs.Polygon(ends[:, 0], facecolor=_BODY, alpha=0.2, edgecolor="none"))
 
 
 def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
@@ -275,8 +272,6 @@ def _draw_half_plane(ax: Axes, a: FloatArray, b: FloatArray, view: View, colour:
 
 def _hatch(ax: Axes, a: FloatArray, b: FloatArray, view: View) -> None:
     """Short strokes on the solid side of a segment, its left."""
-    from matplotlib.collections import LineCollection
-
     picture = max(view[1] - view[0], view[3] - view[2])
     length = float(np.hypot(*(b - a)))
     if length == 0.0:
@@ -284,4 +279,4 @@ def _hatch(ax: Axes, a: FloatArray, b: FloatArray, view: View) -> None:
     along = (b - a) / length
     stroke = 0.015 * picture * (np.array([-along[1], along[0]]) - along)
     feet = [a + along * s for s in np.arange(0.5, min(length / (0.025 * picture), 400.0)) * 0.025 * picture]
-    ax.add_collection(LineCollection([(foot, foot + stroke) for foot in feet], colors=_GROUND, linewidths=0.6))
+    ax.add_collection(libs.LineCollection([(foot, foot + stroke) for foot in feet], colors=_GROUND, linewidths=0.6))

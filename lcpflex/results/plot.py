@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import check_axes
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, as_number, in_range, shown, writable_path
@@ -46,8 +47,6 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     ``axes`` draws into axes of your own.
     Raises ModelError for a time outside the simulation and for systems without a scene.
     """
-    from matplotlib.figure import Figure
-
     compiled = _scene_of(result)
     t, given = as_number(t), t
     check_axes(axes)
@@ -59,7 +58,7 @@ def draw(result: Result, t: float, axes: Axes | None = None) -> Figure:
     view = view_of(result, compiled, np.array([record]))
     view = _with_room(view, arrow_tips(result, compiled, record, view, scale))
     if axes is None:
-        axes = Figure(figsize=_figure_size(view), layout="constrained").subplots()
+        axes = libs.Figure(figsize=_figure_size(view), layout="constrained").subplots()
     _draw_record(axes, result, compiled, record, view, scale)
     _set_out(axes, view)
     axes.set_title(f"t = {result.times[record]:.6g} s", fontsize="medium", loc="left")
@@ -74,16 +73,12 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
     all others invisible; longer arrows are cut. Raises ModelError for another ending, a missing ffmpeg, or an
     unwritable path.
     """
-    from matplotlib import animation
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     compiled = _scene_of(result)
     target = writable_path("path", path)
     ending = target.suffix.lower()
     if ending not in (".gif", ".mp4"):
         raise ModelError(f"path: {str(target)!r}; expected a name that ends in .gif or .mp4")
-    if ending == ".mp4" and not animation.FFMpegWriter.isAvailable():
+    if ending == ".mp4" and not libs.animation.FFMpegWriter.isAvailable():
         raise ModelError(f"path: {str(target)!r} needs ffmpeg, which is not installed; install it or expect .gif")
     fps = in_range("fps", fps, *RATES)
     if slowdown is not None:
@@ -96,8 +91,8 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
         raise ModelError(f"{given} make a film of {frames:.3g} pictures, expected at most {MOST_FRAMES}")
     records, slower = _frames(result.times, fps, slowdown)
     view = view_of(result, compiled, records)
-    figure = Figure(figsize=_figure_size(view), dpi=80, layout="constrained")
-    canvas: Any = FigureCanvasAgg(figure)
+    figure = libs.Figure(figsize=_figure_size(view), dpi=80, layout="constrained")
+    canvas: Any = libs.FigureCanvasAgg(figure)
     axes = figure.subplots()
     scale = usual_force(result)
     _set_out(axes, view)
@@ -114,7 +109,7 @@ def animate(result: Result, path: str | os.PathLike[str], fps: float = 25.0, slo
         if ending == ".gif":
             _write_gif(part, canvas, axes, records, fps, paint)
         else:
-            writer = animation.FFMpegWriter(fps=fps)  # type: ignore[arg-type]
+            writer = libs.animation.FFMpegWriter(fps=fps)  # type: ignore[arg-type]
             with writer.saving(figure, str(part), dpi=80):
                 for record in records:
                     with _passing(axes):
@@ -127,8 +122,6 @@ def _write_gif(
     target: Path, canvas: Any, axes: Axes, records: IntArray, fps: float, paint: Callable[[int], None]
 ) -> None:
     """Draw the axes once and on a copy of them, for each frame, only what moves: five times as fast as whole frames."""
-    from PIL import Image
-
     empty = canvas.copy_from_bbox(canvas.figure.bbox)
     frames = []
     for record in records:
@@ -137,8 +130,8 @@ def _write_gif(
             paint(int(record))
             for artist in [*sorted(drawn(), key=lambda a: a.get_zorder()), *axes.spines.values()]:
                 axes.draw_artist(artist)
-        picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-        frames.append(picture.quantize(64, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE))
+        picture = libs.image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        frames.append(picture.quantize(64, method=libs.image.Quantize.FASTOCTREE, dither=libs.image.Dither.NONE))
     frames[0].save(target, save_all=True, append_images=frames[1:], duration=round(1000.0 / fps), loop=0)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
@@ -274,7 +275,7 @@ class Result:
         ``contact.gap``; ``energy.kinetic`` and so on. Raises ModelError where pandas is not installed.
         """
         try:
-            import pandas
+            pandas = libs.pandas
         except ImportError as error:
             raise ModelError("to_dataframe() needs pandas, which is not installed: pip install pandas") from error
         columns: dict[str, Any] = {}

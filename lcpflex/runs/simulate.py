@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.stopwatch import Stopwatch
 from lcpflex.checks.axial_loads import with_axial_loads
 from lcpflex.checks.kept_depth import kept_depths
@@ -205,10 +206,8 @@ def _advance_all(
     run: Run, duration: float, progress: bool | None, keeper: Checkpoints | None
 ) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
-    from tqdm import tqdm
-
     # disable=None: shown on a terminal only
-    bar: Any = tqdm(
+    bar: Any = libs.tqdm(
         total=duration, initial=run.time, unit="s", delay=0.0 if progress else 2.0,
         disable=None if progress is None else not progress,
         bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]",

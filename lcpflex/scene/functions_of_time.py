@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.basics.options import is_number, keep_number
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
@@ -83,17 +84,15 @@ class Table:
 
         ``rate``: that of the spline at time 0, if the table begins there and does not say otherwise.
         """
-        from scipy.interpolate import CubicSpline
-
         times, values = np.asarray(self.times), np.asarray(self.values)
         coefficients = np.zeros((times.size, 4))
         if smooth:
-            spline = CubicSpline(times, values)
+            spline = libs.CubicSpline(times, values)
             if rate is not None and times[0] == 0.0 and times.size > 2:
                 off = abs(float(spline(0.0, 1)) - rate)
                 fastest = float(np.abs(np.diff(values) / np.diff(times)).max())
                 if SAME_RATE * fastest < off <= BLURRED_RATE * fastest:
-                    spline = CubicSpline(times, values, bc_type=((1, np.array(rate)), "not-a-knot"))
+                    spline = libs.CubicSpline(times, values, bc_type=((1, np.array(rate)), "not-a-knot"))
             coefficients[:-1] = spline.c.T
         else:
             coefficients[:-1, 2] = np.diff(values) / np.diff(times)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 import lcpflex.solvers
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import text
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -51,9 +52,7 @@ def all_solvers(problem: Any = None) -> dict[str, Any]:
         if not _is_solver(kind):
             continue
         if name == "QuadraticProgram":
-            import qpsolvers
-
-            found |= {f"{name}({b})": kind(backend=b) for b in sorted(qpsolvers.available_solvers)}
+            found |= {f"{name}({b})": kind(backend=b) for b in sorted(libs.qpsolvers.available_solvers)}
         else:
             found[name] = kind()
     if problem is None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import check_axes
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -61,15 +62,13 @@ def draw_profile(names: Sequence[str], times: npt.ArrayLike, axes: Axes | None =
     they solved; those that solved nothing are named at its end. axes: draw into these. Raises ModelError as
     :func:`performance_profile` does, and for another number of names than rows.
     """
-    from matplotlib.figure import Figure
-
     check_axes(axes)
     measured = np.asarray(times, dtype=float)
     performance_profile(measured, np.ones(1))
     if len(names) != len(measured):
         raise ModelError(f"names has {len(names)} entries: expected {len(measured)}, one for each row of times")
     if axes is None:
-        axes = Figure(figsize=(9.0, 4.5), layout="constrained").subplots()
+        axes = libs.Figure(figsize=(9.0, 4.5), layout="constrained").subplots()
     ratios = _ratios(measured)
     known = ratios[np.isfinite(ratios)]
     largest = 1.3 * max(2.0, float(known.max(initial=1.0)))
@@ -110,8 +109,6 @@ def _draw_line(axes: Axes, ratios: FloatArray, largest: float, name: str, look: 
 
 
 def _set_out(axes: Axes, largest: float, without: Sequence[str]) -> None:
-    from matplotlib.lines import Line2D
-
     axes.set_xscale("log", base=2)
     axes.set(xlim=(1.0, largest), ylim=(0.0, 1.02))
     axes.set_xlabel(r"time, in multiples $\tau$ of the fastest solver's")
@@ -121,7 +118,7 @@ def _set_out(axes: Axes, largest: float, without: Sequence[str]) -> None:
     axes.grid(True, linewidth=0.4, alpha=0.5)
     handles = axes.get_legend_handles_labels()[0]
     if without:
-        handles.append(Line2D([], [], linestyle="none", label="nothing:\n" + ",\n".join(without)))
+        handles.append(libs.Line2D([], [], linestyle="none", label="nothing:\n" + ",\n".join(without)))
     axes.legend(
         handles=handles,
         loc="upper left",

@@ -22,6 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy.sparse
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
@@ -183,12 +184,10 @@ class _Program:
 
     def clarabel(self) -> tuple[FloatArray, int, str]:
         """x (m,), the iterations and what Clarabel says of it."""
-        import clarabel
-
         m = len(self.c)
-        cones = [clarabel.NonnegativeConeT(self.smooth)] if self.smooth else []
-        cones += [clarabel.SecondOrderConeT(2)] * ((m - self.smooth) // 2)
-        settings = clarabel.DefaultSettings()
+        cones = [libs.clarabel.NonnegativeConeT(self.smooth)] if self.smooth else []
+        cones += [libs.clarabel.SecondOrderConeT(2)] * ((m - self.smooth) // 2)
+        settings = libs.clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
         if limited():
@@ -200,7 +199,7 @@ class _Program:
             P, A = scipy.sparse.identity(self.B.shape[1], format="csc"), -scipy.sparse.csc_matrix(self.B)
             objective, bound = np.zeros(self.B.shape[1]), self.c
         try:
-            found = clarabel.DefaultSolver(P, objective, A, bound, cones, settings).solve()
+            found = libs.clarabel.DefaultSolver(P, objective, A, bound, cones, settings).solve()
         except (KeyboardInterrupt, SystemExit):
             raise
         except BaseException as error:  # a panic in Rust is no Exception; what it says is passed on

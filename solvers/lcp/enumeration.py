@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
@@ -273,8 +274,6 @@ def _same(z: FloatArray, other: FloatArray) -> bool:
 
 def _on_singular_block(problem: Lcp, code: int, tolerance: float) -> list[FloatArray]:
     """Up to two solutions with z = 0 off the set ``code``, those with the least and with the largest sum of z."""
-    from scipy.optimize import linprog
-
     M, q = problem.data
     n = len(q)
     on = ((code >> np.arange(n)) & 1).astype(bool)
@@ -285,7 +284,7 @@ def _on_singular_block(problem: Lcp, code: int, tolerance: float) -> list[FloatA
     points = []
     for sign in (1.0, -1.0):
         try:
-            program = linprog(
+            program = libs.linprog(
                 np.full(on.sum(), sign), A_ub=-A[~on], b_ub=b[~on], A_eq=A[on], b_eq=-b[on], bounds=(0.0, bound)
             )
         except (ValueError, RuntimeError, ArithmeticError):  # numbers too far apart for it; the exact search is not

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.clock import limited, remaining
 from lcpflex.solvers.lcp.proofs import Proof, infeasibility
@@ -33,8 +34,6 @@ def proof_by_program(problem: Lcp) -> Proof | None:
 
 def candidate(M: FloatArray, q: FloatArray) -> FloatArray | None:
     """u (n,) of the linear program min q.u subject to M^T u <= 0, 0 <= u <= 1 in scaled rows and columns."""
-    from scipy.optimize import linprog
-
     row = np.maximum(np.abs(M).max(axis=1), np.abs(q))
     row[row == 0.0] = 1.0
     scaled = M / row[:, None]
@@ -44,7 +43,7 @@ def candidate(M: FloatArray, q: FloatArray) -> FloatArray | None:
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     if limited():
         options["time_limit"] = max(remaining(), 1e-6)
-    program = linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
+    program = libs.linprog(q / row, A_ub=columns, b_ub=np.zeros(len(q)), bounds=(0.0, 1.0), options=options)
     if program.x is None or program.fun is None or not program.fun < 0.0:
         return None
     return np.asarray(np.maximum(program.x, 0.0) / row)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.bodies.fem.planar_mesh import PlanarMesh
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -55,17 +56,13 @@ class Solid:
 
 def lame_constants(youngs_modulus: float, poissons_ratio: float, plane_stress: bool) -> tuple[float, float]:
     """L and G [Pa], L that of plane stress where asked for."""
-    from skfem.models import elasticity
-
-    lame = elasticity.plane_stress if plane_stress else elasticity.lame_parameters
+    lame = libs.plane_stress if plane_stress else libs.lame_parameters
     return lame(youngs_modulus, poissons_ratio)
 
 
 def shape_functions(mesh: PlanarMesh, X: FloatArray) -> tuple[FloatArray, FloatArray]:
     """N (q, k) and its derivatives (q, k, 2) at places X (2, q) of the reference element."""
-    import skfem
-
-    element = getattr(skfem, mesh.kind.element)()
+    element = getattr(libs.skfem, mesh.kind.element)()
     values = [element.lbasis(X, i) for i in range(mesh.kind.nodes)]
     N = np.column_stack([np.broadcast_to(value, X.shape[1]) for value, _ in values])
     dN = np.stack([np.broadcast_to(slope, X.shape).T for _, slope in values], axis=1)
@@ -74,20 +71,16 @@ def shape_functions(mesh: PlanarMesh, X: FloatArray) -> tuple[FloatArray, FloatA
 
 def mass_matrix(solid: Solid) -> csc_matrix[Any]:
     """(2 N, 2 N) consistent mass, degrees of freedom 2 i + direction [kg]."""
-    from scipy.sparse import identity, kron
-    from skfem import BilinearForm
-
     basis = _basis(solid, MASS, vector=False)
-    scalar = BilinearForm(lambda u, v, w: solid.density * _depth(solid, w) * u * v).assemble(basis)
-    return kron(_by_nodes(solid, basis, scalar, 1), identity(2), format="csc")
+    scalar = libs.skfem.BilinearForm(lambda u, v, w: solid.density * _depth(solid, w) * u * v).assemble(basis)
+    return libs.sparse.kron(_by_nodes(solid, basis, scalar, 1), libs.sparse.identity(2), format="csc")
 
 
 def stiffness_matrix(solid: Solid) -> csc_matrix[Any]:
     """(2 N, 2 N) stiffness [N/m]."""
-    from skfem import BilinearForm
-    from skfem.helpers import ddot, div, sym_grad
-
     L, G = solid.lame
+    helpers = libs.skfem_helpers
+    ddot, div, sym_grad = helpers.ddot, helpers.div, helpers.sym_grad
 
     def form(u: Any, v: Any, w: Any) -> Any:
         if solid.thickness is not None:
@@ -97,47 +90,43 @@ def stiffness_matrix(solid: Solid) -> csc_matrix[Any]:
         return _depth(solid, w) * (direct + 2.0 * G * (ddot(sym_grad(u), sym_grad(v)) + hoop * other))
 
     basis = _basis(solid, STIFFNESS, vector=True)
-    return _by_nodes(solid, basis, BilinearForm(form).assemble(basis), 2)
+    return _by_nodes(solid, basis, libs.skfem.BilinearForm(form).assemble(basis), 2)
 
 
 def geometric_stiffness(solid: Solid, displacements: FloatArray) -> csc_matrix[Any]:
     """(2 N, 2 N) geometric stiffness of the stress of the nodal displacements (2 N,) [N/m], linear in them."""
-    from scipy.sparse import csc_matrix, identity, kron
-    from skfem import BilinearForm, ElementVector
-    from skfem.helpers import dot, eye, grad, mul, sym_grad, trace
-
     L, G = solid.lame
+    helpers = libs.skfem_helpers
     basis = _basis(solid, STIFFNESS, vector=False)
-    vector = basis.with_element(ElementVector(basis.elem))
+    vector = basis.with_element(libs.skfem.ElementVector(basis.elem))
     state = vector.interpolate(displacements[np.argsort(_numbers(solid, vector, 2))])
-    strain = sym_grad(state)
+    strain = helpers.sym_grad(state)
     hoop = state[1] / basis.global_coordinates()[1] if solid.thickness is None else np.zeros_like(strain[0, 0])
-    volume = L * (trace(strain) + hoop)
-    stress = eye(volume, 2) + 2.0 * G * strain
+    volume = L * (helpers.trace(strain) + hoop)
+    stress = helpers.eye(volume, 2) + 2.0 * G * strain
 
     def along(u: Any, v: Any, w: Any) -> Any:
-        return _depth(solid, w) * dot(mul(w.stress, grad(u)), grad(v))
+        return _depth(solid, w) * helpers.dot(helpers.mul(w.stress, helpers.grad(u)), helpers.grad(v))
 
     def around(u: Any, v: Any, w: Any) -> Any:
         return _depth(solid, w) * w.stress * u * v / w.x[1] ** 2
 
-    both = _by_nodes(solid, basis, BilinearForm(along).assemble(basis, stress=stress), 1)
-    whole = kron(both, identity(2), format="csc")
+    both = _by_nodes(solid, basis, libs.skfem.BilinearForm(along).assemble(basis, stress=stress), 1)
+    whole = libs.sparse.kron(both, libs.sparse.identity(2), format="csc")
     if solid.thickness is not None:
         return whole
-    radial = _by_nodes(solid, basis, BilinearForm(around).assemble(basis, stress=volume + 2.0 * G * hoop), 1)
-    return (whole + kron(radial, csc_matrix(np.diag([0.0, 1.0])), format="csc")).tocsc()
+    stress = volume + 2.0 * G * hoop
+    radial = _by_nodes(solid, basis, libs.skfem.BilinearForm(around).assemble(basis, stress=stress), 1)
+    return (whole + libs.sparse.kron(radial, libs.sparse.csc_matrix(np.diag([0.0, 1.0])), format="csc")).tocsc()
 
 
 def _basis(solid: Solid, purpose: int, vector: bool) -> Any:
     """The shape functions at the points of integration; refuses an element with a fold."""
-    import skfem
-
     kind = solid.mesh.kind
-    mesh = getattr(skfem, kind.mesh)(solid.mesh.places.T.copy(), solid.mesh.cells.T.copy(), sort_t=False)
-    element = getattr(skfem, kind.element)()
+    mesh = getattr(libs.skfem, kind.mesh)(solid.mesh.places.T.copy(), solid.mesh.cells.T.copy(), sort_t=False)
+    element = getattr(libs.skfem, kind.element)()
     order = ORDERS[kind.element][purpose] + (2 if solid.thickness is None else 0)
-    basis = skfem.Basis(mesh, skfem.ElementVector(element) if vector else element, intorder=order)
+    basis = libs.skfem.Basis(mesh, libs.skfem.ElementVector(element) if vector else element, intorder=order)
     _refuse_folds(solid.mesh, basis.mapping.detDF(basis.X))
     return basis
 

@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.bodies.fem.assembly import Solid, shape_functions
 from lcpflex.bodies.fem.planar_mesh import KINDS, PlanarMesh
 from lcpflex.jit.kernel import FloatArray
@@ -95,8 +96,6 @@ def excess_stiffness(solid: Solid, omega2: FloatArray, shapes: FloatArray) -> Fl
 
 
 def _humps(solid: Solid, shapes: FloatArray) -> _Humps:
-    from scipy.sparse import coo_matrix
-
     mesh = solid.mesh
     _, edge = np.unique(mesh.edge_keys(), return_inverse=True)
     edge = edge.reshape(len(mesh.cells), -1)
@@ -117,7 +116,7 @@ def _humps(solid: Solid, shapes: FloatArray) -> _Humps:
     def assembled(parts: list[FloatArray]) -> csr_matrix[Any]:
         values = np.concatenate(parts) * free[row][:, :, None] * free[row][:, None, :]
         first, second = np.broadcast_arrays(row[:, :, None], row[:, None, :])
-        return coo_matrix((values.ravel(), (first.ravel(), second.ravel())), shape=(size, size)).tocsr()
+        return libs.sparse.coo_matrix((values.ravel(), (first.ravel(), second.ravel())), shape=(size, size)).tocsr()
 
     def gathered(parts: list[FloatArray]) -> FloatArray:
         values = np.concatenate(parts)
@@ -138,10 +137,10 @@ def _on_axis(mesh: PlanarMesh) -> np.ndarray[Any, np.dtype[np.bool_]]:
 
 def _fields(solid: Solid, some: slice, shapes: FloatArray) -> tuple[_Fields, _Fields]:
     """The humps, (m, s, 2 edges), and the modes, (m, s, k), of some elements."""
-    import skfem
-
     mesh = solid.mesh
-    X, weight = skfem.quadrature.get_quadrature(getattr(skfem, mesh.kind.element)(), 6 if mesh.kind.quadratic else 4)
+    X, weight = libs.skfem.quadrature.get_quadrature(
+        getattr(libs.skfem, mesh.kind.element)(), 6 if mesh.kind.quadratic else 4
+    )
     N, dN = shape_functions(mesh, X)
     cells = mesh.cells[some]
     corners = mesh.places[cells]

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import LARGEST_TEXT
 from lcpflex.bodies.fem.planar_mesh import FLAT, KINDS, PlanarMesh
 from lcpflex.errors import ModelError, path_of, shown
@@ -58,10 +59,8 @@ def read_mesh(path: str | os.PathLike[str]) -> Any:
 
 
 def _stored_by_scikit_fem(found: Any, source: str) -> Any:
-    from skfem.io.meshio import from_meshio
-
     try:
-        return from_meshio(found)
+        return libs.from_meshio(found)
     except Exception as error:  # its tags have no checks of their own
         raise ModelError(
             f"{source}: scikit-fem cannot read its tags ({error}), expected a file that it saved"
@@ -70,14 +69,12 @@ def _stored_by_scikit_fem(found: Any, source: str) -> Any:
 
 def _read(name: str, source: str) -> Any:
     """What meshio reads; its own talk is kept off the terminal, and becomes the message of the error."""
-    import meshio
-
     talk = io.StringIO()
     try:
         with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk):
             if name.lower().endswith(".inp"):
                 return _read_abaqus(name)
-            return meshio.read(name)
+            return libs.meshio.read(name)
     except SystemExit:  # meshio leaves the program where no reader takes the file
         said = " ".join(talk.getvalue().split())
     except Exception as error:  # the readers raise whatever a broken file makes them stumble over
@@ -87,13 +84,11 @@ def _read(name: str, source: str) -> Any:
 
 def _read_abaqus(name: str) -> Any:
     """An Abaqus input file, with the planar and axisymmetric element types that meshio has no name for."""
-    import meshio
-
     text = Path(name).read_text(errors="replace")
     translated = ABAQUS_TYPE.sub(lambda match: match[1] + ABAQUS[match[2]], text)
     if translated == text or re.search(r"(?im)^\*include", text):
-        return meshio.read(name)
-    return meshio.abaqus._abaqus.read_buffer(io.StringIO(translated))
+        return libs.meshio.read(name)
+    return libs.meshio.abaqus._abaqus.read_buffer(io.StringIO(translated))
 
 
 def _only_kind(found: Any, source: str) -> str:

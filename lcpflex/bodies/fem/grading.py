@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
@@ -51,9 +52,7 @@ def refined_to(mesh: Any, zone: Zone, shaped: Callable[[Any], Any] | None) -> An
     ModelError
         If more than a million elements were needed.
     """
-    import skfem
-
-    mesh = skfem.MeshTri1(mesh.p, mesh.t)  # without names: scikit-fem cannot keep them, and says so
+    mesh = libs.skfem.MeshTri1(mesh.p, mesh.t)  # without names: scikit-fem cannot keep them, and says so
     for _ in range(ROUNDS):
         corners = mesh.p.T[mesh.t.T]
         arms = np.roll(corners, -1, axis=1) - corners

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.bodies.reduction.damping import signed
 from lcpflex.bodies.reduction.eigenmodes import free_modes
 from lcpflex.jit.kernel import FloatArray
@@ -65,13 +66,13 @@ def bending_modes(
 
     Returns omega2 (count,) [rad^2/s^2], deflection w (nodes, count) [kg^-1/2] and rotation w' (nodes, count).
     """
-    from scipy.sparse import csc_matrix
-
     n = 2 * (elements + 1)
     dofs = 2 * np.arange(elements)[:, None] + np.arange(4)
     rows = np.repeat(np.arange(2 * elements), 4)
-    curvature = csc_matrix((np.tile(_CURVATURE.ravel(), elements), (rows, np.repeat(dofs, 2, axis=0).ravel())))
-    mass_matrix = csc_matrix(
+    curvature = libs.sparse.csc_matrix(
+        (np.tile(_CURVATURE.ravel(), elements), (rows, np.repeat(dofs, 2, axis=0).ravel()))
+    )
+    mass_matrix = libs.sparse.csc_matrix(
         (np.tile(_HERMITE_MASS.ravel(), elements), (np.repeat(dofs, 4, axis=1).ravel(), np.tile(dofs, 4).ravel()))
     )
     node = np.arange(elements + 1) - 0.5 * elements

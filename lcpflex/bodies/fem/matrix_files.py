@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import lines_of
 from lcpflex.basics.arguments import numbers as numbers_in
 from lcpflex.bodies.body import array_of, named
@@ -147,8 +148,6 @@ def _matrix(name: str, value: Any) -> Any:
 
 
 def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
-    from scipy.sparse import load_npz
-
     try:
         if path.suffix.lower() == ".npy":
             with path.open("rb") as file:  # which numpy leaves open where the file is damaged
@@ -156,7 +155,7 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
         with np.load(path, allow_pickle=False) as arrays:
             keys = list(arrays.keys())
             if sparse and "format" in keys and "data" in keys:
-                matrix = load_npz(path)
+                matrix = libs.sparse.load_npz(path)
                 if hasattr(matrix, "check_format"):
                     matrix.check_format(full_check=True)  # indices that point elsewhere would crash Python
                 return matrix
@@ -171,8 +170,6 @@ def _numpy(name: str, path: Path, *, sparse: bool) -> Any:
 
 def _matrix_market(name: str, path: Path) -> Any:
     """A real matrix, sparse or dense, general or symmetric. (That of scipy crashes Python on files that were cut.)"""
-    from scipy.sparse import coo_matrix
-
     where = f"{name}: {str(path)!r}: "
     head, *lines = lines_of(name, path, "replace")
     words = head.lower().split()[1:]
@@ -203,10 +200,10 @@ def _matrix_market(name: str, path: Path) -> Any:
             raise ModelError(f"{where}an entry beyond row 1 to {n} was found, expected rows of the matrix")
         if not 0 <= columns.min() <= columns.max() < n:
             raise ModelError(f"{where}an entry beyond column 1 to {n} was found, expected columns of the matrix")
-    matrix = coo_matrix((values, (rows, columns)), shape=(n, n)).tocsc()
+    matrix = libs.sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsc()
     if not symmetric:
         return matrix
-    diagonal = coo_matrix((matrix.diagonal(), (np.arange(n), np.arange(n))), shape=(n, n))
+    diagonal = libs.sparse.coo_matrix((matrix.diagonal(), (np.arange(n), np.arange(n))), shape=(n, n))
     return (matrix + matrix.T - diagonal).tocsc()
 
 
@@ -241,8 +238,6 @@ def _abaqus(name: str, path: Path) -> Labelled:
 
 def _labelled(name: str, rows: FloatArray) -> Labelled:
     """The symmetric matrix of its entries: each pair of rows once, or twice with one value."""
-    from scipy.sparse import coo_matrix
-
     heads = rows[:, :4].astype(np.int64)
     if (heads != rows[:, :4]).any() or heads[:, [0, 2]].min() < 1:
         raise ModelError(f"{name}: node {rows[:, [0, 2]].min():g} was found, expected nodes and dofs that count from 1")
@@ -274,8 +269,8 @@ def _labelled(name: str, rows: FloatArray) -> Labelled:
             f"{name}: entry {tuple(map(int, node))} and its mirror image differ, expected a symmetric matrix"
         )
     once = np.setdiff1d(np.arange(len(rows)), second)
-    upper = coo_matrix((rows[once, 4], (low[once], high[once])), shape=(size, size)).tocsc()
-    diagonal = coo_matrix((upper.diagonal(), (np.arange(size), np.arange(size))), shape=(size, size))
+    upper = libs.sparse.coo_matrix((rows[once, 4], (low[once], high[once])), shape=(size, size)).tocsc()
+    diagonal = libs.sparse.coo_matrix((upper.diagonal(), (np.arange(size), np.arange(size))), shape=(size, size))
     return Labelled((upper + upper.T - diagonal).tocsc(), labels)
 
 

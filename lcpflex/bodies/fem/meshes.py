@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, numbers, positive
 from lcpflex.bodies.body import array_of, whole_number
 from lcpflex.bodies.fem.grading import ELEMENTS, Zone, named_again, refined_to
@@ -70,14 +71,12 @@ def grid(x: npt.ArrayLike, y: npt.ArrayLike, *, triangles: bool = False, order: 
     ModelError
         For fewer than two lines, lines that do not ascend, or another order.
     """
-    import skfem
-
     raised = _is_quadratic(order)
     lines = [array_of(name, value, (-1,)) for name, value in (("x", x), ("y", y))]
     for name, line in zip(("x", "y"), lines, strict=True):
         if len(line) < 2 or not np.diff(line).min() > 0.0:
             raise ModelError(f"{name}: {shown(line)} was given, expected two ascending coordinates or more")
-    mesh = (skfem.MeshTri1 if flag("triangles", triangles) else skfem.MeshQuad1).init_tensor(*lines)
+    mesh = (libs.skfem.MeshTri1 if flag("triangles", triangles) else libs.skfem.MeshQuad1).init_tensor(*lines)
     (x0, x1), (y0, y1) = (line[[0, -1]] for line in lines)
     mesh = mesh.with_boundaries(
         {
@@ -116,8 +115,6 @@ def ring(inner: float, outer: float, around: int, through: int, *, order: int = 
     ModelError
         For radii that are not 0 < inner < outer, fewer than 3 elements around or 1 through, or another order.
     """
-    import skfem
-
     raised = _is_quadratic(order)
     inside = _positive("inner", inner)
     outside = in_range("outer", outer, inside, math.inf, open_ends=True)
@@ -129,7 +126,7 @@ def ring(inner: float, outer: float, around: int, through: int, *, order: int = 
     number = np.arange(n * (layers + 1)).reshape(layers + 1, n)
     after = np.roll(number, -1, axis=1)
     cells = np.stack([number[:-1], number[1:], after[1:], after[:-1]]).reshape(4, -1)
-    mesh = skfem.MeshQuad1(places, cells)
+    mesh = libs.skfem.MeshQuad1(places, cells)
     middle = 0.5 * (inside + outside)
     mesh = mesh.with_boundaries(
         {
@@ -260,15 +257,13 @@ def _is_quadratic(order: Any) -> bool:
 
 def _half_round(R: float, size: float, finest: float | None, within: float, pole: FloatArray, up: float) -> Any:
     """Three equal triangles, split until they are small enough, new boundary nodes put onto the circle."""
-    import skfem
-
     largest = _positive("size", size)
     _few("radius", R, largest)
     least = largest if finest is None else in_range("finest", finest, 0.0, largest * (1.0 + 1e-12))
     zone = Zone(pole[None], _positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
     high = up * math.sqrt(0.75)
     places = R * np.array([[1.0, 0.5, -0.5, -1.0, 0.0], [0.0, high, high, 0.0, 0.0]])
-    start = skfem.MeshTri1(places, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4]]).T)
+    start = libs.skfem.MeshTri1(places, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4]]).T)
     if up < 0.0:  # the pole must be a node
         start = start.refined(np.array([1]))
         start = _moved(start, _onto_circle(R)(start.p, start.facets, start))
@@ -279,9 +274,7 @@ def _half_round(R: float, size: float, finest: float | None, within: float, pole
 
 
 def _moved(mesh: Any, places: FloatArray) -> Any:
-    import skfem
-
-    return skfem.MeshTri1(places[:, : mesh.p.shape[1]], mesh.t)
+    return libs.skfem.MeshTri1(places[:, : mesh.p.shape[1]], mesh.t)
 
 
 Bend = Callable[[FloatArray, IntArray, Any], FloatArray]
@@ -315,12 +308,10 @@ def _bent_around(places: FloatArray, facets: IntArray, mesh: Any) -> FloatArray:
 
 def _raised(mesh: Any, bend: Bend | None) -> Any:
     """The mesh with quadratic elements, its new nodes moved by ``bend``."""
-    import skfem
-
     name = type(mesh).__name__
     if name not in RAISED:
         raise ModelError(f"mesh: {name} was given, expected triangles or quadrilaterals of scikit-fem")
-    kind = getattr(skfem, RAISED[name])
+    kind = getattr(libs.skfem, RAISED[name])
     raised = kind.from_mesh(mesh)
     if bend is not None:
         raised = kind(bend(np.asarray(raised.doflocs), mesh.facets, mesh), raised.t)
@@ -331,13 +322,11 @@ def _raised(mesh: Any, bend: Bend | None) -> Any:
 
 def _lowered(mesh: Any) -> Any:
     """The linear triangles on the corners of straight-sided quadratic ones, with the names of their boundaries."""
-    import skfem
-
     places = np.asarray(mesh.doflocs)
     aside = places[:, mesh.dofs.facet_dofs[0]] - places[:, mesh.facets].mean(axis=1)
     if np.abs(aside).max() > 1e-9 * np.ptp(places, axis=1).max():
         worst = int(np.abs(aside).max(axis=0).argmax())
         x, y = places[:, mesh.dofs.facet_dofs[0, worst]]
         raise ModelError(f"mesh: an edge is curved at ({x:.6g}, {y:.6g}), expected straight ones, as of order=1")
-    flat = skfem.MeshTri1(places[:, : mesh.nvertices], mesh.t)
+    flat = libs.skfem.MeshTri1(places[:, : mesh.nvertices], mesh.t)
     return flat.with_boundaries({key: np.asarray(facets) for key, facets in (mesh.boundaries or {}).items()})

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -39,13 +40,13 @@ def _material(places: FloatArray, near_to: Callable[[int], IntArray], nodal: Flo
 
 def neighbours(mesh: FiniteElements) -> Callable[[int], IntArray]:
     """Node -> the linked nodes nearest to it; none on an axis of symmetry, which it cannot leave and does not turn."""
-    from scipy.sparse import csc_matrix
-
     stiffness, places = mesh.stiffness, mesh.places
     node = mesh.dofs // 2
     count = len(places)
-    owner = csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
-    pattern = csc_matrix((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+    owner = libs.sparse.csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
+    pattern = libs.sparse.csc_matrix(
+        (np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape
+    )
     links = (owner.T @ pattern @ owner).tocsc()
     links.sort_indices()
     on_axis = np.ones(count, dtype=np.bool_)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -205,16 +206,13 @@ def _turned(mesh: PlanarMesh) -> IntArray:
 
 def _check_connected(mesh: PlanarMesh) -> None:
     """Refuse loose parts: elements hang together through edges."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     kind, cells = mesh.kind, mesh.cells
     owner = np.repeat(np.arange(len(cells)), kind.corners)
     _, number = np.unique(mesh.edge_keys(), return_inverse=True)
-    links = coo_matrix(
+    links = libs.sparse.coo_matrix(
         (np.ones(len(owner)), (owner, number.ravel())), shape=(len(cells), int(number.max()) + 1)
     ).tocsr()
-    parts, label = connected_components(links @ links.T, directed=False)
+    parts, label = libs.csgraph.connected_components(links @ links.T, directed=False)
     if parts == 1:
         return
     second = int(np.flatnonzero(label != label[0])[0])

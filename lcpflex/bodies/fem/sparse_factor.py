@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -56,11 +57,9 @@ def positive_factor(matrix: csc_matrix[Any], rank: IntArray) -> Factor:
     NotPositive
         If a pivot on the diagonal is not positive.
     """
-    from scipy.sparse.linalg import splu
-
     order = np.argsort(rank, kind="stable")
     try:
-        lu = splu(
+        lu = libs.splu(
             matrix[order][:, order].tocsc(),
             permc_spec="NATURAL",
             diag_pivot_thresh=0.0,
@@ -75,10 +74,10 @@ def positive_factor(matrix: csc_matrix[Any], rank: IntArray) -> Factor:
 
 def links(stiffness: csc_matrix[Any], node: IntArray, count: int) -> csc_matrix[Any]:
     """(count, count) pattern of nodes that share an entry; ``node``: that of each row of the stiffness."""
-    from scipy.sparse import csc_matrix
-
-    owner = csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
-    pattern = csc_matrix((np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+    owner = libs.sparse.csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
+    pattern = libs.sparse.csc_matrix(
+        (np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape
+    )
     return (owner.T @ pattern @ owner).tocsc()
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
 from lcpflex.errors import ModelError
@@ -132,15 +133,13 @@ class FreeMesh:
 
     def _all(self, count: int) -> tuple[FloatArray, FloatArray]:
         """From the full eigenproblem; what has no mass follows statically."""
-        from scipy.linalg import solve
-
         r = self.frame.shape[1]
         heavy, light = np.flatnonzero(~self._massless), np.flatnonzero(self._massless)
         K = self.stiffness.toarray()
         M = self.mass[heavy][:, heavy].toarray()
         if not len(light):
             return _full(K, M, r, count)
-        follow = -solve(K[np.ix_(light, light)], K[np.ix_(light, heavy)], assume_a="pos")
+        follow = -libs.linalg.solve(K[np.ix_(light, light)], K[np.ix_(light, heavy)], assume_a="pos")
         condensed = K[np.ix_(heavy, heavy)] + K[np.ix_(heavy, light)] @ follow
         values, found = _full(0.5 * (condensed + condensed.T), M, r, count)
         vectors = np.empty((len(K), count))
@@ -195,12 +194,10 @@ def _top(mass: csc_matrix[Any], stiffness: csc_matrix[Any]) -> float:
 
 def _full(K: FloatArray, M: FloatArray, first: int, count: int) -> tuple[FloatArray, FloatArray]:
     """Some of the eigenpairs of full matrices."""
-    from scipy.linalg import LinAlgError, eigh
-
     chosen = None if 2 * count > len(K) else (first, first + count - 1)  # all of them cost less than most of them
     try:
-        values, vectors = eigh(K, M, subset_by_index=chosen, overwrite_a=True, overwrite_b=True)
-    except LinAlgError as error:
+        values, vectors = libs.linalg.eigh(K, M, subset_by_index=chosen, overwrite_a=True, overwrite_b=True)
+    except libs.linalg.LinAlgError as error:
         raise ModelError(f"mass: expected a positive definite matrix ({error})") from None
     kept = slice(first, first + count) if chosen is None else slice(0, count)
     return values[kept], vectors[:, kept]
@@ -243,15 +240,13 @@ def softest(mass: csc_matrix[Any], stiffness: csc_matrix[Any], factor: Factor) -
 
 def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count: int) -> tuple[FloatArray, FloatArray]:
     """Lowest eigenpairs, by Lanczos iterations on the inverse of the stiffness; a fixed start gives the same bits."""
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
-
     n = mass.shape[0]
     check_memory("modes", n, 6 * count + 60)
-    inverse = LinearOperator((n, n), matvec=solve, dtype=np.float64)
+    inverse = libs.LinearOperator((n, n), matvec=solve, dtype=np.float64)
     start = solve(mass @ np.cos(np.arange(n, dtype=np.float64) * 1.7))  # any fixed vector with a part of every mode
     try:
-        values, vectors = eigsh(stiffness, k=count, M=mass, sigma=0.0, OPinv=inverse, v0=start, maxiter=RESTARTS)
-    except ArpackError as error:
+        values, vectors = libs.eigsh(stiffness, k=count, M=mass, sigma=0.0, OPinv=inverse, v0=start, maxiter=RESTARTS)
+    except libs.ArpackError as error:
         raise ModelError(f"stiffness, mass: their {count} lowest modes were not found ({error})") from None
     order = np.argsort(values, kind="stable")
     return values[order], vectors[:, order]
@@ -259,12 +254,10 @@ def lanczos(stiffness: csc_matrix[Any], mass: csc_matrix[Any], solve: Any, count
 
 def ritz(stiffness: csc_matrix[Any], mass: csc_matrix[Any], vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
     """(omega2, shapes) that diagonalise mass and stiffness on the span of independent vectors (f, k)."""
-    from scipy.linalg import eigh
-
     if not vectors.shape[1]:
         return np.zeros(0), vectors
     gram, stiff = grams(mass, stiffness, vectors)
-    omega2, turn = eigh(stiff, gram)
+    omega2, turn = libs.linalg.eigh(stiff, gram)
     return omega2, vectors @ turn
 
 
@@ -322,11 +315,9 @@ def mesh_rank(mesh: FiniteElements) -> IntArray:
     ModelError
         Naming the number of pieces and their sizes.
     """
-    from scipy.sparse.csgraph import connected_components
-
     node = mesh.dofs // 2
     graph = links(mesh.stiffness, node, len(mesh.places))
-    pieces, label = connected_components(graph, directed=False)
+    pieces, label = libs.csgraph.connected_components(graph, directed=False)
     if pieces > 1:
         sizes = sorted(np.bincount(label).tolist(), reverse=True)
         shown = ", ".join(str(size) for size in sizes[:5]) + (", ..." if pieces > 5 else "")
@@ -351,9 +342,7 @@ def _supports(rigid: FloatArray) -> IntArray:
 
 
 def _without(mass: csc_matrix[Any], massless: BoolArray) -> csc_matrix[Any]:
-    from scipy.sparse import diags_array
-
-    keep = diags_array(np.where(massless, 0.0, 1.0))
+    keep = libs.sparse.diags_array(np.where(massless, 0.0, 1.0))
     return (keep @ mass @ keep).tocsc()
 
 

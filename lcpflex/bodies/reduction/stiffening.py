@@ -38,6 +38,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics import libs
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -123,8 +124,6 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         return mesh
     if stiffening.actual:
         raise ModelError("axial_force: 'actual' was given for a mesh, expected it for a Beam, or a force in N")
-    from scipy.sparse import csc_matrix
-
     from lcpflex.bodies.fem.sparse_factor import NotPositive
     from lcpflex.bodies.reduction.eigenmodes import held_up, mesh_rank
 
@@ -140,7 +139,7 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
     along = line / length
     pair = _at(mesh, b, along) - _at(mesh, a, along)
     across = np.array([-along[1], along[0]])
-    moved = csc_matrix((_at(mesh, b, across) - _at(mesh, a, across))[:, None])
+    moved = libs.sparse.csc_matrix((_at(mesh, b, across) - _at(mesh, a, across))[:, None])
     added = _stress_stiffness(mesh, force * pair) - (force / length) * (moved @ moved.T)
     whole = (mesh.stiffness + added).tocsc()
     stiffness = (0.5 * (whole + whole.T)).tocsc()

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.basics import libs
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = [
@@ -46,11 +47,9 @@ def rebound_of_factor(eta: ArrayLike) -> Any:
 
     The same for every elastic law F, mass and impact speed. It solves ln((1 + eta) / (1 - e eta)) = eta (1 + e).
     """
-    from scipy.special import lambertw
-
     factor = np.asarray(eta, dtype=float)
     large = np.maximum(factor, SERIES_UP_TO)
-    closed = (1.0 + lambertw(-(1.0 + large) * np.exp(-(1.0 + large))).real) / large
+    closed = (1.0 + libs.lambertw(-(1.0 + large) * np.exp(-(1.0 + large))).real) / large
     series = np.polynomial.polynomial.polyval(np.minimum(factor, SERIES_UP_TO), np.array(SERIES))
     result: FloatArray = np.where(factor < SERIES_UP_TO, series, closed)
     return float(result) if factor.ndim == 0 else result
@@ -62,8 +61,6 @@ def exact_factor(e: ArrayLike) -> Any:
 
 
 def _exact_factor(e: float) -> float:
-    from scipy.optimize import brentq
-
     first = 1.5 * (1.0 - e) / (1.0 - e + e * e)
     if e > NEARLY_ELASTIC:
         polynomial = np.polynomial.Polynomial(SERIES) - e
@@ -78,7 +75,7 @@ def _exact_factor(e: float) -> float:
         return math.log1p(eta) - s - eta * (1.0 + e)
 
     low, high = -2.0 * (1.0 + 1.0 / e) - 5.0, math.log1p(-0.25 * e * first)
-    return -math.expm1(brentq(unbalance, low, high, xtol=1e-300, rtol=PRECISE, maxiter=2000)) / e
+    return -math.expm1(libs.brentq(unbalance, low, high, xtol=1e-300, rtol=PRECISE, maxiter=2000)) / e
 
 
 def damping_ratio(e: ArrayLike) -> Any:
@@ -121,8 +118,6 @@ def rebound_of_drag(strength: ArrayLike, power: float) -> Any:
     """
 
     def rebound(k: float) -> float:
-        from scipy.integrate import solve_ivp
-
         if k == 0.0:
             return 1.0
 
@@ -143,7 +138,7 @@ def rebound_of_drag(strength: ArrayLike, power: float) -> Any:
             return _power(tau, -5.0 * power, sine) + smooth * cosine
 
         force.terminal, force.direction = True, -1.0  # type: ignore[attr-defined]
-        path = solve_ivp(slope, (0.0, LAST), (0.0,), method="DOP853", rtol=RTOL, atol=ATOL, events=force)
+        path = libs.solve_ivp(slope, (0.0, LAST), (0.0,), method="DOP853", rtol=RTOL, atol=ATOL, events=force)
         end, log_r = path.t[-1], path.y[0, -1]
         return -math.exp(log_r) * math.cos(end**5)
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.damping.dissipative import (
@@ -100,12 +101,10 @@ def _reach(law: DissipativeLaw) -> tuple[float, float, float, float]:
 
 def _inverse(law: DissipativeLaw, wanted: float, first: float, last: float) -> float:
     """Root of e_out(x) - wanted between ``first`` and ``last``: e_out is monotone in all laws."""
-    from scipy.optimize import brentq
-
     for end in (first, last):
         if restitution_of(law, end) == wanted:
             return end
     low, high = sorted((first, last))
     # an e of 1e-30 under KelvinVoigt is another e_out than 0: the tolerance is relative alone
-    root = brentq(lambda x: restitution_of(law, x) - wanted, low, high, xtol=1e-300, rtol=PRECISE, maxiter=2000)
+    root = libs.brentq(lambda x: restitution_of(law, x) - wanted, low, high, xtol=1e-300, rtol=PRECISE, maxiter=2000)
     return float(root)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.gallery.acceptance import measures
 from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity
 from lcpflex.gallery.mechanisms.stops import cases
@@ -88,9 +89,7 @@ def checks() -> tuple[Check, ...]:
 
 def _passages(result: Result) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Times at which the mass passes the stop, by cubics through its places and speeds [s]."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    roots = CubicHermiteSpline(result.times, result.q[:, 1] - 0.1, result.u[:, 1]).roots(extrapolate=False)
+    roots = libs.CubicHermiteSpline(result.times, result.q[:, 1] - 0.1, result.u[:, 1]).roots(extrapolate=False)
     return np.asarray(roots[roots > 1e-3])
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.studies.chart_style import looks_of
 from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
@@ -38,10 +39,8 @@ class _Measure(NamedTuple):
 
 def chart(work: WorkPrecision, output: str | None) -> Figure:
     """A row a scene: error and difference at equal times against wall time, error against steps, and who is who."""
-    from matplotlib.figure import Figure
-
     count = len(work.studies)
-    figure = Figure(figsize=(16.5, 0.2 + 4.0 * count), layout="constrained")
+    figure = libs.Figure(figsize=(16.5, 0.2 + 4.0 * count), layout="constrained")
     rows = figure.subplots(count, 4, squeeze=False, width_ratios=(1.0, 1.0, 1.0, 0.72))
     for study, axes in zip(work.studies, rows, strict=True):
         name = study.output(output)
@@ -107,8 +106,6 @@ def _range(study: SceneStudy, measure: _Measure) -> tuple[float, float]:
 
 
 def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa: Callable[[WorkPoint], float]) -> None:
-    from matplotlib.ticker import NullFormatter
-
     bottom, top = _range(study, measure)
     failures = top * (top / bottom) ** 0.06  # where the crosses are
     ax.set(xscale="log", yscale="log", ylim=(bottom, top * (top / bottom) ** 0.12))
@@ -129,7 +126,7 @@ def _panel(ax: Axes, study: SceneStudy, measure: _Measure, looks: Any, abscissa:
             failed, [failures] * len(failed), linestyle="none", marker="x", color=looks[label]["color"],
             markersize=7.0, markeredgewidth=1.8, zorder=3.0,
         )  # fmt: skip
-    ax.xaxis.set_minor_formatter(NullFormatter())  # several of them do not fit into a panel
+    ax.xaxis.set_minor_formatter(libs.NullFormatter())  # several of them do not fit into a panel
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
     ax.text(
         0.995, 0.97 * top, "above: failed ", transform=ax.get_yaxis_transform(), ha="right", va="top",
@@ -199,34 +196,31 @@ def _legend(ax: Axes, study: SceneStudy, looks: Any, output: str) -> None:
 
 
 def _methods(study: SceneStudy, looks: Any) -> list[Any]:
-    from matplotlib.lines import Line2D
-
     return [
-        Line2D([], [], label=textwrap.fill(label, WIDTH, max_lines=3), linewidth=1.4, **looks[label])
+        libs.Line2D([], [], label=textwrap.fill(label, WIDTH, max_lines=3), linewidth=1.4, **looks[label])
         for label in study.methods
     ]
 
 
 def _signs(study: SceneStudy, output: str) -> list[Any]:
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     grey: Any = {"color": "#666666", "linestyle": "none"}
-    signs: list[Any] = [Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)")]
+    signs: list[Any] = [libs.Line2D([], [], color=FRONT, linewidth=9.0, label="best of all (Pareto)")]
     limited = [p for p in study.points if not p.failure and output in p.errors and study.limited(p, output)]
     if any(not study.recorded(p, output) for p in limited):
-        signs.append(Line2D([], [], marker="o", fillstyle="none", label="hollow: error too small to tell", **grey))
+        signs.append(libs.Line2D([], [], marker="o", fillstyle="none", label="hollow: error too small to tell", **grey))
     if any(study.recorded(p, output) for p in limited):
         half = "half full: below the error of the record"
-        signs.append(Line2D([], [], marker="o", fillstyle="bottom", markerfacecoloralt="white", label=half, **grey))
+        signs.append(
+            libs.Line2D([], [], marker="o", fillstyle="bottom", markerfacecoloralt="white", label=half, **grey)
+        )
     if any(point.failure and not point.refused for point in study.points):
-        signs.append(Line2D([], [], marker="x", label="failed", **grey))
+        signs.append(libs.Line2D([], [], marker="x", label="failed", **grey))
     if study.reference.measured[output].parts:
-        signs.append(Line2D([], [], color="#666666", linewidth=0.8, label="at equal times: mean up to largest"))
+        signs.append(libs.Line2D([], [], color="#666666", linewidth=0.8, label="at equal times: mean up to largest"))
     own, reach = study.reference.error[output], study.reference.reach(output)
     known = f"below the reference's error {own:.1e}" if np.isfinite(own) else "error of the reference: unknown"
-    signs.append(Patch(color=LIMIT, label=known))
+    signs.append(libs.Patch(color=LIMIT, label=known))
     if not math.isnan(reach) and reach > own:
         doubt = "no independent method confirms any" if math.isinf(reach) else f"confirmed down to {reach:.1e}"
-        signs.append(Line2D([], [], color=DOUBT, linestyle="--", linewidth=1.0, label=doubt))
+        signs.append(libs.Line2D([], [], color=DOUBT, linestyle="--", linewidth=1.0, label=doubt))
     return signs

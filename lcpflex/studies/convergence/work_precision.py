@@ -24,6 +24,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import optional_flag, positive, raised
 from lcpflex.bodies.body import whole_number
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
@@ -304,12 +305,10 @@ def _all_methods(
     request: _Request, conditions: Conditions, suffix: str
 ) -> tuple[dict[str, list[Trial]], list[str], bool]:
     """Runs by label, notes on what was left out, and whether Ctrl-C ended them."""
-    from tqdm import tqdm
-
     methods = request.methods or standard_methods(conditions.duration)
     series: dict[str, list[Trial]] = {}
     notes: list[str] = []
-    bar: Any = tqdm(
+    bar: Any = libs.tqdm(
         total=sum(len(steppers) for steppers in methods.values()), unit="run", leave=False,
         delay=0.0 if request.progress else 2.0, disable=None if request.progress is None else not request.progress,
     )  # fmt: skip

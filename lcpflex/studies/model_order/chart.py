@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.basics import libs
 from lcpflex.studies.model_order.report import FidelityRun, RightSize
 
 if TYPE_CHECKING:
@@ -23,10 +24,7 @@ LETTER, LINE = 4.0, 8.0  # width and height of a letter [pt]
 
 def chart(study: RightSize) -> Figure:
     """Estimated error of each output against wall time; the band holds what is within the tolerance."""
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import LogFormatter
-
-    figure = Figure(figsize=(9.0, 5.2), layout="constrained")
+    figure = libs.Figure(figsize=(9.0, 5.2), layout="constrained")
     ax = figure.subplots()
     ax.set(
         xscale="log", yscale="log", xlabel="wall time of a run [ms]", ylabel="estimated error, relative to full mesh"
@@ -66,7 +64,7 @@ def chart(study: RightSize) -> Figure:
     plus = ", free+residual" if any("+" in _short(rung) for run in study.runs for rung in run.rungs.values()) else ""
     ax.legend(loc="upper right", fontsize="small", title=f"labels: modes of {bodies}{plus}", title_fontsize="small")
     for axis in (ax.xaxis.set_major_formatter, ax.xaxis.set_minor_formatter):
-        axis(LogFormatter(minor_thresholds=(2.0, 0.5)))
+        axis(libs.LogFormatter(minor_thresholds=(2.0, 0.5)))
     ax.set_title("\n".join(_wrapped(study.sentence())), fontsize="medium", loc="left")
     figure.draw_without_rendering()  # lays out: names need their places
     _name(ax, study, sound, low)

@@ -21,6 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lcpflex.basics import libs
+
 __all__ = ["Sample", "Trend", "cost_of", "lacking", "left_at", "trend_of"]
 
 SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that of an impact
@@ -95,8 +97,6 @@ def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
     The square, of explicit steps that fall with the highest mode, only where more than two sizes tell. Weighted towards
     the larger ones; beyond all that were measured, never below the largest of them. NaN where nothing was measured.
     """
-    from scipy.optimize import nnls
-
     if not known:
         return math.nan
     n = np.array([one[0] for one in known], dtype=float)
@@ -106,6 +106,6 @@ def cost_of(known: Sequence[tuple[int, float]], coordinates: int) -> float:
         return float(np.median(t)) * max(1.0, coordinates / float(n[0]))
     powers = np.arange(3 if sizes > 2 else 2)
     weight = np.sqrt(n)
-    found, _ = nnls(weight[:, None] * (n[:, None] / n.max()) ** powers, weight * t)
+    found, _ = libs.nnls(weight[:, None] * (n[:, None] / n.max()) ** powers, weight * t)
     fitted = float(found @ (coordinates / n.max()) ** powers)
     return max(fitted, float(np.median(t[n == n.max()]))) if coordinates > n.max() else fitted

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.studies.given_functions import is_stepper
@@ -104,8 +105,6 @@ def right_size(
     ModelError
         For arguments out of range, and a scene none of whose bodies has a ladder.
     """
-    from tqdm import tqdm
-
     tolerance = in_range("tolerance", tolerance, 0.0, 1.0, open_ends=True)
     limit = in_range("limit", limit, 0.0, math.inf, open_ends=True)
     verify, progress = flag("verify", verify), optional_flag("progress", progress)
@@ -116,7 +115,7 @@ def right_size(
     ladders = of_scene(scene)
     used = comparable(ladders, outputs)
     attempts, own = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
-    bar: Any = tqdm(
+    bar: Any = libs.tqdm(
         unit="run", leave=False,
         delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
     )  # fmt: skip

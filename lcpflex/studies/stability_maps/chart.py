@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import sequence_of, text
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -50,12 +51,10 @@ CURVES: tuple[Any, ...] = ("-", "--", ":", "-.")
 
 def chart(chosen: StabilityMap, curves: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> Figure:
     """One panel a method side by side, and one legend."""
-    from matplotlib.figure import Figure
-
     count = len(chosen.methods)
     columns = min(count, 3)
     rows = math.ceil(count / columns)
-    figure = Figure(figsize=(1.0 + 4.2 * columns, 1.2 + 3.4 * rows), layout="constrained")
+    figure = libs.Figure(figsize=(1.0 + 4.2 * columns, 1.2 + 3.4 * rows), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for ax in panels.ravel()[count:]:
         ax.set_visible(False)
@@ -76,8 +75,6 @@ def draw_map(
     curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
 ) -> None:
     """The cells of one method into axes of your own, with ``curves`` above them."""
-    from matplotlib.colors import ListedColormap
-
     (first, columns), *second = chosen.axes.items()
     cells = chosen.of(method).reshape(len(columns), -1)
     kinds = list(Outcome)
@@ -86,7 +83,7 @@ def draw_map(
     y = _Scale(second[0][1] if second else ("",))
     x.prepare(ax.xaxis)
     y.prepare(ax.yaxis)
-    colours = ListedColormap([COLOURS[kind] for kind in kinds])
+    colours = libs.ListedColormap([COLOURS[kind] for kind in kinds])
     fine = max(cells.shape) > LETTERED
     ax.pcolormesh(
         x.edges, y.edges, codes, cmap=colours, vmin=-0.5, vmax=len(kinds) - 0.5,
@@ -107,21 +104,18 @@ def draw_map(
 
 def outcome_legend(*maps: StabilityMap, curves: Iterable[str] = ()) -> list[Any]:
     """Handles for ``figure.legend``: a patch for each outcome that occurs in the maps, a line for each curve."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
     curves = sequence_of(
         "curves", list(curves) if isinstance(curves, Mapping) else curves, "a sequence of labels", MANY
     )
     curves = [text(f"curves[{i}]", label) for i, label in enumerate(curves)]
     present = {outcome for one in maps for outcome in one.outcomes.ravel().tolist()}
     handles: list[Any] = [
-        Patch(facecolor=COLOURS[kind], edgecolor="#666666", label=f"{kind.letter}  {kind.value}")
+        libs.Patch(facecolor=COLOURS[kind], edgecolor="#666666", label=f"{kind.letter}  {kind.value}")
         for kind in Outcome
         if kind in present
     ]
     for k, label in enumerate(curves):
-        handles.append(Line2D([], [], color="k", linestyle=CURVES[k % len(CURVES)], linewidth=2.0, label=label))
+        handles.append(libs.Line2D([], [], color="k", linestyle=CURVES[k % len(CURVES)], linewidth=2.0, label=label))
     return handles
 
 

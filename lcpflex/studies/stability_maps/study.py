@@ -30,8 +30,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics import libs
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
-from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, nearest, shown
+from lcpflex.basics.names import meant
+from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, shown
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import simulate
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
@@ -315,15 +317,13 @@ def _fill(
     trial: _Trial, makers: Mapping[str, _Maker], axes: Mapping[str, tuple[Any, ...]], progress: bool | None
 ) -> StabilityMap:
     """Try every cell; cells that differ in nothing their method and scene take are tried once."""
-    from tqdm import tqdm
-
     shape = (len(makers), *(len(values) for values in axes.values()))
     outcomes = np.full(shape, Outcome.NOT_RUN, dtype=object)
     messages = np.full(shape, "", dtype=object)
     errors, seconds = np.full(shape, np.nan), np.zeros(shape)
     known: dict[tuple[int, ...], Verdict] = {}
     labels = list(makers)
-    bar: Any = tqdm(
+    bar: Any = libs.tqdm(
         total=outcomes.size, unit="cell", delay=0.0 if progress else 2.0, leave=False,
         disable=None if progress is None else not progress,
     )  # fmt: skip
@@ -376,7 +376,7 @@ def _check_names(axes: Mapping[str, Any], builder: _Maker, makers: Mapping[str, 
             owners = "; ".join(
                 f"{maker.label}: {', '.join(maker.known) or 'none'}" for maker in (builder, *makers.values())
             )
-            near = nearest(name, {known for maker in (builder, *makers.values()) for known in maker.known})
+            near = meant(name, {known for maker in (builder, *makers.values()) for known in maker.known})
             raise ModelError(
                 f"axes: nothing takes {shown(name)}{near}; expected a parameter of one of these ({owners})"
             )

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.__main__ import _save_figure
 from lcpflex.basics.whole_file import whole_file
+from lcpflex.cli.reading import save_figure
 from lcpflex.solvers.benchmark.files import save_problems
 
 
@@ -45,7 +45,7 @@ WRITERS: dict[str, Callable[[lf.Result, Path], Any]] = {
     "film.gif": lambda result, path: result.animate(path),
     "result.npz": lambda result, path: result.save(path),
     "problems.npz": lambda result, path: problems(path),
-    "figure.png": lambda result, path: _save_figure(result.plot(), path),
+    "figure.png": lambda result, path: save_figure(result.plot(), path),
 }
 
 

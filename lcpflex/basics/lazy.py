@@ -1,0 +1,77 @@
+"""Names that a module loads when they are first used: those that it imports for type checkers.
+
+    if TYPE_CHECKING:
+        from lcpflex.bodies.beam import Beam
+
+    __getattr__, __dir__ = attach(__name__)
+
+So each name is written once, with its home: type checkers and the import linter read the lines that are carried out
+later (PEP 562; packages of scientific Python do the same with stub files, SPEC 1). ``import lcpflex`` comes by here,
+and loads neither numpy nor what only the first use needs.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+__all__ = ["attach"]
+
+
+def attach(module: str, label: str | None = None) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """``__getattr__`` and ``__dir__`` of the module of that name.
+
+    Parameters
+    ----------
+    module
+        ``__name__`` of a module with ``__all__`` and a block ``if TYPE_CHECKING:`` of imports, each
+        ``from home import name`` or ``import home as name``.
+    label
+        What messages call the module, its name if omitted.
+
+    Returns
+    -------
+    tuple
+        ``__getattr__``, which loads a name of the block at its first use, and raises AttributeError with the nearest
+        public name for any other; and ``__dir__``, the names of the block and of ``__all__``.
+    """
+
+    @cache
+    def homes() -> dict[str, tuple[str, str]]:
+        return _homes(module)
+
+    def names() -> list[str]:
+        return sorted({*homes(), *sys.modules[module].__all__})
+
+    def load(name: str) -> Any:
+        if name.startswith("__") or name not in homes():
+            from lcpflex.basics.names import nearest
+
+            told = "" if name.startswith("__") else nearest(name, names())  # Python itself asks for __path__ and others
+            raise AttributeError(f"module {label or module!r} has no attribute {name!r}{told}")
+        home, there = homes()[name]
+        value = getattr(import_module(home), there) if there else import_module(home)
+        setattr(sys.modules[module], name, value)
+        return value
+
+    return load, names
+
+
+def _homes(module: str) -> dict[str, tuple[str, str]]:
+    """Module, and name in it, of each name that the block for type checkers imports; no name for a whole module."""
+    import ast
+
+    spec = sys.modules[module].__spec__
+    source = getattr(spec.loader, "get_source", lambda _: None)(spec.name) if spec is not None else None
+    found: dict[str, tuple[str, str]] = {}
+    for block in ast.parse(source or "").body:
+        if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING":
+            for line in block.body:
+                if isinstance(line, ast.ImportFrom) and line.module:
+                    found |= {one.asname or one.name: (line.module, one.name) for one in line.names}
+                elif isinstance(line, ast.Import):
+                    found |= {one.asname or one.name: (one.name, "") for one in line.names}
+    return found

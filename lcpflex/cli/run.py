@@ -1,0 +1,95 @@
+"""``lcpflex gallery`` and ``lcpflex run SCENE``: the reference scenes, and one of them or of the user's own, run."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+from lcpflex.cli import later
+from lcpflex.cli.reading import check_picture, save_figure
+from lcpflex.cli.scenes import scene_named
+from lcpflex.errors import ModelError, shown, writable_path
+
+__all__ = ["add_gallery", "add_run"]
+
+STEPPERS = ("moreau-jean", "event-driven", "generalized-alpha", "massless-boundary", "smooth")
+STEP = 1e-4  # of a stepper that is asked for by name without a step [s]
+
+
+def add_gallery(commands: Any) -> None:
+    """Add the command to the subparsers."""
+    gallery = commands.add_parser("gallery", help="list the reference scenes")
+    gallery.set_defaults(command=_gallery)
+
+
+def add_run(commands: Any) -> None:
+    """Add the command to the subparsers."""
+    run = commands.add_parser("run", help="run one scene and print its summary")
+    run.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
+    run.add_argument("--stepper", choices=STEPPERS, help="default: the one of the scene")
+    run.add_argument("--step", type=float, metavar="SECONDS", help="step; largest step of event-driven and smooth")
+    run.add_argument("--stiffness", type=float, metavar="N/M", help="of every contact, for --stepper smooth")
+    run.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
+    run.add_argument("--save", type=Path, metavar="FILE", help="write the result to this npz file")
+    run.add_argument("--plot", type=Path, metavar="FILE", help="write a chart to this png, pdf or svg file")
+    run.set_defaults(command=_run)
+
+
+def _gallery(request: argparse.Namespace) -> int:
+    cases = later.scenes()
+    width = max(len(name) for name in cases)
+    for name, case in cases.items():
+        print(f"{name:<{width}}  {case.title}")
+    print("\nrun one with: lcpflex run NAME")
+    return 0
+
+
+def _run(request: argparse.Namespace) -> int:
+    for option, unit in (("step", "seconds"), ("duration", "seconds"), ("stiffness", "N/m")):
+        value = getattr(request, option)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise ModelError(f"--{option}: {shown(value)}; expected a number of {unit} > 0")
+    check_picture("--plot", request.plot)
+    if request.save is not None:
+        writable_path("--save", request.save)
+    scene, duration, stepper = scene_named(request.scene)
+    duration = request.duration or duration
+    if duration is None:
+        raise ModelError(
+            f"--duration: not given, and {shown(request.scene)} does not say; expected a number of seconds > 0"
+        )
+    stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
+    result = later.simulate(scene, duration, stepper)
+    print(result.summary())
+    if request.save is not None:
+        print(f"\nsaved: {result.save(request.save).resolve()}")
+    if request.plot is not None:
+        save_figure(result.plot(), request.plot)
+        print(f"\nchart: {request.plot.resolve()}")
+    return 0 if result.complete else 1
+
+
+def _stepper(name: str | None, step: float | None, stiffness: float | None, own: Any) -> Any:
+    """The stepper asked for, else the scene's own, with the numbers asked for."""
+    if stiffness is not None and name != "smooth":
+        raise ModelError("--stiffness: given without --stepper smooth; rigid contact has none")
+    kinds: dict[str, Any] = {
+        "moreau-jean": later.MoreauJean,
+        "event-driven": later.EventDriven,
+        "generalized-alpha": later.GeneralizedAlpha,
+        "massless-boundary": later.MasslessBoundary,
+    }
+    if name == "smooth":
+        if stiffness is None:
+            raise ModelError("--stiffness: not given; expected the stiffness of the contacts in N/m")
+        integrator = later.ExplicitRungeKutta() if step is None else later.ExplicitRungeKutta(max_step=step)
+        return later.Smooth(later.Penalty(stiffness), integrator=integrator)
+    kind: Any = later.MoreauJean if name is None and own is None else type(own) if name is None else kinds[name]
+    option = "step" if "step" in {field.name for field in fields(kind)} else "max_step"
+    if type(own) is kind:
+        return own if step is None else replace(own, **{option: step})
+    if kind in (later.MoreauJean, later.GeneralizedAlpha):
+        return kind(step=step or STEP)
+    return kind() if step is None else kind(**{option: step})
