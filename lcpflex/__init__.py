@@ -21,8 +21,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.lazy import attach
-
-__version__ = "0.1.0"
+from lcpflex.basics.version import VERSION as __version__
 
 if TYPE_CHECKING:
     import lcpflex.bodies.fem.meshes as meshes

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
         load_siconos_lcp,
         load_siconos_mlcp,
     )
-    from lcpflex.solvers.clock import TimeLimit
     from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
     from lcpflex.solvers.contact.cone import ConvexFriction
     from lcpflex.solvers.contact.problem import ContactProblem
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.solvers.time_limit import TimeLimit
     from lcpflex.solvers.user_solver import OwnSolver
 
 if __name__ != "lcpflex.solvers":

@@ -6,7 +6,7 @@ from typing import Any
 
 from lcpflex.errors import ModelError, as_number, shown
 from lcpflex.solvers.limits import check_limit, check_tolerance
-from lcpflex.solvers.problem import PosedProblem, Solution
+from lcpflex.solvers.solution import PosedProblem, Solution
 
 __all__ = ["check_guess", "check_options", "check_problem", "check_repeats", "check_solver", "posed"]
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from lcpflex.errors import ModelError, in_range
-from lcpflex.solvers.problem import LcpSolver, PosedProblem, Problem, Solution, Status
+from lcpflex.solvers.problem import Solution, Status
 
-__all__ = ["TimeLimit", "check_time_limit", "expired", "grown", "limited", "out_of_time", "remaining"]
+__all__ = ["check_time_limit", "expired", "grown", "limited", "out_of_time", "remaining", "within"]
 
 FIRST = 1e-3  # seconds for which the first, small limit of iterations should last, at FLOPS operations a second
 FLOPS = 1e9
@@ -92,51 +92,3 @@ def expired(solution: Solution) -> Solution:
         return solution
     words = f"time limit: {solution.message}" if solution.message else "time limit"
     return replace(solution, status=Status.TIME_LIMIT, message=words)
-
-
-@dataclass(frozen=True, slots=True)
-class TimeLimit:
-    """A solver that is given so much time for each solve.
-
-    A solver of this package looks at the clock between its iterations and returns the best point it has, with the
-    status TIME_LIMIT; it may take a little longer, for an iteration is not cut short, and compiling counts. Any other
-    solver (see :class:`lcpflex.solvers.OwnSolver`) runs in a process of its own, which is killed when the time is up.
-
-    solver: the solver, or a callable. seconds [s]: > 0. Raises ModelError for anything else.
-    """
-
-    solver: Any
-    seconds: float
-
-    def __post_init__(self) -> None:
-        from lcpflex.solvers.user_solver import OwnSolver, as_solver
-
-        object.__setattr__(self, "seconds", check_time_limit("seconds", self.seconds))
-        if self.seconds is None:
-            raise ModelError("seconds is None: expected a number of seconds > 0")
-        solver = as_solver(self.solver)
-        if isinstance(solver, OwnSolver):
-            least = min(self.seconds, solver.time_limit or self.seconds)
-            solver = replace(solver, time_limit=least)
-        object.__setattr__(self, "solver", solver)
-
-    @property
-    def tolerance(self) -> float:
-        """That of the solver."""
-        return float(getattr(self.solver, "tolerance", 1e-10))
-
-    @property
-    def model(self) -> str:
-        """What the solver solves instead of the problem, if it does."""
-        return str(getattr(self.solver, "model", ""))
-
-    def refuses(self, problem: Problem | PosedProblem) -> str:
-        """Why the solver cannot take the problem; empty if it can."""
-        inner: LcpSolver = self.solver
-        return inner.refuses(problem)  # type: ignore[arg-type]
-
-    def solve(self, problem: Problem | PosedProblem, guess: Solution | None = None) -> Solution:
-        """What the solver finds in its time."""
-        inner: LcpSolver = self.solver
-        with within(self.seconds):
-            return inner.solve(problem, guess)  # type: ignore[arg-type]

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import FLOAT, flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import as_array, check_finite, finite_array, nothing
 from lcpflex.solvers.balance import Units, in_units, lcp_units
 from lcpflex.solvers.certificate import GUARD, all_finite, is_symmetric, residual_parts, weigh
@@ -170,8 +171,6 @@ class Lcp:
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """What ``solver`` makes of :meth:`balanced`, as a certified solution of this problem."""
-        from lcpflex.solvers.arguments import check_guess, check_solver
-
         check_solver(solver)
         check_guess(guess)
         scaled, units = self.balanced()

@@ -9,10 +9,11 @@ from typing import Any
 
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
+from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.material import check_material
-from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh, planar_mesh
+from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
 from lcpflex.bodies.reduction.damping import Damping

@@ -23,7 +23,8 @@ from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative.apart import Motion, apart
 from lcpflex.kinematics.relative.coordinate import ANGLE, coordinate_gradient
 from lcpflex.model.arrays import Model
-from lcpflex.results.result import Result, material_shapes
+from lcpflex.results.places import material_shapes
+from lcpflex.results.result import Result
 
 __all__ = ["unseen_loads"]
 

@@ -10,7 +10,7 @@ from lcpflex.cli.reading import called, in_file, load_named
 from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
-    from lcpflex.gallery.case import Case
+    from lcpflex.runs.case import Case
 
 __all__ = ["case_named", "case_or_function", "scene_named"]
 

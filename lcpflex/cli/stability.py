@@ -19,7 +19,7 @@ from lcpflex.cli import later
 from lcpflex.cli.reading import check_picture, in_file, load_named, outputs_named
 from lcpflex.cli.scenes import case_or_function
 from lcpflex.errors import ModelError, in_range, shown, writable_path
-from lcpflex.studies.outcome import Criteria
+from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.outputs import known_outputs
 
 __all__ = ["add_stability"]

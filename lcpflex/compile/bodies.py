@@ -10,7 +10,8 @@ from lcpflex.bodies.body import Body, Chain, Shortening
 from lcpflex.compile.assembly import Assembly
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Bodies, Model, frozen
-from lcpflex.scene.handles import Placed, PlacedSurface
+from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_surface import PlacedSurface
 
 __all__ = ["compile_bodies", "drawn_shapes", "scene_size"]
 

@@ -8,7 +8,7 @@ from lcpflex.compile.assembly import Assembly
 from lcpflex.compile.contact_surfaces import compile_surfaces
 from lcpflex.model.arrays import Contacts
 from lcpflex.scene.declared import DeclaredContact
-from lcpflex.scene.handles import PlacedSurface
+from lcpflex.scene.placed_surface import PlacedSurface
 
 __all__ = ["compile_contacts"]
 

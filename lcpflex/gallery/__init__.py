@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.gallery.case import Case
+from lcpflex.dynamics.impact_laws import Energetic, Poisson
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.mechanisms import bars, coaxial, flexible, rigid, stops, user_systems
 from lcpflex.gallery.mechanisms.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
 from lcpflex.gallery.mechanisms.claws import claw
@@ -34,6 +35,13 @@ from lcpflex.gallery.mechanisms.rigid import (
 )
 from lcpflex.gallery.mechanisms.stops import elastic_stop, hinged_beam, sphere_on_beam, sphere_on_rod
 from lcpflex.gallery.mechanisms.user_systems import impacting_bar, slider_crank, woodpecker
+from lcpflex.runs.case import Case
+from lcpflex.steppers.adaptive import AdaptiveStep
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
+from lcpflex.steppers.smooth.stepper import Smooth, Stiff, Verlet
 
 __all__ = [
     "Case",
@@ -84,15 +92,6 @@ def scenes() -> dict[str, Case]:
 
 def warmup_cases() -> tuple[Case, ...]:
     """A few short runs that between them use every kernel, with every stepper."""
-    from lcpflex.dynamics.impact_laws import Energetic, Poisson
-    from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.steppers.adaptive import AdaptiveStep
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-    from lcpflex.steppers.smooth.stepper import Smooth, Stiff, Verlet
-
     known = scenes()
     control, spring = AdaptiveStep(), Penalty(1e5)
     own = ("sliding_beam", "double_pendulum", "impacting_bar")

@@ -21,8 +21,6 @@ import llvmlite
 import numba
 import numpy as np
 
-import lcpflex
-
 __all__ = ["LEVELS", "Magic", "derived", "key_of", "machines"]
 
 Magic = tuple[str, str, str]  # triple, name and features of a processor, as numba's codegen tells them
@@ -112,7 +110,7 @@ def _source_of(function: Callable[..., Any]) -> Path | None:
 
 def _places(names: list[str]) -> list[Path]:
     """Where a module of the package may be."""
-    return [Path(root).joinpath(*names) for root in lcpflex.__path__]
+    return [Path(root).joinpath(*names) for root in sys.modules["lcpflex"].__path__]
 
 
 @cache

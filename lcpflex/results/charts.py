@@ -10,7 +10,8 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.chart_words import stepper_words, told_apart
-from lcpflex.results.summary import lost_in_contacts, scene_size, with_unit
+from lcpflex.results.stated_error import scene_size
+from lcpflex.results.summary import lost_in_contacts, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
-from lcpflex.results.result import world_places
+from lcpflex.results.places import world_places
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.results.result import world_places
+from lcpflex.results.places import world_places
 from lcpflex.results.summary import with_unit
 
 if TYPE_CHECKING:

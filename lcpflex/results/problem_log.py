@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lcpflex.errors import ModelError, shown, writable_path
+from lcpflex.solvers.benchmark.files import save_problems
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.steppers.driver import posed_problem
 
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
@@ -104,8 +107,6 @@ class Recorder:
 
     def save(self) -> Path:
         """Write the file; the problems in the order of the run."""
-        from lcpflex.solvers.benchmark.files import save_problems
-
         ordered = sorted(self.kept, key=lambda one: one[1])
         return save_problems(self.request.path, [one[3] for one in ordered], [one[2] for one in ordered])
 
@@ -125,11 +126,6 @@ class Recorder:
 
 def _problem(work: Workspace, contacts: list[str]) -> Lcp | ContactProblem:
     """A copy of the problem; its contacts by their names and the places where they touch."""
-    from dataclasses import replace
-
-    from lcpflex.solvers.contact.problem import ContactProblem
-    from lcpflex.steppers.driver import posed_problem
-
     problem = posed_problem(work)
     if not isinstance(problem, ContactProblem):
         return problem

@@ -15,8 +15,13 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
+from lcpflex.results.archive import read, write
+from lcpflex.results.charts import plot
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
+from lcpflex.results.places import material_shapes, trajectory, turned
+from lcpflex.results.plot import animate, draw
+from lcpflex.results.summary import summary
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,8 +42,6 @@ __all__ = [
     "Event",
     "ModalCoordinates",
     "Result",
-    "material_shapes",
-    "world_places",
 ]
 
 
@@ -205,7 +208,7 @@ class Result:
         rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is none.
         """
         model, b, place, phi = self._material(body, point)
-        return _trajectory(model, self.q, b, place, phi)
+        return trajectory(model, self.q, b, place, phi)
 
     def velocity(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes.
@@ -218,30 +221,22 @@ class Result:
         s = place + self.q[:, d + 3 : d + 3 + n] @ phi
         spin = self.u[:, d + 2]
         rate = self.u[:, d + 3 : d + 3 + n] @ phi + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
-        return self.u[:, d : d + 2] + _turned(self.q[:, d + 2], rate)
+        return self.u[:, d : d + 2] + turned(self.q[:, d + 2], rate)
 
     def summary(self) -> str:
         """The simulation in words: what ran, what touched, where the energy went, how far to trust it."""
-        from lcpflex.results.summary import summary
-
         return summary(self)
 
     def plot(self) -> Figure:
         """Chart of contact forces, gaps and energies over time."""
-        from lcpflex.results.charts import plot
-
         return plot(self)
 
     def draw(self, t: float, axes: Axes | None = None) -> Figure:
         """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces."""
-        from lcpflex.results.plot import draw
-
         return draw(self, t, axes)
 
     def animate(self, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
         """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`."""
-        from lcpflex.results.plot import animate
-
         return animate(self, path, fps=fps, slowdown=slowdown)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -250,8 +245,6 @@ class Result:
         Python callbacks and force laws of the scene are left out: a loaded result can be drawn and measured, not
         continued. Raises ModelError with the path and the reason.
         """
-        from lcpflex.results.archive import write
-
         kept = self.compiled
         if kept is not None:
             kept = replace(kept, callbacks=(), materials=None, functions=(), laws=(None,) * len(kept.laws))
@@ -260,8 +253,6 @@ class Result:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
         """Read a saved result. Raises ModelError with the path and the reason."""
-        from lcpflex.results.archive import read
-
         loaded = read(path)
         if not isinstance(loaded, cls):
             raise ModelError(f"path: {os.fspath(path)!r} holds a {type(loaded).__name__}; expected a Result")
@@ -366,37 +357,6 @@ class Result:
                     phi = material_shapes(model, ends[k])
                     return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
         return None
-
-
-def _turned(angle: FloatArray, s: FloatArray) -> FloatArray:
-    """A(angle) s for angles (...) and vectors (..., 2)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([cos * s[..., 0] - sin * s[..., 1], sin * s[..., 0] + cos * s[..., 1]], axis=-1)
-
-
-def _trajectory(model: Model, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
-    """World place of material points of body b: q (..., ndof), place (..., 2), phi (..., n, 2)."""
-    d = int(model.bodies.dof[b])
-    s = place + np.einsum("...n,...nd->...d", q[..., d + 3 : d + 3 + phi.shape[-2]], phi)
-    return q[..., d : d + 2] + _turned(q[..., d + 2], s)
-
-
-def material_shapes(model: Model, points: IntArray) -> FloatArray:
-    """Mode shapes (k, n, 2) of k material points of one body; n = 0 on the ground and on rigid bodies."""
-    start = model.points.start
-    return np.stack([model.points.phi[start[p] : start[p + 1]] for p in points]) if len(points) else np.zeros((0, 0, 2))
-
-
-def world_places(model: Model, q: FloatArray, points: IntArray) -> FloatArray:
-    """r_P = R + A (x + Phi q) of k material points at the configuration q (ndof,): (k, 2) [m]."""
-    places = np.empty((len(points), 2))
-    owners = model.points.body[points]
-    for b in np.unique(owners):
-        chosen = np.flatnonzero(owners == b)
-        ids = points[chosen]
-        x = model.points.place[ids]
-        places[chosen] = x if b < 0 else _trajectory(model, q[None, :], int(b), x, material_shapes(model, ids))
-    return places
 
 
 def _mode_names(residual: NDArray[np.bool_]) -> list[str]:

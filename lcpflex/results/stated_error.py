@@ -236,6 +236,17 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
     return cornered, curved, [np.array(sorted(pair), dtype=np.int64) for pair in partners]
 
 
+def scene_size(result: Result) -> float | None:
+    """Largest extent of a body [m]; None for a system of the user's own or for bodies without outlines."""
+    if result.compiled is None:
+        return None
+    points = result.compiled.model.points
+    extents = [np.ptp(points.place[points.body == b], axis=0).max() for b in np.unique(points.body) if b >= 0]
+    extents += [2.0 * radius for _, radius in result.compiled.layout.circles]
+    largest = float(max(extents, default=0.0))
+    return largest if largest > 0.0 else None
+
+
 def error_shares(result: Result) -> tuple[float, float] | None:
     """Stated errors of places, over the size of the scene or the largest travel, and of velocities, over the largest.
 
@@ -245,8 +256,6 @@ def error_shares(result: Result) -> tuple[float, float] | None:
         return None
     if result.compiled is None:
         return result.place_error, result.speed_error
-    from lcpflex.results.summary import scene_size
-
     model = result.compiled.model
     origins = np.concatenate([[d, d + 1] for d in model.bodies.dof[:-1].tolist()])
     moved = (result.q - result.q[0])[:, origins]

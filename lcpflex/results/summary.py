@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.results.modal_coordinates import modal_coordinates
-from lcpflex.results.stated_error import error_shares
+from lcpflex.results.stated_error import error_shares, scene_size
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import ContactHistory, Result
 
-__all__ = ["doubts", "lost_in_contacts", "scene_size", "summary", "with_unit"]
+__all__ = ["doubts", "lost_in_contacts", "summary", "with_unit"]
 
 # From where on a number casts doubt on a result.
 UNEXPLAINED = 0.02  # energy that nobody can explain, relative to the largest stored energy
@@ -236,17 +236,6 @@ def _coarse(result: Result) -> str:
         f" The local errors of its steps sum up to {large}, though: it is no more accurate than that; take a shorter "
         "step or a tighter tolerance."
     )
-
-
-def scene_size(result: Result) -> float | None:
-    """Largest extent of a body [m]; None for a system of the user's own or for bodies without outlines."""
-    if result.compiled is None:
-        return None
-    points = result.compiled.model.points
-    extents = [np.ptp(points.place[points.body == b], axis=0).max() for b in np.unique(points.body) if b >= 0]
-    extents += [2.0 * radius for _, radius in result.compiled.layout.circles]
-    largest = float(max(extents, default=0.0))
-    return largest if largest > 0.0 else None
 
 
 def _strict(result: Result) -> float:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
 
@@ -34,8 +35,6 @@ def started_from(
 
     Raises ModelError for what is no result, holds no instant, or is of other coordinates.
     """
-    from lcpflex.compile.compiled_scene import Compiled
-
     if not isinstance(initial, Result):
         raise ModelError(f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it")
     if not len(initial.times):

@@ -7,6 +7,7 @@ from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.arguments import optional_flag
+from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
 from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
@@ -14,6 +15,7 @@ from lcpflex.runs.object_tree import Arrays
 from lcpflex.runs.setup import Options, Stepper, compiled_for, set_up
 from lcpflex.runs.simulate import carry_out
 from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node, stepper_node
+from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Compiled
@@ -128,9 +130,6 @@ def _stepper(kept: Checkpoint, given: Stepper | None) -> Any:
 
 def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper, options: Options) -> Any:
     """The compiled scene of the run, or the user's own system."""
-    from lcpflex.compile.compiled_scene import Compiled
-    from lcpflex.scene.user_system import UserSystem
-
     if scene is None:
         if "scene" in kept.structure["missing"]:
             raise given_again(kept.structure["missing"], kept.path, "scene")

@@ -6,9 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
+from lcpflex.dynamics.time_structure import for_system, with_instants
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import Recorder, RecordProblems
+from lcpflex.scene.scene import Scene
+from lcpflex.scene.user_system import UserSystem
+from lcpflex.solvers.quadratic_program import QuadraticProgram
+from lcpflex.steppers.user_functions import with_own_functions
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Compiled
@@ -73,14 +78,10 @@ class Setup:
     @property
     def compiled(self) -> Compiled | None:
         """What the scene was compiled to; None for a user's own system."""
-        from lcpflex.scene.user_system import UserSystem
-
         return None if isinstance(self.source, UserSystem) else self.source
 
     def run(self) -> Run:
         """The run at its start."""
-        from lcpflex.steppers.user_functions import with_own_functions
-
         run = self.stepper.start(self.system, self.options.duration, self.options.interval)
         started: Run = with_own_functions(run, self.system.functions)
         return started
@@ -88,9 +89,6 @@ class Setup:
 
 def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> Compiled | UserSystem:
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
-    from lcpflex.scene.scene import Scene
-    from lcpflex.scene.user_system import UserSystem
-
     if isinstance(scene, UserSystem):
         return scene
     if not isinstance(scene, Scene):
@@ -102,9 +100,6 @@ def set_up(
     source: Compiled | UserSystem, stepper: Stepper, options: Options, record_problems: RecordProblems | None
 ) -> Setup:
     """Everything that a run needs, of a compiled scene or of a user's own system."""
-    from lcpflex.dynamics.time_structure import for_system, with_instants
-    from lcpflex.scene.user_system import UserSystem
-
     if isinstance(source, UserSystem):
         system, names = source.system(project=options.project, indents=_indents(stepper)), tuple(source.names)
     else:
@@ -130,8 +125,6 @@ def _indents(stepper: Stepper) -> Callable[[str], bool] | None:
 
 def _check_solver(stepper: Stepper, system: System) -> None:
     """Refuse a solver that cannot solve what the scene may come to pose."""
-    from lcpflex.solvers.quadratic_program import QuadraticProgram
-
     solver, friction = getattr(stepper, "solver", None), system.model.contacts.friction
     if other := getattr(solver, "model", ""):
         raise ModelError(

@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.version import VERSION
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze
+from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Compiled
     from lcpflex.runs.setup import Setup, Stepper
-    from lcpflex.scene.user_system import UserSystem
-
 __all__ = ["described", "difference", "functions_of", "made", "same_arrays", "stepper_node"]
 
 ROUNDING = 1e-9  # of the largest entry: arrays of one scene, reduced twice, may differ by so much
@@ -45,11 +45,9 @@ def described(setup: Setup, arrays: Arrays) -> dict[str, Any]:
 
 def made() -> dict[str, str]:
     """Versions that the bits of a run depend on; those of lcpflex first."""
-    import lcpflex
-
     versions = {name: metadata.version(name) for name in ("numpy", "scipy", "numba")}
     python = ".".join(map(str, sys.version_info[:2]))
-    return {"lcpflex": lcpflex.__version__, "sources": _sources(), **versions, "python": python}
+    return {"lcpflex": VERSION, "sources": _sources(), **versions, "python": python}
 
 
 @cache
@@ -64,8 +62,6 @@ def _sources() -> str:
 
 def scene_node(source: Compiled | UserSystem, arrays: Arrays) -> tuple[Any, str]:
     """The scene as data, but for its functions; and why it has to be given again, empty where it has not."""
-    from lcpflex.scene.user_system import UserSystem
-
     if isinstance(source, UserSystem):
         numbers = {name: getattr(source, name) for name in OWN_NUMBERS}
         return freeze(numbers, "scene", arrays), "a UserSystem is made of Python functions, which no file can hold"
@@ -96,8 +92,6 @@ def stepper_node(stepper: Stepper, arrays: Arrays) -> tuple[Any, str]:
 
 def functions_of(source: Compiled | UserSystem) -> dict[str, str]:
     """The code of the functions of a scene, as hashes, by what they are called."""
-    from lcpflex.scene.user_system import UserSystem
-
     if isinstance(source, UserSystem):
         named = {name: getattr(source, name) for name in type(source).__dataclass_fields__ if not name.startswith("_")}
         return {name: code_of(value) for name, value in named.items() if callable(value)}

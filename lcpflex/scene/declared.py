@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from lcpflex.force_laws.law import Law
-from lcpflex.scene.handles import Placed, PlacedSurface
+from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
+from lcpflex.scene.placed_surface import PlacedSurface
 
 __all__ = ["ContactRule", "DeclaredContact", "Parts"]
 

@@ -18,14 +18,15 @@ from lcpflex.bodies.body import Body, Chain, MaterialPoint, array_of
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene import slots
+from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
     from lcpflex.bodies.surface import Surface
-    from lcpflex.compile.reduction_order import ReductionOrder
     from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.compiling import ReductionOrder
     from lcpflex.scene.slots import Slot
 
-__all__ = ["Placed", "PlacedSurface", "can_touch", "is_slave_of", "listed"]
+__all__ = ["Placed"]
 
 Place = str | PlacedPoint | npt.ArrayLike
 
@@ -35,33 +36,6 @@ class Register(Protocol):
 
     def keep(self, surface: PlacedSurface) -> None: ...
     def label(self, stem: str) -> str: ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlacedSurface:
-    """A surface of one body or of the ground of one scene, made by the methods of :class:`Placed`."""
-
-    scene: object = field(repr=False)  # identity of the scene
-    body: int  # index of the body, -1 for the ground
-    label: str  # unique in the scene, such as "pendulum.outline"
-    shape: Surface = field(repr=False)
-    again: Callable[[Placed], PlacedSurface] = field(repr=False)  # makes it on another body in the place of this one
-    disc: tuple[MaterialPoint, float] | None = field(default=None, repr=False)  # centre and radius, to be drawn
-
-
-def can_touch(a: PlacedSurface, b: PlacedSurface) -> bool:
-    """Whether there is a contact between surfaces of these kinds: a node, disc, solid arc or chain is one of them."""
-    return shapes.can_touch(a.shape, b.shape)
-
-
-def is_slave_of(slave: PlacedSurface, master: PlacedSurface) -> bool:
-    """Whether ``slave`` has material points that may touch others, and ``master`` something to be touched."""
-    return shapes.is_slave_of(slave.shape, master.shape)
-
-
-def listed(names: Sequence[str]) -> str:
-    """Names for a message."""
-    return ", ".join(repr(name) for name in names) if names else "(there are none)"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,22 +15,27 @@ from lcpflex.basics.arguments import absent, flag, told_by
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.force_laws.law import Law
-from lcpflex.scene.clearances import Clearances
+from lcpflex.scene import clearances, compiling
+from lcpflex.scene.contact_rules import contact_between, rule_of
 from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
-from lcpflex.scene.handles import Placed, PlacedSurface, can_touch, is_slave_of, listed
+from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
+from lcpflex.scene.placed_surface import PlacedSurface, check_own, listed
+from lcpflex.scene.slots import Slot, SlotParts
+from lcpflex.scene.substitution import exchanged
+from lcpflex.scene.user_functions import check_names, functions_of
 
 if TYPE_CHECKING:
+    from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
-    from lcpflex.compile.compiled_scene import Compiled
-    from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.scene.compiling import Compiled, ReductionOrder
 
 __all__ = ["Scene"]
 
 
-class Scene(Clearances):
+class Scene:
     """A planar scene under construction.
 
     Parameters
@@ -56,8 +61,6 @@ class Scene(Clearances):
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
-        from lcpflex.scene.user_functions import check_names, functions_of
-
         check_names(functions_of(self.parts()))
         return vars(self)
 
@@ -117,11 +120,9 @@ class Scene(Clearances):
         options = (modes, damping, stiffening, residual_damping, contact_nodes)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
-            from lcpflex.compile.reduction_order import order_of
-
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
             asked = (damping, stiffening, residual_damping, contact_nodes, modal, modal_velocity)
-            order, body = order_of(called, body, modes, *asked, others)
+            order, body = compiling.order_of(called, body, modes, *asked, others)
             modal = modal_velocity = None
         elif not isinstance(body, Body):
             raise ModelError(f"body: {shown(body)} was given, expected a Body, or a flexible body and modes=8")
@@ -164,7 +165,7 @@ class Scene(Clearances):
         """Add a joint or a drive of :mod:`lcpflex.scene.joints`; returns its name (joint1, joint2, ... if omitted)."""
         if isinstance(joint, type) or not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
-        self._own("joint", joint.P)
+        check_own(self, "joint", joint.P)
         name = _name("joint", joint.name or None, list(self._joints))
         self._joints[name] = joint
         return name
@@ -173,7 +174,7 @@ class Scene(Clearances):
         """Add a spring, force or torque of :mod:`lcpflex.scene.loads`."""
         if isinstance(load, type) or not isinstance(load, Load):
             raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
-        self._own("load", load.P)
+        check_own(self, "load", load.P)
         self._loads.append(load)
 
     def contact(
@@ -210,33 +211,68 @@ class Scene(Clearances):
         others; it knows no restitution: a rebound follows from its damping. Steppers: ``EventDriven``, ``MoreauJean``,
         and ``Smooth``, whose own ``laws`` go before it.
         """
-        for argument, surface in (("a", a), ("b", b)):
-            if not isinstance(surface, PlacedSurface):
-                raise ModelError(
-                    f"{argument}: {shown(surface)} was given, expected a surface such as body.surface() or "
-                    "scene.ground.half_plane((0, 0), (0, 1))"
-                )
-            self._own(argument, surface)
-        if a.label == b.label:
-            raise ModelError(f"contact: {a.label!r} was given twice, expected two surfaces")
-        if a.body == b.body:
-            where = "on the ground" if a.body < 0 else "on the same body"
-            raise ModelError(f"contact: {a.label!r} and {b.label!r} are both {where}, expected surfaces of two bodies")
-        if not can_touch(a, b):
-            raise ModelError(
-                f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
-                "which cannot touch each other, expected a node, disc or chain on one side"
-            )
-        for other, declared in self._contacts.items():
-            if {a.label, b.label} == {surface.label for surface in declared.pair}:
-                raise ModelError(
-                    f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them"
-                )
-        numbers = _numbers(friction, restitution, tangential_restitution, law)
-        _check_slave(slave, a, b)
+        declared = contact_between(
+            self, self._contacts, a, b, friction, restitution, tangential_restitution, slave, law
+        )
         name = _name("contact", name, list(self._contacts))
-        self._contacts[name] = DeclaredContact((a, b), *numbers, slave, law)
+        self._contacts[name] = declared
         return name
+
+    def contact_slot(
+        self,
+        pin: PlacedSurface,
+        slot: Slot,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+        *,
+        law: Law | SlotParts[Law | None] | None = None,
+    ) -> SlotParts[str]:
+        """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
+
+        They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
+        for a name if omitted), and have the same friction and restitution, as in
+        :meth:`contact`.
+
+        ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
+        as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
+        other begins: gap and normal go on, but the force does so only if both have the same law.
+
+        Raises
+        ------
+        ModelError
+            For a pin that is no disc, that does not fit (its radius must be less than width / 2), or whose centre is
+            outside of the slot at the start, and as in :meth:`contact`.
+        """
+        numbers = friction, restitution, tangential_restitution
+        return clearances.contact_slot(self, pin, slot, *numbers, name, law=law)
+
+    def revolute_with_clearance(
+        self,
+        P: PlacedPoint,
+        Q: PlacedPoint,
+        pin_radius: float,
+        hole_radius: float,
+        friction: float = 0.0,
+        restitution: float = 0.0,
+        tangential_restitution: float = 0.0,
+        name: str | None = None,
+        *,
+        law: Law | None = None,
+    ) -> str:
+        """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
+
+        No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
+        contact force; the rest as in :meth:`contact`.
+
+        Raises
+        ------
+        ModelError
+            For pin_radius >= hole_radius, and for a start with the centre of the pin farther from P than the play.
+        """
+        numbers = friction, restitution, tangential_restitution
+        return clearances.revolute_with_clearance(self, P, Q, pin_radius, hole_radius, *numbers, name, law=law)
 
     def contact_all(
         self,
@@ -255,16 +291,7 @@ class Scene(Clearances):
         "box1.outline/ground.half_plane1". It holds for what is added later, too. Slaves follow from the kinds, two
         chains are slaves of each other: where a choice of slave is wanted, declare the pair with :meth:`contact`.
         """
-        if not isinstance(exclude, list | tuple):
-            raise ModelError(f"exclude: {shown(exclude)} was given, expected a list of pairs of bodies or surfaces")
-        for pair in exclude:
-            sides = pair if isinstance(pair, tuple | list) else ()
-            if len(sides) != 2 or not all(isinstance(side, Placed | PlacedSurface) for side in sides):
-                raise ModelError(f"exclude: {shown(pair)} was given, expected pairs of bodies or surfaces")
-            for side in pair:
-                self._own("exclude", side)
-        numbers = _numbers(friction, restitution, tangential_restitution, law)
-        self._rules.append(ContactRule(*numbers, tuple((x, y) for x, y in exclude), law))
+        self._rules.append(rule_of(self, friction, restitution, tangential_restitution, exclude, law))
 
     def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
         """A new scene like this one with other bodies under the names of ``bodies``; this one is not changed.
@@ -280,8 +307,6 @@ class Scene(Clearances):
             For an unknown name, anything but a body, and what the new body does not have: a name, a place, the
             distribution of mass to project an initial deformation with.
         """
-        from lcpflex.scene.substitution import exchanged
-
         return exchanged(self, bodies)
 
     def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> Compiled:
@@ -309,15 +334,11 @@ class Scene(Clearances):
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.
         """
-        from lcpflex.compile.compilation import compiled_scene
-
-        return compiled_scene(self, project, indents, gives_way)
+        return compiling.compiled_scene(self, project, indents, gives_way)
 
     def reduced(self) -> Scene:
         """This scene with the bodies reduced that are reduced when it is compiled; itself where there are none."""
-        from lcpflex.compile.reduced_scene import reduced_scene
-
-        return reduced_scene(self)[0]
+        return compiling.reduced_scene(self)[0]
 
     def parts(self) -> Parts:
         """What has been declared, in the order in which it was."""
@@ -337,42 +358,6 @@ class Scene(Clearances):
     def label(self, stem: str) -> str:
         """A label for the next surface of that kind: its number is appended."""
         return f"{stem}{1 + sum(s.label.rstrip('0123456789') == stem for s in self._surfaces)}"
-
-    def _own(self, argument: str, part: Any) -> None:
-        if part.scene is not self:
-            raise ModelError(f"{argument}: {shown(part)} was given, expected a part of this scene, not of another one")
-
-
-def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface) -> None:
-    """Raise ModelError for a slave that is neither a nor b, or that cannot be the slave of the other one."""
-    if slave is None:
-        return
-    chosen = slave.label if isinstance(slave, PlacedSurface) and slave.scene is a.scene else ""
-    if chosen not in (a.label, b.label):
-        given = repr(slave.label) if isinstance(slave, PlacedSurface) else shown(slave)
-        raise ModelError(f"slave: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
-    master = b if chosen == a.label else a
-    if not is_slave_of(slave, master):
-        raise ModelError(
-            f"slave: {slave.label!r} (a {slave.shape.kind.value}) was given for {master.label!r} (a "
-            f"{master.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"
-        )
-
-
-def _numbers(
-    friction: float, restitution: float, tangential_restitution: float, law: Law | None
-) -> tuple[float, float, float]:
-    """Friction and restitution, checked, with ``law``."""
-    if not isinstance(law, Law | None):
-        raise ModelError(f"law: {shown(law)} was given, expected a force law such as Penalty(stiffness=1e6), or None")
-    for name, value in (("restitution", restitution), ("tangential_restitution", tangential_restitution)):
-        if law is not None and value != 0.0:
-            raise ModelError(f"{name}: {shown(value)} was given with a law, expected 0: its damping makes the rebound")
-    return (
-        in_range("friction", friction, 0.0, math.inf),
-        in_range("restitution", restitution, 0.0, 1.0),
-        in_range("tangential_restitution", tangential_restitution, 0.0, 1.0),
-    )
 
 
 def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:

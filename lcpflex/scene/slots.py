@@ -15,12 +15,13 @@ import numpy as np
 
 from lcpflex.bodies import surface as shapes
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
     from lcpflex.bodies.body import MaterialPoint
     from lcpflex.bodies.surface import Surface
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene.handles import Place, Placed, PlacedSurface
+    from lcpflex.scene.handles import Place, Placed
 
 __all__ = ["Slot", "SlotParts", "curved_slot", "straight_slot"]
 
@@ -58,8 +59,6 @@ class Slot:
     width: float
 
     def __post_init__(self) -> None:
-        from lcpflex.scene.handles import PlacedSurface
-
         for name, surface in self.parts._asdict().items():
             if not isinstance(surface, PlacedSurface):
                 raise ModelError(f"{name}: {shown(surface)} was given, expected a surface of a body or of the ground")

@@ -19,10 +19,11 @@ from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.scene.handles import Placed, PlacedSurface, listed
+from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_surface import PlacedSurface, listed
 
 if TYPE_CHECKING:
-    from lcpflex.compile.reduction_order import ReductionOrder
+    from lcpflex.scene.compiling import ReductionOrder
     from lcpflex.scene.declared import Parts
     from lcpflex.scene.scene import Scene
 
@@ -66,10 +67,8 @@ def settled(scene: Scene) -> Scene:
 
 def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArray, FloatArray]]) -> Scene:
     """The scene with these bodies and initial states in the order of its own; some may be reduced later."""
-    from lcpflex.scene.scene import Scene
-
     parts = scene.parts()
-    new = Scene(scene.gravity)
+    new = type(scene)(scene.gravity)
     for placed, (body, q, u) in zip(parts.placed, bodies, strict=True):
         if isinstance(body, Body):
             new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])

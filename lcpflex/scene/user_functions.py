@@ -8,8 +8,8 @@ from functools import partial, reduce
 from types import FunctionType
 from typing import TYPE_CHECKING, Any
 
+from lcpflex import force_laws
 from lcpflex.errors import ModelError
-from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.scene.functions_of_time import Function
 from lcpflex.scene.loads.load import Load
 
@@ -60,7 +60,7 @@ def _of_joint(name: str, joint: Joint) -> Iterator[tuple[str, Any]]:
 
 def _of_law(holder: str, law: Law | None) -> Iterator[tuple[str, Any]]:
     elastic = getattr(law, "elastic", law)
-    if isinstance(elastic, OwnLaw):
+    if isinstance(elastic, force_laws.OwnLaw):
         yield holder, elastic.function
 
 

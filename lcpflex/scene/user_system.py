@@ -17,10 +17,12 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import numbers
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.scene import compiling
+from lcpflex.scene.user_functions import check_names
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.steppers.system import System
+    from lcpflex.scene.compiling import System
 
 __all__ = ["UserSystem"]
 
@@ -92,8 +94,6 @@ class UserSystem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its arguments; functions by their names, ModelError for one that cannot be found by it."""
-        from lcpflex.scene.user_functions import check_names
-
         given = {part.name: getattr(self, part.name) for part in fields(self) if part.init}
         check_names((f"UserSystem: {name}", value) for name, value in given.items())
         return UserSystem, tuple(given.values())
@@ -143,9 +143,7 @@ class UserSystem:
 
         ``indents`` tells of a contact whether the stepper has a force law for it, on whose indentation it may rest.
         """
-        from lcpflex.compile.user_system import system_of
-
-        return system_of(self, project, indents)
+        return compiling.system_of(self, project, indents)
 
 
 OPTIONAL = (

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from lcpflex.studies.convergence.methods import standard_methods
     from lcpflex.studies.convergence.points import WorkPoint, WorkPrecision
     from lcpflex.studies.convergence.work_precision import work_precision
+    from lcpflex.studies.criteria import Criteria
     from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
     from lcpflex.studies.model_order.right_size import right_size
-    from lcpflex.studies.outcome import Criteria, Outcome, Verdict
+    from lcpflex.studies.outcome import Outcome, Verdict
     from lcpflex.studies.outputs import Output
     from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
     from lcpflex.studies.stability_maps.chart import outcome_legend

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["FAMILIES", "family_of", "looks_of"]
+import numpy as np
+
+__all__ = ["FAMILIES", "axis_label", "family_of", "looks_of"]
 
 # Okabe and Ito's colours, told apart with any colour vision; markers say the same without colours.
 FAMILIES = {
@@ -40,3 +42,11 @@ def looks_of(steppers: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         counts[family] = k + 1
         looks[label] = {"color": colour, "marker": markers[k % len(markers)], "linestyle": STYLES[k % len(STYLES)]}
     return looks
+
+
+def axis_label(value: Any) -> str:
+    """A value of an axis in few characters."""
+    if isinstance(value, (float, np.floating)):
+        return f"{value:.4g}"
+    name = getattr(value, "__name__", None)
+    return str(name if name is not None else value)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.errors import ModelError, SolverError, StepError, in_range
+from lcpflex.errors import ModelError, SolverError, StepError
 from lcpflex.results.energy_balance import is_of_energy
-from lcpflex.results.stated_error import error_shares
-from lcpflex.results.summary import COARSE, scene_size, with_unit
+from lcpflex.results.stated_error import error_shares, scene_size
+from lcpflex.results.summary import COARSE, with_unit
+from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
     from lcpflex.studies.stability_maps.truth import Truth
 
-__all__ = ["Criteria", "Outcome", "Verdict", "judge_error", "judge_result", "warned"]
+__all__ = ["Outcome", "Verdict", "judge_error", "judge_result", "warned"]
 
 STILL = 1e-3  # energy provided to a scene at rest, which could gain any multiple of nothing: a share of the potential
 
@@ -74,47 +75,6 @@ class Verdict:
     outcome: Outcome
     message: str = ""
     error: float = math.nan
-
-
-@dataclass(frozen=True, slots=True)
-class Criteria:
-    """Where a result ceases to be sound, or without trouble.
-
-    Attributes
-    ----------
-    drift
-        Largest penetration and joint drift, as a share of the largest extent of a body. The indentation under a law of
-        the scene is none, that under a law of the method is. Not compared where bodies have no extent, as those of a
-        :class:`UserSystem`, unless ``length`` is given.
-    length
-        Length [m] that penetration and joint drift are compared with instead.
-    growth
-        Energy gained without work of loads, as a share of the largest stored energy.
-    divergence
-        Energy gained without work of loads, in multiples of the energy that was there or was put in by loads, from
-        which on the motion counts as diverged.
-    remainder
-        Unexplained energy, as a share of the largest stored energy.
-    residual
-        Natural-map residual of a contact problem.
-    error
-        Largest error, of the ``check`` of :func:`stability` and relative to its truth, of an answer that counts as
-        right.
-    """
-
-    drift: float = 1e-3
-    length: float | None = None
-    growth: float = 1e-2
-    divergence: float = 10.0
-    remainder: float = 0.05
-    residual: float = 1e-6
-    error: float = 1e-2
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is not None or field.name != "length":
-                in_range(f"criteria.{field.name}", value, 0.0, math.inf, open_ends=True)
 
 
 def judge_result(

@@ -11,6 +11,7 @@ import numpy as np
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.results.result import Result
 from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
@@ -96,8 +97,6 @@ class Output:
 
     def of(self, result: Result) -> Measured:
         """The output of a result. Raises ModelError for what is neither a number nor one row for each instant."""
-        from lcpflex.results.result import Result
-
         if not isinstance(result, Result):
             raise ModelError(f"result: {shown(result)} was given, expected a Result")
         try:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lcpflex.checks.resolution import unresolved
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
@@ -123,8 +124,6 @@ def is_paradox(warning: str) -> bool:
 
 def scene_warnings(result: Result) -> tuple[str, ...]:
     """Warnings that are of the scene and not of the run: of bodies too stiff, or too coarse for their contacts."""
-    from lcpflex.checks.resolution import unresolved
-
     return (*unresolved(result), *(result.compiled.warnings if result.compiled is not None else ()))
 
 

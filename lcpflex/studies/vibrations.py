@@ -20,8 +20,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.dynamics.applied_forces import applied_forces
+from lcpflex.dynamics.inertia import elastic_forces, inertial_forces
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.struct import pack
+from lcpflex.scene.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,8 +88,6 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
     SolverError
         If no steady state was found near the start.
     """
-    from lcpflex.scene.scene import Scene
-
     spin = in_range("spin", spin, -math.inf, math.inf)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
@@ -109,8 +113,6 @@ class _Turning:
     """The mechanics of a scene as seen from turning axes."""
 
     def __init__(self, compiled: Compiled, spin: float) -> None:
-        from lcpflex.jit.struct import pack
-
         self._compiled = compiled
         self._model = pack(compiled.model)
         self._spin = spin
@@ -126,23 +128,16 @@ class _Turning:
 
     def joints(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """phi (m,) and J (m, ndof)."""
-        from lcpflex.dynamics.start import violation
-
         u = np.zeros_like(q)
         found = violation(self._compiled.model, q, u, self._external(q, u))
         return found.position, found.jacobian
 
     def mass(self, q: FloatArray) -> FloatArray:
         """M (ndof, ndof)."""
-        from lcpflex.dynamics.mass_matrix import mass_matrix
-
         return mass_matrix(self._compiled.model, q)
 
     def residual(self, q: FloatArray, v: FloatArray, reaction: FloatArray) -> FloatArray:
         """r of the module at w = 0 (ndof,)."""
-        from lcpflex.dynamics.applied_forces import applied_forces
-        from lcpflex.dynamics.inertia import elastic_forces, inertial_forces
-
         x, y, spin = self._frames, self._frames + 1, self._spin
         u, udot = v.copy(), np.zeros_like(v)
         u[x] -= spin * q[y]

@@ -21,12 +21,13 @@ from lcpflex.basics.arguments import text
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem, posed
-from lcpflex.solvers.benchmark.records import version_of
+from lcpflex.solvers.benchmark.records import csv_of, version_of
 from lcpflex.solvers.certificate import is_symmetric
-from lcpflex.solvers.clock import TimeLimit, check_time_limit
+from lcpflex.solvers.clock import check_time_limit
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
 from lcpflex.solvers.problem import Lcp, Solution, Status
+from lcpflex.solvers.time_limit import TimeLimit
 from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
 
 __all__ = ["CrossCheck", "Row", "all_solvers", "cross_check"]
@@ -146,9 +147,7 @@ class CrossCheck:
 
     def csv(self) -> str:
         """A line for each solver, numbers in full, time in seconds: with the problem, the machine, and all versions."""
-        from lcpflex.solvers.benchmark.records import csv_of
-
-        return csv_of([self])
+        return csv_of(Row, [self])
 
 
 def cross_check(

@@ -14,7 +14,7 @@ from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from lcpflex.solvers.benchmark.comparison import CrossCheck
+    from lcpflex.solvers.benchmark.comparison import CrossCheck, Row
 
 __all__ = ["as_csv", "csv_of", "environment", "version_of"]
 
@@ -33,16 +33,14 @@ def _written(lines: Sequence[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-def csv_of(checks: Sequence[CrossCheck]) -> str:
+def csv_of(kind: type[Row], checks: Sequence[CrossCheck]) -> str:
     """A line for each problem and solver below the names of the columns; numbers in full, times in seconds.
 
-    problem, kind, size: the problem's name, class and unknowns; then what
-    :class:`lcpflex.solvers.benchmark.comparison.Row` says; then machine, processor, cores, and the versions of Python,
-    numpy, numba, scipy and lcpflex.
+    problem, kind, size: the problem's name, class and unknowns; then what ``kind``,
+    :class:`lcpflex.solvers.benchmark.comparison.Row`, says; then machine, processor, cores, and the versions of
+    Python, numpy, numba, scipy and lcpflex.
     """
-    from lcpflex.solvers.benchmark.comparison import Row
-
-    names = [f.name for f in fields(Row)]
+    names = [f.name for f in fields(kind)]
     names = [name for name in names if name not in _LATER] + [name for name in names if name in _LATER]
     about = environment()
     heads = ["solver_version" if name == "version" else name for name in names]

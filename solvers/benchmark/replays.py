@@ -14,6 +14,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_options, check_problem
 from lcpflex.solvers.benchmark import comparison as one
 from lcpflex.solvers.benchmark.comparison import CrossCheck, Row
+from lcpflex.solvers.benchmark.profile import draw_profile
 from lcpflex.solvers.benchmark.records import as_csv, csv_of
 from lcpflex.solvers.problem import Solution
 
@@ -113,12 +114,10 @@ class Replay:
 
     def problems_csv(self) -> str:
         """A line for each problem and solver, numbers in full, with the machine and all versions."""
-        return csv_of(self.checks)
+        return csv_of(Row, self.checks)
 
     def plot(self, axes: Axes | None = None) -> Figure:
         """Performance profile: see :mod:`lcpflex.solvers.benchmark.profile`; without solvers of another model."""
-        from lcpflex.solvers.benchmark.profile import draw_profile
-
         own = [i for i, row in enumerate(self.rows) if not row.model]
         return draw_profile([self.rows[i].solver for i in own], self.times[own], axes)
 

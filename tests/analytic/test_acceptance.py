@@ -10,7 +10,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.gallery.acceptance.table import CAMPAIGN, LABELS, ROUNDING, Absent, Check, Entry, Refused, checks, rows
+from lcpflex.gallery.acceptance.check import ROUNDING, Absent, Check, Entry, Refused
+from lcpflex.gallery.acceptance.table import CAMPAIGN, LABELS, checks, rows
 from lcpflex.gallery.mechanisms.bars import courant_step
 from lcpflex.runs.simulate import Stepper
 

@@ -1,35 +1,20 @@
-"""What every reduction starts from, a mesh as matrices with named nodes; and the body that a basis makes of it.
-
-A reduction chooses a basis T (columns: displacements of all nodes). :func:`body_of` removes the rigid motions from it
-and turns it once into the own orthonormal basis of the body,
-
-    T -> Phi,   Phi^T M Phi = I,   Phi^T K Phi = diag(omega^2),   Phi^T M R = 0,   R: rigid motions
-
-Being M-orthogonal to the rigid motions, Phi stands for motion relative to the frame of Buckens (Tisserand): the frame
-moves as the mass does on average, S = <Phi> = 0 and c = <Phi^T J x> = 0.
-"""
+"""A mesh as matrices with named nodes: what every reduction starts from."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline, Resolution
-from lcpflex.bodies.fem.nodal_material import material_at_nodes, material_weights
-from lcpflex.bodies.reduction.damping import Damping, sampled, signed, skew, vanish, with_residual
-from lcpflex.bodies.reduction.stiffening import Stiffening, stiffened_by_spin
-from lcpflex.errors import ModelError, shown
+from lcpflex.bodies.body import Resolution
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["NO_RESIDUAL", "FiniteElements", "Residual", "body_of", "rigid_motions"]
+__all__ = ["FiniteElements", "rigid_motions"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,72 +68,6 @@ class FiniteElements:
         return whole.reshape(len(self.places), 2, shapes.shape[1])
 
 
-class Residual(NamedTuple):
-    """How many of the last columns of a basis are residual modes, how many of these of contacts, and their damping."""
-
-    modes: int = 0
-    of_contacts: int = 0
-    damping: float | None = None  # ratio; None: that of the others
-
-
-NO_RESIDUAL = Residual()
-
-
-def body_of(
-    mesh: FiniteElements,
-    omega2: FloatArray,
-    shapes: FloatArray,
-    damping: Damping | None,
-    stiffening: Stiffening | None = None,
-    residual: Residual = NO_RESIDUAL,
-) -> Body:
-    """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
-
-    Parameters
-    ----------
-    mesh : what the basis belongs to
-    omega2 : (n,) [rad^2/s^2]
-    shapes : (f, n) Phi, as the module says
-    damping : of the modes; None for the damping matrix of the mesh, no damping if there is none
-    stiffening : by spin. Its axial force belongs into the stiffness that the basis diagonalises:
-        :func:`lcpflex.bodies.reduction.stiffening.prestressed`
-    residual : how many of the last columns are residual modes
-
-    Raises
-    ------
-    ModelError
-        If the basis is not orthogonal to the rigid motions, a damping matrix feeds energy into the modes, or the mesh
-        cannot be stiffened as asked.
-    """
-    shapes = signed(shapes)
-    diagonal, cross = _damping(mesh, omega2, shapes, damping, residual)
-    nodal = mesh.nodal(shapes)
-    material = material_at_nodes(mesh, nodal)
-    integrals = _axial_integrals if mesh.axisymmetric else _planar_integrals
-    mass, inertia, moment, S, a, c, coupling, weighed = integrals(mesh, shapes)
-    return Body(
-        mass=mass,
-        inertia=inertia,
-        moment=moment,
-        S=S,
-        a=a,
-        c=c,
-        stiffness=omega2,
-        damping=diagonal,
-        coupling=coupling,
-        cross_damping=cross,
-        geometric=stiffened_by_spin(mesh, stiffening, shapes),
-        points={**_axis(mesh, moment / mass, len(c)), **{name: material(node) for name, node in mesh.points.items()}},
-        surfaces=Lazily({name: partial(_outline, material, *chain) for name, chain in mesh.chains.items()}),
-        locate=partial(_locate, mesh, material),
-        axisymmetric=mesh.axisymmetric,
-        resolution=mesh.resolution,
-        residual_modes=residual.modes,
-        contact_modes=residual.of_contacts,
-        products=partial(_products, mesh=mesh, weighed=weighed),
-    )
-
-
 def rigid_motions(places: FloatArray) -> FloatArray:
     """(2 N, 3) translations and infinitesimal rotation about the origin."""
     rigid = np.zeros((places.size, 3))
@@ -157,94 +76,3 @@ def rigid_motions(places: FloatArray) -> FloatArray:
     rigid[0::2, 2] = -places[:, 1]
     rigid[1::2, 2] = places[:, 0]
     return rigid
-
-
-def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
-    """m, I0, s0, S, a, c, D and M [R, Phi]: products with the mass matrix."""
-    rigid = mesh.rigid
-    weighed = mesh.mass @ np.column_stack([rigid, mesh.places.ravel(), shapes])
-    total = float(rigid[:, 0] @ weighed[:, 0])
-    moment = rigid[:, :2].T @ weighed[:, 3]
-    second = float(mesh.places.ravel() @ weighed[:, 3])
-    S = vanish("S", shapes.T @ weighed[:, :2], math.sqrt(total))
-    c = vanish("c", shapes.T @ weighed[:, 2], math.sqrt(second))
-    turned = np.empty_like(shapes)  # J^T Phi
-    turned[0::2] = shapes[1::2]
-    turned[1::2] = -shapes[0::2]
-    a = shapes.T @ weighed[:, 3]
-    coupling = skew(weighed[:, 4:].T @ turned)
-    return total, second, moment, S, a, c, coupling, np.delete(weighed, 3, axis=1)
-
-
-def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
-    """The same of a solid of revolution about x: y = r cos(phi), whose square is r^2 / 2 on average."""
-    place = mesh.places.ravel()[mesh.dofs]
-    along = mesh.dofs % 2 == 0
-    projected = np.where(along, place, 0.5 * place)
-    weighed = mesh.mass @ np.column_stack([mesh.rigid, shapes])
-    total = float(mesh.rigid[:, 0] @ weighed[:, 0])
-    moment = np.array([float(place[along] @ weighed[along, 0]), 0.0])
-    second = float(place @ (mesh.mass @ projected))
-    vanish("S", shapes.T @ weighed[:, 0], math.sqrt(total))
-    n = shapes.shape[1]
-    a = shapes.T @ (mesh.mass @ projected)
-    rigid = np.column_stack([weighed[:, :1], np.zeros((len(place), 2))])  # across and about: nothing, by symmetry
-    return total, second, moment, np.zeros((n, 2)), a, np.zeros(n), None, np.column_stack([rigid, weighed[:, 1:]])
-
-
-def _damping(
-    mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None, residual: Residual
-) -> tuple[FloatArray, FloatArray | None]:
-    """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
-    if damping is not None or mesh.damping is None:
-        if mesh.damping is not None:
-            raise ModelError(f"damping: {shown(damping)} was given besides a damping matrix, expected one of the two")
-        given = 0.0 if damping is None else damping
-        return with_residual(given, residual.damping, np.sqrt(omega2), len(omega2) - residual.modes), None
-    if residual.damping is not None:
-        raise ModelError(
-            f"residual_damping: {shown(residual.damping)} was given besides a damping matrix, expected one of the two"
-        )
-    modal = shapes.T @ (mesh.damping @ shapes)
-    modal = 0.5 * (modal + modal.T)
-    diagonal = np.diag(modal).copy()
-    if not len(diagonal):
-        return diagonal, None
-    worst, largest = np.linalg.eigvalsh(modal)[[0, -1]]
-    if worst < -1e-9 * max(largest, 0.0) or diagonal.min() < -1e-12 * max(largest, 0.0):
-        raise ModelError(f"damping: the matrix feeds energy into the modes ({worst:.6g} 1/s), expected >= 0")
-    diagonal = np.maximum(diagonal, 0.0)
-    cross = modal - np.diag(np.diag(modal))
-    scale = np.sqrt(np.outer(diagonal, diagonal))
-    proportional = bool((np.abs(cross) <= 1e-9 * scale + 1e-14 * max(largest, 0.0)).all())
-    return diagonal, None if proportional else cross
-
-
-def _axis(mesh: FiniteElements, center: FloatArray, modes: int) -> dict[str, MaterialPoint]:
-    """Of a solid of revolution: the mass centre in its frame, for a joint to hold it where there may be no material."""
-    if not mesh.axisymmetric:
-        return {}
-    return {"axis": MaterialPoint(center, np.zeros((modes, 2)), np.zeros(modes))}
-
-
-def _outline(material: Callable[[int], MaterialPoint], nodes: IntArray, closed: bool) -> Outline:
-    return Chain(tuple(material(int(node)) for node in nodes), closed)
-
-
-def _locate(mesh: FiniteElements, material: Callable[[int], MaterialPoint], x: float, y: float) -> MaterialPoint:
-    """The material at (x, y): at a node, or interpolated where the elements are known."""
-    nodes, weights = material_weights(mesh, x, y)
-    if len(nodes) == 1:
-        return material(int(nodes[0]))
-    found = [material(int(node)) for node in nodes]
-    phi = sum((w * p.phi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].phi))
-    psi = sum((w * p.psi for w, p in zip(weights, found, strict=True)), np.zeros_like(found[0].psi))
-    return MaterialPoint(np.array([float(x), float(y)]), phi, psi)
-
-
-def _products(displacement: Displacement, mesh: FiniteElements, weighed: FloatArray) -> FloatArray:
-    """<[1_x, 1_y, J x, Phi]^T d> of nodal values d (nodes, 2), with the mass matrix of the mesh."""
-    values = sampled(displacement, mesh.places)
-    if len(values) != len(mesh.places):
-        raise ModelError(f"displacement: {len(values)} nodal values were given, expected {len(mesh.places)}")
-    return np.asarray(weighed.T @ values.ravel()[mesh.dofs])

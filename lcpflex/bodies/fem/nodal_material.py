@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
 from lcpflex.bodies.body import MaterialPoint
+from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from lcpflex.bodies.fem.finite_elements import FiniteElements
 
 __all__ = ["Nodes", "displacement_rows", "material_at_nodes", "material_weights", "neighbours"]
 

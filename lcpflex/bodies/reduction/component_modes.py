@@ -24,7 +24,7 @@ from typing import Protocol
 import numpy as np
 
 from lcpflex.bodies.body import Body
-from lcpflex.bodies.fem.finite_elements import FiniteElements, body_of
+from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import Nodes, chosen_nodes, rows_of
 from lcpflex.bodies.reduction.bases import (
     SHARE,
@@ -39,6 +39,7 @@ from lcpflex.bodies.reduction.bases import (
 from lcpflex.bodies.reduction.damping import Damping, check_residual, count_of_modes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
 from lcpflex.bodies.reduction.interface import Interfaces
+from lcpflex.bodies.reduction.mesh_body import body_of
 from lcpflex.bodies.reduction.mesh_interfaces import interface_loads, of_mesh
 from lcpflex.bodies.reduction.mesh_levels import Held, reduced
 from lcpflex.bodies.reduction.stiffening import Stiffening

@@ -10,13 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.bodies.body import Body, Rung
-from lcpflex.bodies.fem.finite_elements import NO_RESIDUAL, FiniteElements, Residual, body_of
+from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
 from lcpflex.bodies.reduction.bases import Basis, elastic_count, free_basis, interface_basis, residual_basis
 from lcpflex.bodies.reduction.damping import Damping, Rayleigh, check_damping
 from lcpflex.bodies.reduction.eigenmodes import FULL_LIMIT, FreeMesh
 from lcpflex.bodies.reduction.fidelity_levels import counted
+from lcpflex.bodies.reduction.mesh_body import NO_RESIDUAL, Residual, body_of
 from lcpflex.bodies.reduction.mesh_interfaces import MeshStatics
 from lcpflex.bodies.reduction.stiffening import Stiffening, prestressed
 from lcpflex.errors import ModelError, shown

@@ -40,13 +40,15 @@ import numpy.typing as npt
 
 from lcpflex.basics import libs
 from lcpflex.bodies.body import array_of
+from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.sparse_factor import NotPositive
+from lcpflex.bodies.reduction.eigenmodes import FreeMesh, held_up, mesh_rank
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-    from lcpflex.bodies.fem.finite_elements import FiniteElements
 
 __all__ = ["Stiffening", "check_stiffening", "place_of", "prestressed", "stiffened_by_spin"]
 
@@ -124,9 +126,6 @@ def prestressed(mesh: FiniteElements, stiffening: Stiffening | None) -> FiniteEl
         return mesh
     if stiffening.actual:
         raise ModelError("axial_force: 'actual' was given for a mesh, expected it for a Beam, or a force in N")
-    from lcpflex.bodies.fem.sparse_factor import NotPositive
-    from lcpflex.bodies.reduction.eigenmodes import held_up, mesh_rank
-
     _refuse_unknown_stress(mesh)
     force = stiffening.constant
     a, b = (_place(mesh, "between", end) for end in stiffening.between)
@@ -249,7 +248,5 @@ def _at(mesh: FiniteElements, at: Nodes, force: FloatArray) -> FloatArray:
 
 def _stress_stiffness(mesh: FiniteElements, load: FloatArray) -> csc_matrix[Any]:
     """K_g of the static stress under a load (f,) that is in equilibrium with itself."""
-    from lcpflex.bodies.reduction.eigenmodes import FreeMesh
-
     assert mesh.geometric is not None
     return mesh.geometric(FreeMesh.of(mesh).flexibility(load))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.force_laws import friction
 from lcpflex.force_laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import STICK
@@ -55,8 +56,6 @@ def _path(row: LawRow, mu: float, times: FloatArray, state: npt.NDArray[Any], fo
 
 def _slip(row: LawRow, mu: float, force: FloatArray) -> FloatArray:
     """Slip speeds [m/s] up to the slip speed of the law, by bisection."""
-    from lcpflex.force_laws.friction.kernels import friction_forces
-
     kinds, p = np.array(row.kinds), np.array(row.parameters)
     normal, wanted = np.ascontiguousarray(force[:, 0]), np.abs(force[:, 1])
     start = row.parameters[FRICTION] if row.kinds[FRICTION_KIND] == AMBROSIO else 0.0  # free up to there
@@ -64,7 +63,7 @@ def _slip(row: LawRow, mu: float, force: FloatArray) -> FloatArray:
     found, mus = np.empty(len(force)), np.full(len(force), mu)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        friction_forces(kinds, p, middle, normal, mus, found)
+        friction.friction_forces(kinds, p, middle, normal, mus, found)
         less = np.abs(found) < wanted
         low, high = np.where(less, middle, low), np.where(less, high, middle)
     return np.asarray(np.where(wanted > 0.0, 0.5 * (low + high), 0.0))

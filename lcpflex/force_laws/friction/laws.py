@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws import friction
 from lcpflex.force_laws.friction.bristles import Bristle, LuGre
 from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
@@ -86,8 +87,6 @@ class MemorylessFriction:
         ModelError
             For what is no finite number, a negative normal force or coefficient, and mu_s < mu.
         """
-        from lcpflex.force_laws.friction.kernels import friction_forces  # a scene is built without compiling
-
         given = slip_of(slip, normal, mu)
         shape = common_shape(given)
         flat = [np.broadcast_to(x, shape).ravel() for x in given]
@@ -96,7 +95,7 @@ class MemorylessFriction:
         p = np.zeros(PARAMETERS)
         p[FRICTION : FRICTION + len(self.parameters)] = self.parameters
         out = np.empty(len(flat[0]))
-        friction_forces(np.array([0, 0, self.kind, 0]), p, flat[0], flat[1], flat[2], out)
+        friction.friction_forces(np.array([0, 0, self.kind, 0]), p, flat[0], flat[1], flat[2], out)
         out[flat[2] == 0.0] = 0.0
         return out.reshape(shape) if shape else float(out[0])
 

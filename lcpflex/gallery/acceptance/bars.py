@@ -10,7 +10,7 @@ import numpy as np
 from lcpflex.bodies.bar import Bar
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.acceptance import measures
-from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
+from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.bars import LENGTH, cases, courant_step
 from lcpflex.gallery.mechanisms.user_systems import cases as user_cases
 from lcpflex.steppers.event_driven.stepper import EventDriven
@@ -20,9 +20,9 @@ from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 if TYPE_CHECKING:
-    from lcpflex.gallery.case import Case
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
+    from lcpflex.runs.case import Case
 
 __all__ = ["checks", "prestressed_error"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from lcpflex.gallery.acceptance import measures
-from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity
+from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity
 from lcpflex.gallery.mechanisms.coaxial import cases
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.moreau_jean.stepper import MoreauJean

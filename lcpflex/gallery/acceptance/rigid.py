@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.acceptance import measures
-from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity, Refused
+from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases
 from lcpflex.gallery.mechanisms.flexible import pendulum
 from lcpflex.gallery.mechanisms.rigid import cases, painleve_rod
@@ -23,8 +23,8 @@ from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 if TYPE_CHECKING:
-    from lcpflex.gallery.case import Case
     from lcpflex.results.result import Result
+    from lcpflex.runs.case import Case
 
 __all__ = ["checks"]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.gallery.acceptance import measures
-from lcpflex.gallery.acceptance.table import Absent, Check, Entry, Quantity
+from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity
 from lcpflex.gallery.mechanisms.stops import cases
 
 if TYPE_CHECKING:

@@ -9,25 +9,19 @@ shows.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from lcpflex.gallery.acceptance.bounds import BOUNDS
-from lcpflex.gallery.case import Case
-from lcpflex.runs.simulate import simulate
+from lcpflex.gallery.acceptance import bars, coaxial, rigid, stops
+from lcpflex.gallery.acceptance.check import ROUNDING, Check, Entry, Quantity
+from lcpflex.results.result import Result
 from lcpflex.studies.trial import brief
 
-if TYPE_CHECKING:
-    from lcpflex.results.result import Result
-    from lcpflex.runs.simulate import Stepper
-
-__all__ = ["LABELS", "Absent", "Check", "Entry", "Quantity", "Refused", "Row", "checks", "document", "rows"]
+__all__ = ["LABELS", "Row", "checks", "document", "rows"]
 
 LABELS = ("Moreau-Jean", "event-driven", "generalised-alpha", "massless boundary", "smooth")
 CAMPAIGN = "## Random scenes"  # what tests.property.campaign writes begins here
-ROUNDING = 1e-9  # errors below it are rounding, or the last printed digit of the reference: 0 in the table
 HEAD = """# Accuracy of the steppers on the reference cases
 
 Each number is an error |computed - reference| / scale (scale: |reference|, or what the column says), reached with the
@@ -39,83 +33,6 @@ the machine that wrote the file.
 Written by `python -m lcpflex.gallery.acceptance.table`; the bounds that the tests hold are in
 `lcpflex/gallery/acceptance/bounds.py`.
 """
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A number taken from a result, and what it must be.
-
-    ``scale`` divides the error, |reference| where it is None; 0 is not allowed.
-    """
-
-    name: str
-    reference: float
-    unit: str
-    measure: Callable[[Result], float]
-    scale: float | None = None
-    instant: bool = False  # one of the stored ones: known to their interval
-
-    def error(self, result: Result) -> float:
-        """|measured - reference| / scale."""
-        return abs(self.measure(result) - self.reference) / (self.scale or abs(self.reference))
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A stepper that applies, and why its errors are large where they are."""
-
-    stepper: Stepper
-    why: str = ""
-    slow: bool = False  # seconds a run
-
-
-@dataclass(frozen=True, slots=True)
-class Refused:
-    """A stepper that refuses the case with a ModelError that contains ``message``."""
-
-    stepper: Stepper
-    message: str
-    why: str
-
-
-@dataclass(frozen=True, slots=True)
-class Absent:
-    """A stepper that solves another problem here: the run warns with ``warning``, or nothing can be compared."""
-
-    why: str
-    stepper: Stepper | None = None
-    warning: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One case of the gallery with its quantities, and what each stepper makes of it."""
-
-    case: Case
-    quantities: tuple[Quantity, ...]
-    entries: Mapping[str, Entry | Refused | Absent]
-    duration: float | None = None  # [s], that of the case if omitted
-    record: float | None = None  # [s]
-    name: str = field(default="")
-
-    @property
-    def label(self) -> str:
-        """Name in the table."""
-        return self.name or self.case.name
-
-    def bounds(self, stepper: str) -> tuple[float, ...]:
-        """What the errors of the quantities, in their order, must not exceed with the stepper of that label."""
-        return BOUNDS[self.label, stepper]
-
-    def floor(self, quantity: Quantity) -> float:
-        """Error that rounding, or the interval between stored instants, may make."""
-        interval = self.record if quantity.instant and self.record else 0.0
-        return max(ROUNDING, 1.01 * interval / (quantity.scale or abs(quantity.reference)))
-
-    def run(self, stepper: Stepper) -> Result:
-        """The case with that stepper."""
-        duration = self.case.duration if self.duration is None else self.duration
-        return simulate(self.case.build(), duration, stepper, record=self.record, progress=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,13 +51,7 @@ class Row:
 
 def checks() -> tuple[Check, ...]:
     """All of them."""
-    from lcpflex.gallery.acceptance import bars as checks_bars
-    from lcpflex.gallery.acceptance import coaxial as checks_coaxial
-    from lcpflex.gallery.acceptance import rigid as checks_rigid
-    from lcpflex.gallery.acceptance import stops as checks_stops
-
-    modules = (checks_bars, checks_rigid, checks_stops, checks_coaxial)
-    return tuple(check for module in modules for check in module.checks())
+    return tuple(check for module in (bars, rigid, stops, coaxial) for check in module.checks())
 
 
 def rows(check: Check, measure: bool = True) -> list[Row]:
@@ -190,6 +101,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    from lcpflex.gallery.acceptance import table as acceptance  # under the name that the checks know it by
-
-    acceptance.main()
+    main()

@@ -12,14 +12,15 @@ from functools import partial
 import numpy as np
 
 from lcpflex.bodies.bar import Bar
-from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.functions_of_time import Table
 from lcpflex.scene.joints.driven_displacement import DrivenDisplacement
 from lcpflex.scene.joints.point_on_line import PointOnLine
 from lcpflex.scene.joints.weld import Weld
 from lcpflex.scene.loads.force import Force
 from lcpflex.scene.scene import Scene
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 __all__ = ["bar_with_foot", "courant_step", "elastic_bar", "prestressed_bar", "two_bars"]
 
@@ -100,8 +101,6 @@ def bar_with_foot(elements: int = 400, speed: float = 1.0, ratio: float = 1.5, d
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
     exact = "exact solution of the wave equation"
     modal = "exact: effective mass m/(2N+1) of a free bar with N modes at its end"
     contact_time = 2.0 * LENGTH / 30.0

@@ -9,10 +9,11 @@ from lcpflex.bodies.fem import meshes
 from lcpflex.bodies.reduction.component_modes import residual_compliance
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 from lcpflex.errors import in_range
-from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.joints.prismatic import Prismatic
 from lcpflex.scene.scene import Scene
+from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
 
 __all__ = ["meshed_ball", "meshed_rod", "meshed_sphere_on_rod"]
 
@@ -87,8 +88,6 @@ def _check_edges(finest: float, size: float, least: float) -> None:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
-
     return (
         Case(
             "meshed_sphere_on_rod",

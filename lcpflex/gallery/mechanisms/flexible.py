@@ -6,10 +6,11 @@ import math
 from functools import partial
 
 from lcpflex.bodies.beam import Beam
-from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.scene import Scene
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 __all__ = ["hemisphere_pendulum", "pendulum", "sliding_beam"]
 
@@ -81,8 +82,6 @@ def sliding_beam(modes: int = 8, friction: float = 0.3, roughness: float = 0.004
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
     return (
         Case(
             "pendulum",

@@ -6,13 +6,15 @@ import math
 from functools import partial
 
 from lcpflex.bodies.rigid import Box, Disc, RigidBody
-from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.functions_of_time import Harmonic
 from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.loads.force import Force
 from lcpflex.scene.loads.spring import Spring
 from lcpflex.scene.scene import Scene
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 __all__ = [
     "block_on_incline",
@@ -193,9 +195,6 @@ def stack(boxes: int = 10, top_mass: float = 1.0, friction: float = 0.5) -> Scen
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
     closed = "closed form"
     return (
         Case(

@@ -7,12 +7,14 @@ import math
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.rigid import Disc
-from lcpflex.gallery.case import Case
+from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.joints.point_on_line import PointOnLine
 from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.loads.spring import Spring
 from lcpflex.scene.scene import Scene
+from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
 
 __all__ = ["elastic_stop", "hinged_beam", "sphere_on_beam", "sphere_on_rod"]
 
@@ -81,9 +83,6 @@ def sphere_on_rod(elements: int = 200, speed: float = 0.3) -> Scene:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.force_laws.penalty import Penalty
-    from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
-
     fine = ExplicitRungeKutta(rtol=1e-10, atol=1e-13)
     converged = "converged numerical solution"
     return (

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.gallery.case import Case
 from lcpflex.gallery.mechanisms.arguments import checked
+from lcpflex.runs.case import Case
 from lcpflex.scene.user_system import UserSystem
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -155,9 +157,6 @@ def impacting_bar(nodes: int = 100) -> UserSystem:
 
 def cases() -> tuple[Case, ...]:
     """The cases of this module."""
-    from lcpflex.steppers.event_driven.stepper import EventDriven
-    from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
     return (
         Case(
             "woodpecker",

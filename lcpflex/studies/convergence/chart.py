@@ -12,11 +12,12 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.studies.chart_style import looks_of
 from lcpflex.studies.convergence.equal_times import UNKNOWN
-from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from lcpflex.studies.convergence.points import SceneStudy, WorkPoint, WorkPrecision
 
 __all__ = ["chart"]
 

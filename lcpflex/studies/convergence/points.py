@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.basics.arguments import flag, one_of, sequence_of
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import in_range, writable_path
+from lcpflex.studies.convergence.chart import chart
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
+from lcpflex.studies.convergence.words import advice, table
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.trial import brief
 
@@ -156,8 +158,6 @@ class SceneStudy:
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> tuple[str, ...]:
         """Sentences for each tolerance, and what the reference leaves open: who agrees with it, and who does not."""
-        from lcpflex.studies.convergence.words import advice
-
         given = sequence_of("tolerances", tolerances, "a sequence of numbers > 0", MOST)
         wanted = [in_range(f"tolerances[{i}]", x, 0.0, math.inf, open_ends=True) for i, x in enumerate(given)]
         return advice(self, wanted, self.output(output))
@@ -218,8 +218,6 @@ class WorkPrecision:
 
     def table(self) -> str:
         """Markdown: one table a scene, then its reference, scales and notes."""
-        from lcpflex.studies.convergence.words import table
-
         return "\n\n".join(table(study) for study in self.studies)
 
     def csv(self, path: str | os.PathLike[str]) -> None:
@@ -250,8 +248,6 @@ class WorkPrecision:
         where the stored instants are to blame. Below the dashed line no independent method confirms the reference.
         Each family of steppers has its own colour.
         """
-        from lcpflex.studies.convergence.chart import chart
-
         return chart(self, output)
 
     def __str__(self) -> str:

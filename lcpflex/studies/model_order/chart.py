@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics import libs
-from lcpflex.studies.model_order.report import FidelityRun, RightSize
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from lcpflex.studies.model_order.report import FidelityRun, RightSize
 
 __all__ = ["chart"]
 
@@ -114,6 +116,4 @@ def _short(rung: str) -> str:
 
 
 def _wrapped(text: str) -> list[str]:
-    import textwrap
-
     return textwrap.wrap(text, 95)

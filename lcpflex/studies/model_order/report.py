@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import writable_path
 from lcpflex.results.summary import with_unit
+from lcpflex.studies.model_order.chart import chart
 from lcpflex.studies.trial import brief
 
 if TYPE_CHECKING:
@@ -305,8 +306,6 @@ class RightSize:
 
     def plot(self) -> Figure:
         """Error against cost of every run, the tolerance, and the one that was chosen."""
-        from lcpflex.studies.model_order.chart import chart
-
         return chart(self)
 
     def __str__(self) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.studies.given_functions import is_stepper
 from lcpflex.studies.model_order.estimate import left_at, trend_of
 from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
@@ -170,8 +171,6 @@ def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> tuple[
 
 def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
     """Steppers to be tried, from long to short steps."""
-    from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-
     periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
     longest = min(duration / STEPS, min(periods) / A_PERIOD)
     steps = dict.fromkeys(max(longest / SHORTER**k, duration / MOST) for k in range(ATTEMPTS))

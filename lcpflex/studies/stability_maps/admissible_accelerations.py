@@ -35,6 +35,8 @@ from lcpflex.dynamics.acceleration import (
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
+from lcpflex.scene.scene import Scene
+from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -164,9 +166,6 @@ def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
 
 
 def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
-    from lcpflex.scene.scene import Scene
-    from lcpflex.scene.user_system import UserSystem
-
     if isinstance(scene, UserSystem):
         return scene.system(), tuple(scene.names)
     if not isinstance(scene, Scene):

@@ -12,8 +12,8 @@ from lcpflex.basics import libs
 from lcpflex.basics.arguments import sequence_of, text
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.studies.chart_style import axis_label
 from lcpflex.studies.outcome import Outcome
-from lcpflex.studies.stability_maps.stability_map import axis_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,8 +18,10 @@ from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.benchmark.comparison import as_markdown
+from lcpflex.studies.chart_style import axis_label
 from lcpflex.studies.given_functions import check_curves
 from lcpflex.studies.outcome import Outcome
+from lcpflex.studies.stability_maps.chart import chart, draw_map
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
     Objects = NDArray[np.object_]
 
-__all__ = ["StabilityMap", "axis_label"]
+__all__ = ["StabilityMap"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,8 +146,6 @@ class StabilityMap:
         ``curves`` are drawn over every panel: x and y values by label, such as an exact boundary. Axes are logarithmic
         where their values are spaced so. Raises ModelError for curves over values that are no numbers.
         """
-        from lcpflex.studies.stability_maps.chart import chart
-
         return chart(self, check_curves("curves", curves))
 
     def draw(
@@ -155,8 +155,6 @@ class StabilityMap:
         curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
     ) -> None:
         """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend."""
-        from lcpflex.studies.stability_maps.chart import draw_map
-
         check_axes(axes, needed=True)
         draw_map(axes, self, method, check_curves("curves", curves))
 
@@ -194,14 +192,6 @@ def _is_one_of(cells: Objects, kinds: Sequence[Outcome]) -> NDArray[np.bool_]:
 
 def _percent(value: float) -> str:
     return f"{100.0 * value:.2g} %"
-
-
-def axis_label(value: Any) -> str:
-    """A value of an axis in few characters."""
-    if isinstance(value, (float, np.floating)):
-        return f"{value:.4g}"
-    name = getattr(value, "__name__", None)
-    return str(name if name is not None else value)
 
 
 def _is_number(value: Any) -> bool:

@@ -36,8 +36,9 @@ from lcpflex.basics.names import meant
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, shown
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import simulate
+from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
-from lcpflex.studies.outcome import Criteria, Outcome, Verdict, judge_error, judge_result
+from lcpflex.studies.outcome import Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_maps.stability_map import StabilityMap
 from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
@@ -45,7 +46,7 @@ from lcpflex.studies.time_limit import TimeLimit
 from lcpflex.studies.trial import scene_warnings
 
 if TYPE_CHECKING:
-    from lcpflex.gallery.case import Case
+    from lcpflex.runs.case import Case
 
     Judge = Callable[[Result], Outcome | None]
     Check = Callable[[Result], float]

@@ -13,6 +13,9 @@ from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
+from lcpflex.steppers.event_driven.stepper import EventDriven
+from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
+from lcpflex.steppers.moreau_jean.stepper import MoreauJean
 from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
 
@@ -156,10 +159,6 @@ class _Search:
 
     def own(self) -> Truth:
         """The truth that the methods of the library agree on."""
-        from lcpflex.steppers.event_driven.stepper import EventDriven
-        from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
-        from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-
         event = self._run(EventDriven(rtol=RTOL, atol=ATOL))
         before: Trial | None = None
         stepping = False

@@ -1,4 +1,4 @@
-"""One entry of the gallery."""
+"""A scene with how to run it, as the gallery has them and studies take them."""
 
 from __future__ import annotations
 

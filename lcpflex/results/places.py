@@ -1,0 +1,41 @@
+"""Where material points are in the world: r = R + A (x + Phi q)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.arrays import Model
+
+__all__ = ["material_shapes", "trajectory", "turned", "world_places"]
+
+
+def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
+    """A(angle) s for angles (...) and vectors (..., 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * s[..., 0] - sin * s[..., 1], sin * s[..., 0] + cos * s[..., 1]], axis=-1)
+
+
+def trajectory(model: Model, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
+    """World place of material points of body b: q (..., ndof), place (..., 2), phi (..., n, 2)."""
+    d = int(model.bodies.dof[b])
+    s = place + np.einsum("...n,...nd->...d", q[..., d + 3 : d + 3 + phi.shape[-2]], phi)
+    return q[..., d : d + 2] + turned(q[..., d + 2], s)
+
+
+def material_shapes(model: Model, points: IntArray) -> FloatArray:
+    """Mode shapes (k, n, 2) of k material points of one body; n = 0 on the ground and on rigid bodies."""
+    start = model.points.start
+    return np.stack([model.points.phi[start[p] : start[p + 1]] for p in points]) if len(points) else np.zeros((0, 0, 2))
+
+
+def world_places(model: Model, q: FloatArray, points: IntArray) -> FloatArray:
+    """r_P = R + A (x + Phi q) of k material points at the configuration q (ndof,): (k, 2) [m]."""
+    places = np.empty((len(points), 2))
+    owners = model.points.body[points]
+    for b in np.unique(owners):
+        chosen = np.flatnonzero(owners == b)
+        ids = points[chosen]
+        x = model.points.place[ids]
+        places[chosen] = x if b < 0 else trajectory(model, q[None, :], int(b), x, material_shapes(model, ids))
+    return places
