@@ -38,14 +38,13 @@ from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
-    NOW,
-    RECURSIVE,
     RESTART,
     SMOOTH,
     VELOCITY,
     AlphaMemory,
     Held,
     alpha_memory,
+    copy_end,
     larger,
 )
 from lcpflex.steppers.generalized_alpha.smooth import AlphaSettings
@@ -81,12 +80,10 @@ def copy_memory(source: AlphaMemory, target: AlphaMemory) -> None:
     for i in range(len(source.a)):
         target.a[i] = source.a[i]
         target.w[i] = source.w[i]
-        for kind in range(source.working.shape[1]):
-            target.working[0, kind, i] = source.working[0, kind, i]
-    for law in range(source.law_force.shape[1]):
+    copy_end(source.start, target.start)
+    for law in range(len(source.recursive)):
         for i in range(2):
-            target.law_force[NOW, law, i] = source.law_force[NOW, law, i]
-            target.law_force[RECURSIVE, law, i] = source.law_force[RECURSIVE, law, i]
+            target.recursive[law, i] = source.recursive[law, i]
     target.phase = source.phase
     target.turn = source.turn
     target.between = source.between
@@ -103,10 +100,10 @@ def scale_acceleration(clock: StepClock, length: float, memory: AlphaMemory) -> 
     ratio = length / clock.scaled
     for i in range(len(memory.a)):
         memory.a[i] = memory.w[i] + ratio * (memory.a[i] - memory.w[i])
-    share = memory.law_force
-    for law in range(share.shape[1]):
+    for law in range(len(memory.recursive)):
         for i in range(2):
-            share[RECURSIVE, law, i] = share[NOW, law, i] + ratio * (share[RECURSIVE, law, i] - share[NOW, law, i])
+            now = memory.start.contact[law, i]
+            memory.recursive[law, i] = now + ratio * (memory.recursive[law, i] - now)
     clock.scaled = length
 
 

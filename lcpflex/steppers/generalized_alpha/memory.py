@@ -9,11 +9,9 @@ from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
-__all__ = ["AlphaMemory", "Held", "alpha_memory", "hold", "larger", "match"]
+__all__ = ["AlphaMemory", "EndForces", "Held", "alpha_memory", "copy_end", "hold", "larger", "match"]
 
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaMemory.phase: what is solved next
-NOW, NEXT, RECURSIVE = range(3)  # the last: what the acceleration a of the scheme is to w
-FRICTION, NORMAL, DAMPING, DRIVE, STORED = range(5)  # entries of AlphaMemory.working, first as the sums of a tape
 
 
 @struct
@@ -24,6 +22,18 @@ class Held:
     count: int
     load: FloatArray = array("contacts", 2)  # normal and tangential
     mode: IntArray = array("contacts")  # of the sets SMOOTH, STICKING, SLIDE_FORTH, SLIDE_BACK
+
+
+@struct
+class EndForces:
+    """Smooth forces at one end of a step: generalised ones that do work, and those of each declared contact."""
+
+    friction: FloatArray = array("ndof")
+    normal: FloatArray = array("ndof")
+    damping: FloatArray = array("ndof")
+    drive: FloatArray = array("ndof")
+    conservative: FloatArray = array("ndof")
+    contact: FloatArray = array("laws", 2)  # normal and tangential [N]
 
 
 @struct
@@ -43,8 +53,9 @@ class AlphaMemory:
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
     matched: IntArray = array("contacts")  # the resting contact that each one of the table is, or -1
     total: FloatArray = array("contacts")  # nu of each contact of the table [N s]
-    law_force: FloatArray = array(3, "laws", 2)  # smooth ones at start and end of the step, their share in a [N]
-    working: FloatArray = array(2, 5, "ndof")  # generalised forces that do work, at start and end of the step
+    recursive: FloatArray = array("laws", 2)  # share of the smooth contact forces in a [N]
+    start: EndForces
+    end: EndForces
     change: float  # last one of an acceleration
     numerical: float  # energy lost to numerical damping in this step [J]
     lifted: float  # deepest penetration that a position problem has taken out [m]
@@ -67,9 +78,12 @@ def held(system: System, capacity: int) -> Held:
 
 def alpha_memory(system: System, capacity: int) -> AlphaMemory:
     """Allocate for ``system``, before its first step."""
+    sizes = {"ndof": len(system.q), "contacts": capacity, "laws": system.n_laws}
     return allocate(
         AlphaMemory,
-        {"ndof": len(system.q), "contacts": capacity, "laws": system.n_laws},
+        sizes,
+        start=allocate(EndForces, sizes),
+        end=allocate(EndForces, sizes),
         sets=contact_sets(capacity),
         resting=held(system, capacity),
         pressed=held(system, capacity),
@@ -108,3 +122,17 @@ def hold(table: ContactTable, k: int, normal: float, tangential: float, mode: in
     held.load[i, 1] = tangential
     held.mode[i] = mode
     held.count = i + 1
+
+
+@kernel
+def copy_end(source: EndForces, target: EndForces) -> None:
+    """Forces at one end of a step become those at another."""
+    for i in range(len(source.friction)):
+        target.friction[i] = source.friction[i]
+        target.normal[i] = source.normal[i]
+        target.damping[i] = source.damping[i]
+        target.drive[i] = source.drive[i]
+        target.conservative[i] = source.conservative[i]
+    for law in range(len(source.contact)):
+        target.contact[law, 0] = source.contact[law, 0]
+        target.contact[law, 1] = source.contact[law, 1]

@@ -35,17 +35,10 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import split_friction_solution
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
-    DAMPING,
-    DRIVE,
-    FRICTION,
-    NEXT,
-    NORMAL,
-    NOW,
     POSITION,
-    RECURSIVE,
     SMOOTH,
-    STORED,
     AlphaMemory,
+    EndForces,
     hold,
 )
 
@@ -221,35 +214,33 @@ def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
 
 
 @kernel
-def note_smooth(work: Workspace, memory: AlphaMemory, when: int) -> None:
+def note_smooth(work: Workspace, memory: AlphaMemory, at: EndForces) -> None:
     """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
     n_joint = work.n_joint
     n = work.n_contacts
-    working = memory.working[when]
-    law_force = memory.law_force[when]
-    law_force[:, :] = 0.0
+    at.contact[:, :] = 0.0
     memory.resting.count = 0
     for i in range(len(memory.v_new)):
-        working[FRICTION, i] = 0.0
-        working[NORMAL, i] = 0.0
-        working[DAMPING, i] = work.dissipative[i]
-        working[DRIVE, i] = work.driving[i]
-        working[STORED, i] = work.conservative[i]
+        at.friction[i] = 0.0
+        at.normal[i] = 0.0
+        at.damping[i] = work.dissipative[i]
+        at.drive[i] = work.driving[i]
+        at.conservative[i] = work.conservative[i]
     for r in range(n_joint):
         if work.rate[r] != 0.0:
-            add_row(work, r, work.p[r], working[DRIVE])
+            add_row(work, r, work.p[r], at.drive)
     for k in range(n):
         normal = work.p[n_joint + k]
         if normal <= 0.0:
             continue
         tangential = 0.0
-        add_row(work, n_joint + k, normal, working[NORMAL])
+        add_row(work, n_joint + k, normal, at.normal)
         if memory.sets.tangent_of[k] >= 0:
             r = n_joint + n + memory.sets.tangent_of[k]
             tangential = work.p[r]
-            add_row(work, r, tangential, working[FRICTION])
-        law_force[work.table.law[k], 0] += normal
-        law_force[work.table.law[k], 1] += tangential
+            add_row(work, r, tangential, at.friction)
+        at.contact[work.table.law[k], 0] += normal
+        at.contact[work.table.law[k], 1] += tangential
         hold(work.table, k, normal, tangential, memory.sets.mode[k], memory.resting)
 
 
@@ -290,16 +281,16 @@ def apply_smooth(
     memory.turn = 0
     memory.skip = 0
     if h == 0.0:
-        note_smooth(work, memory, NOW)
-        for law in range(memory.law_force.shape[1]):
+        note_smooth(work, memory, memory.start)
+        for law in range(len(memory.recursive)):
             for i in range(2):
-                memory.law_force[RECURSIVE, law, i] = memory.law_force[NOW, law, i]
+                memory.recursive[law, i] = memory.start.contact[law, i]
         for i in range(len(q)):
             memory.w[i] = memory.w_new[i]
             memory.a[i] = memory.w_new[i]
         memory.phase = SMOOTH
         return
-    note_smooth(work, memory, NEXT)
+    note_smooth(work, memory, memory.end)
     memory.phase = POSITION
     memory.pressed.count = 0
     resting = memory.resting

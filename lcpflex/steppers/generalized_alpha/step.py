@@ -18,19 +18,12 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.problem import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
-    DAMPING,
-    DRIVE,
-    FRICTION,
-    NEXT,
-    NORMAL,
-    NOW,
     POSITION,
-    RECURSIVE,
     RESTART,
     SMOOTH,
-    STORED,
     VELOCITY,
     AlphaMemory,
+    copy_end,
     match,
 )
 from lcpflex.steppers.generalized_alpha.position import (
@@ -75,7 +68,7 @@ def numerical_damping(
             + settings.beta * a_new
             - 0.5 * ((1.0 - settings.gamma) * a + settings.gamma * a_new)
         )
-        force = 0.5 * (memory.working[NOW, STORED, i] + memory.working[NEXT, STORED, i])
+        force = 0.5 * (memory.start.conservative[i] + memory.end.conservative[i])
         gained += h * (dv * memory.push[i] - h * dq * force)
     return -gained
 
@@ -141,22 +134,21 @@ def accrue_impulse(settings: AlphaSettings, memory: AlphaMemory, tape: Tape) -> 
     """
     am = settings.alpha_m
     af = settings.alpha_f
-    for law in range(memory.law_force.shape[1]):
+    for law in range(len(memory.recursive)):
         for i in range(2):
-            now = memory.law_force[NOW, law, i]
-            old = memory.law_force[RECURSIVE, law, i]
-            new = ((1.0 - af) * memory.law_force[NEXT, law, i] + af * now - am * old) / (1.0 - am)
+            now = memory.start.contact[law, i]
+            old = memory.recursive[law, i]
+            new = ((1.0 - af) * memory.end.contact[law, i] + af * now - am * old) / (1.0 - am)
             tape.total_impulse[law, i] += settings.step * ((1.0 - settings.gamma) * old + settings.gamma * new)
-            memory.law_force[RECURSIVE, law, i] = new
+            memory.recursive[law, i] = new
 
 
 @kernel
-def mean_power(memory: AlphaMemory, kind: int, u: FloatArray) -> float:
-    """Four times the mean power of the smooth forces of a kind over a step from the velocity u."""
+def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray) -> float:
+    """Four times the mean power over a step from the velocity u to v of forces given at its ends."""
     done = 0.0
     for i in range(len(u)):
-        force = memory.working[NOW, kind, i] + memory.working[NEXT, kind, i]
-        done += force * (u[i] + memory.v_new[i])
+        done += (start[i] + end[i]) * (u[i] + v[i])
     return done
 
 
@@ -169,10 +161,11 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
     n_joint = work.n_joint
     n = work.n_contacts
     h = settings.step
-    tape.counts.lost_friction -= 0.25 * h * mean_power(memory, FRICTION, u)
-    tape.counts.lost_impacts -= 0.25 * h * mean_power(memory, NORMAL, u)
-    tape.counts.lost_damping -= 0.25 * h * mean_power(memory, DAMPING, u)
-    tape.counts.supplied += 0.25 * h * mean_power(memory, DRIVE, u)
+    start, end = memory.start, memory.end
+    tape.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, memory.v_new)
+    tape.counts.lost_impacts -= 0.25 * h * mean_power(start.normal, end.normal, u, memory.v_new)
+    tape.counts.lost_damping -= 0.25 * h * mean_power(start.damping, end.damping, u, memory.v_new)
+    tape.counts.supplied += 0.25 * h * mean_power(start.drive, end.drive, u, memory.v_new)
     tape.counts.lost_damping += memory.numerical
     accrue_impulse(settings, memory, tape)
     gained = 0.0
@@ -248,11 +241,7 @@ def apply_velocity(
         memory.a[i] = memory.a_new[i]
         memory.w[i] = memory.w_new[i]
         finite = finite and math.isfinite(q[i] + u[i])
-        for kind in range(5):
-            memory.working[NOW, kind, i] = memory.working[NEXT, kind, i]
-    for law in range(memory.law_force.shape[1]):
-        for i in range(2):
-            memory.law_force[NOW, law, i] = memory.law_force[NEXT, law, i]
+    copy_end(memory.end, memory.start)
     memory.phase = RESTART if jumps else SMOOTH
     memory.turn = 0
     memory.between = 1

@@ -40,8 +40,6 @@ from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.generalized_alpha.adaptive import ControlledGeneralizedAlpha
 from lcpflex.steppers.generalized_alpha.memory import (
-    NOW,
-    RECURSIVE,
     VELOCITY,
     AlphaMemory,
     alpha_memory,
@@ -175,8 +173,8 @@ class GeneralizedAlphaScheme:
         memory = self._memory
         ratio = step / self._settings.step
         memory.a[:] = memory.w + (memory.a - memory.w) * ratio
-        share = memory.law_force
-        share[RECURSIVE] = share[NOW] + (share[RECURSIVE] - share[NOW]) * ratio
+        now = memory.start.contact
+        memory.recursive[:] = now + (memory.recursive - now) * ratio
         self._settings = self._settings._replace(step=step)
         self.work.span[:] = 0.5 * step
         self.clock.made = self.clock.number = self.clock.stored = 0
