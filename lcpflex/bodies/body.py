@@ -26,6 +26,7 @@ from lcpflex.basics.arguments import mapping_of as named
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
+from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "Body",
@@ -330,5 +331,5 @@ class Body:
         rigid = np.array([[self.mass, 0.0, -sy], [0.0, self.mass, sx], [-sy, sx, self.inertia]])
         coupled = np.vstack([self.S.T, self.c])  # zero for free-interface modes
         reduced = rigid - coupled @ coupled.T
-        frame = np.linalg.solve(reduced, right[:3] - coupled @ right[3:])
-        return float(frame[0]), float(frame[1]), float(frame[2]), right[3:] - coupled.T @ frame
+        frame = np.linalg.solve(reduced, right[:N_RIGID] - coupled @ right[N_RIGID:])
+        return float(frame[0]), float(frame[1]), float(frame[2]), right[N_RIGID:] - coupled.T @ frame

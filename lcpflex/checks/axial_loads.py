@@ -23,7 +23,8 @@ from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_point, contact_rows
 from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
-from lcpflex.dynamics.inertia import arrow, elastic_forces, factorise, inertial_forces, solve_block
+from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
+from lcpflex.dynamics.inertia import arrow, factorise, solve_block
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
@@ -31,6 +32,7 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.kinematics.relative.apart import relative_motion
 from lcpflex.kinematics.relative.coordinate import coordinate_gradient
 from lcpflex.model.arrays import Axis, Loads, Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 from lcpflex.results.stated_error import CLAMPED
 
@@ -72,7 +74,7 @@ def with_axial_loads(result: Result) -> Result:
 
 def _beams(compiled: Compiled, actual: bool) -> list[tuple[int, Axis]]:
     """Beams that bend, with the actual axial force or without."""
-    modes = np.diff(compiled.model.bodies.dof) - 3
+    modes = np.diff(compiled.model.bodies.dof) - N_RIGID
     axes = enumerate(compiled.layout.axes)
     return [(b, axis) for b, axis in axes if axis is not None and axis.actual == actual and modes[b]]
 
@@ -90,7 +92,7 @@ def _told(name: str, axis: Axis, worst: Worst) -> str:
 def _too_steep(result: Result, compiled: Compiled, b: int, axis: Axis) -> str:
     """Why a beam that counts with its axial force is not to be trusted; empty if its slopes are small."""
     dof = compiled.model.bodies.dof
-    steepest = np.abs(result.q[:, dof[b] + 3 : dof[b + 1]] @ axis.slope.T).max(axis=1, initial=0.0)
+    steepest = np.abs(result.q[:, dof[b] + N_RIGID : dof[b + 1]] @ axis.slope.T).max(axis=1, initial=0.0)
     if not steepest.max(initial=0.0) > SLOPE:
         return ""
     first = float(result.times[int(np.argmax(steepest > SLOPE))])
@@ -311,7 +313,7 @@ class _Forces:
 
 def _stretching(compiled: Compiled, b: int) -> IntArray:
     """Coordinates of a beam that do not bend it."""
-    axis, first = compiled.layout.axes[b], int(compiled.model.bodies.dof[b]) + 3
+    axis, first = compiled.layout.axes[b], int(compiled.model.bodies.dof[b]) + N_RIGID
     assert axis is not None
     return first + np.flatnonzero(~axis.slope.any(axis=0))
 

@@ -23,6 +23,7 @@ from lcpflex.force_laws.elastic.kernels import elastic_stiffness
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 
 __all__ = ["kept_depths"]
@@ -101,11 +102,11 @@ def _stiffness(model: Model, q: FloatArray) -> FloatArray:
                 moved[j] += side * step
                 spring_forces(model, moved, still, force, away)
                 K[:, j] -= side * force / (2.0 * step)
-    elastic = np.concatenate([np.arange(a + 3, b) for a, b in pairwise(dof)])
+    elastic = np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(dof)])
     K[elastic, elastic] += model.bodies.stiffness
     for b in np.flatnonzero(np.diff(model.bodies.shortening_start)).tolist():
-        own = slice(dof[b] + 3, dof[b + 1])
-        axial = np.zeros((dof[b + 1] - dof[b] - 3,) * 2)
+        own = slice(dof[b] + N_RIGID, dof[b + 1])
+        axial = np.zeros((dof[b + 1] - dof[b] - N_RIGID,) * 2)
         add_tangent(model.bodies, b, q[own], 1.0, True, axial)
         K[own, own] += axial
     return K

@@ -23,6 +23,7 @@ from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative.apart import Motion, apart
 from lcpflex.kinematics.relative.coordinate import ANGLE, coordinate_gradient
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
 
@@ -69,7 +70,7 @@ class _Scales:
         self.travel = float((travel + 0.5 * self.size * np.ptp(result.q[:, dof + 2], axis=0)).max())
         self.weight = float(model.bodies.mass.sum() * np.hypot(*model.loads.gravity))
         self._compiled = compiled
-        self._rigid = (dof[:, None] + np.arange(3)).ravel()
+        self._rigid = (dof[:, None] + np.arange(N_RIGID)).ravel()
 
     @cached_property
     def _mechanics(self) -> tuple[FloatArray, FloatArray]:
@@ -105,15 +106,15 @@ def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:
         return rows
     d, end = int(model.bodies.dof[b]), int(model.bodies.dof[b + 1])
     phi = material_shapes(model, np.array([p]))[0]
-    s = model.points.place[p] + q[d + 3 : end] @ phi
+    s = model.points.place[p] + q[d + N_RIGID : end] @ phi
     cos, sin = math.cos(q[d + 2]), math.sin(q[d + 2])
     A = np.array([[cos, -sin], [sin, cos]])
     rows[:2, d : d + 2] = np.eye(2)
     rows[:2, d + 2] = A @ np.array([-s[1], s[0]])
-    rows[:2, d + 3 : end] = A @ phi.T
+    rows[:2, d + N_RIGID : end] = A @ phi.T
     rows[2, d + 2] = 1.0
     first = int(model.points.start[p])
-    rows[2, d + 3 : end] = model.points.psi[first : first + end - d - 3]
+    rows[2, d + N_RIGID : end] = model.points.psi[first : first + end - d - N_RIGID]
     return rows
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from lcpflex.checks.resolution_rules import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
 from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 
 __all__ = ["unresolved"]
@@ -80,8 +81,8 @@ def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> st
 def _few_modes(result: Result, compiled: Compiled, name: str, b: int, duration: float) -> str:
     """Where body b deforms, but its free modes that have mass end below what was excited."""
     bodies = compiled.model.bodies
-    first, last = int(bodies.dof[b]) + 3, int(bodies.dof[b + 1])
-    own = bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
+    first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
+    own = bodies.stiffness[first - N_RIGID * (b + 1) : last - N_RIGID * (b + 1)]
     if not own.size:
         return ""
     free = np.arange(len(own)) < len(own) - compiled.layout.residual[b][0]

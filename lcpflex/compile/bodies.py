@@ -10,6 +10,7 @@ from lcpflex.bodies.body import Body, Chain, Shortening
 from lcpflex.compile.assembly import Assembly
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Bodies, Model, frozen
+from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.placed_surface import PlacedSurface
 
@@ -38,7 +39,7 @@ def compile_bodies(sources: Sequence[Body]) -> Bodies:
     axial_start, axial = listed(lambda of: of.axial)
     bending_start, bending = listed(lambda of: of.bending)
     return Bodies(
-        dof=frozen(np.cumsum([0, *(3 + body.modes for body in sources)]), np.int64),
+        dof=frozen(np.cumsum([0, *(N_RIGID + body.modes for body in sources)]), np.int64),
         mass=joined(lambda body: body.mass),
         inertia=joined(lambda body: body.inertia),
         moment=joined(lambda body: body.moment, 2),

@@ -22,6 +22,7 @@ from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.compile.missing_compliance import deficits
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.model.planar import N_RIGID
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -115,7 +116,8 @@ class ReductionOrder:
         """Initial configuration and velocity (3 + n,) of the reduced body: its residual modes begin at rest."""
         still = np.zeros(body.modes - self.modes)
         q, u = placed
-        return np.concatenate([q[:3], self.modal, still]), np.concatenate([u[:3], self.modal_velocity, still])
+        frame = slice(N_RIGID)
+        return np.concatenate([q[frame], self.modal, still]), np.concatenate([u[frame], self.modal_velocity, still])
 
     def _snap(self, x: float, y: float) -> tuple[tuple[float, float], bool]:
         """The material nearest to a place, and whether the place is off it."""

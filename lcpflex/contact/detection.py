@@ -19,6 +19,7 @@ from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import local_place, point_position
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
 
@@ -78,8 +79,8 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
                 sin = math.sin(q[d + 2])
                 last = b
             x, y = q[d] + cos * x - sin * y, q[d + 1] + sin * x + cos * y
-            for m in range(dof[b + 1] - d - 3):
-                sway += abs(q[d + 3 + m]) * sway_of[s, m]
+            for m in range(dof[b + 1] - d - N_RIGID):
+                sway += abs(q[d + N_RIGID + m]) * sway_of[s, m]
             out[s, 3] = cos
             out[s, 4] = sin
         out[s, 0] = x
@@ -196,7 +197,7 @@ def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: floa
     first = model.points.start[p]
     count = model.points.start[p + 1] - first
     if count > 0:
-        modal = model.bodies.dof[model.points.body[p]] + 3
+        modal = model.bodies.dof[model.points.body[p]] + N_RIGID
         for k in range(count):
             turn += model.points.psi[first + k] * q[modal + k]
         mx, my = math.cos(turn) * mx - math.sin(turn) * my, math.sin(turn) * mx + math.cos(turn) * my

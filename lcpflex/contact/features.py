@@ -7,6 +7,7 @@ import math
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import local_place
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["ARC", "COINCIDENT", "SEGMENT", "WIDEN", "foot", "in_arc", "may_touch", "near_block", "over"]
 
@@ -112,7 +113,7 @@ def in_arc(model: Model, q: FloatArray, p: int, angle: float, start: float, exte
     body = model.points.body[p]
     first = model.points.start[p]
     for k in range(model.points.start[p + 1] - first):
-        angle -= model.points.psi[first + k] * q[model.bodies.dof[body] + 3 + k]
+        angle -= model.points.psi[first + k] * q[model.bodies.dof[body] + N_RIGID + k]
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi)) <= extent
 
 

@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "apply_impulses",
@@ -44,7 +45,7 @@ def dot(x: FloatArray, y: FloatArray, first: int, n: int) -> float:
         a += x[k] * y[first + k]
         b += x[k + 1] * y[first + k + 1]
         c += x[k + 2] * y[first + k + 2]
-        d += x[k + 3] * y[first + k + 3]
+        d += x[k + N_RIGID] * y[first + k + N_RIGID]
     for k in range(whole, n):
         a += x[k] * y[first + k]
     return (a + b) + (c + d)

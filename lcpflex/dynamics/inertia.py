@@ -22,20 +22,22 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.dynamics.delassus import cholesky_solve
-from lcpflex.dynamics.shortening import factorise_tangent, shortening_energy, shortening_forces, shortens
+from lcpflex.dynamics.shortening import factorise_tangent, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model.arrays import Bodies, Loads
+from lcpflex.model.arrays import Bodies
+from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "Arrow",
+    "add_row_product",
     "arrow",
-    "elastic_forces",
+    "couple_modes",
+    "deformed_moments",
     "factorise",
-    "inertial_forces",
     "multiply",
     "solve_block",
-    "stored_energies",
+    "stiffened",
 ]
 
 
@@ -76,17 +78,17 @@ def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
 def deformed_moments(bodies: Bodies, q: FloatArray, b: int) -> tuple[float, float, float]:
     """s0 + S q [kg m] (body axes) and I0 + 2 a.q + q.q - q^T G q [kg m^2] of body b."""
     d = bodies.dof[b]
-    first = d - 3 * b
+    first = d - N_RIGID * b
     sx = bodies.moment[b, 0]
     sy = bodies.moment[b, 1]
     inertia = bodies.inertia[b]
-    for k in range(bodies.dof[b + 1] - d - 3):
-        qk = q[d + 3 + k]
+    for k in range(bodies.dof[b + 1] - d - N_RIGID):
+        qk = q[d + N_RIGID + k]
         sx += bodies.S[first + k, 0] * qk
         sy += bodies.S[first + k, 1] * qk
         inertia += (2.0 * bodies.a[first + k] + qk) * qk
     if bodies.geometric_start[b + 1] > bodies.geometric_start[b]:
-        modal = q[d + 3 : bodies.dof[b + 1]]
+        modal = q[d + N_RIGID : bodies.dof[b + 1]]
         inertia -= stiffened(bodies, b, modal, modal)
     return sx, sy, inertia
 
@@ -130,8 +132,8 @@ def couple_modes(bodies: Bodies, q: FloatArray, b: int, work: Arrow) -> None:
     """B of body b: coupling of its modes with translation and rotation of the frame."""
     couple = work.couple
     d = bodies.dof[b]
-    first = d - 3 * b
-    n = bodies.dof[b + 1] - d - 3
+    first = d - N_RIGID * b
+    n = bodies.dof[b + 1] - d - N_RIGID
     cos = math.cos(q[d + 2])
     sin = math.sin(q[d + 2])
     for k in range(n):
@@ -144,7 +146,7 @@ def couple_modes(bodies: Bodies, q: FloatArray, b: int, work: Arrow) -> None:
     if bodies.coupling_start[b + 1] > start:
         turn = work.turn[first : first + n]
         turn[:] = 0.0
-        add_row_product(q[d + 3 : d + 3 + n], bodies.coupling[start : start + n * n], 1.0, turn)
+        add_row_product(q[d + N_RIGID : d + N_RIGID + n], bodies.coupling[start : start + n * n], 1.0, turn)
         for k in range(n):
             couple[first + k, 2] += turn[k]
 
@@ -154,7 +156,7 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
     """Factorise M(q) + alpha_c C + alpha_k K of every body (C: diagonal part of the modal damping)."""
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
-        first = d - 3 * b
+        first = d - N_RIGID * b
         couple_modes(bodies, q, b, work)
         sx, sy, inertia = deformed_moments(bodies, q, b)
         cos = math.cos(q[d + 2])
@@ -165,7 +167,7 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
         xt = -(sin * sx + cos * sy)
         yt = cos * sx - sin * sy
         tt = inertia
-        for k in range(first, first + bodies.dof[b + 1] - d - 3):
+        for k in range(first, first + bodies.dof[b + 1] - d - N_RIGID):
             scale = 1.0 / (1.0 + alpha_c * bodies.damping[k] + alpha_k * bodies.stiffness[k])
             work.diagonal[k] = scale
             bx = work.couple[k, 0]
@@ -195,8 +197,8 @@ def with_tangent(
     """The Schur complement (xx, xy, yy, xt, yt, tt) of body b with its dense matrix, from that with the diagonal."""
     xx, xy, yy, xt, yt, tt = rigid
     d = bodies.dof[b]
-    first = d - 3 * b
-    n = bodies.dof[b + 1] - d - 3
+    first = d - N_RIGID * b
+    n = bodies.dof[b + 1] - d - N_RIGID
     work.full[b] = 0
     if alpha_k == 0.0:
         return rigid
@@ -204,7 +206,7 @@ def with_tangent(
     matrix = work.dense[start : start + n * n].reshape((n, n))
     diagonal = work.diagonal[first : first + n]
     turn = work.turn[first : first + n]
-    if factorise_tangent(bodies, b, q[d + 3 : d + 3 + n], alpha_k, diagonal, matrix):
+    if factorise_tangent(bodies, b, q[d + N_RIGID : d + N_RIGID + n], alpha_k, diagonal, matrix):
         work.full[b] = 1
         for i in range(3):
             for k in range(n):
@@ -243,30 +245,30 @@ def solve_rigid(work: Arrow, b: int, x: float, y: float, t: float) -> tuple[floa
 def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: FloatArray) -> None:
     """out = (M + ...)^-1 right for the block (3 + n,) of body b; ``out`` may be ``right`` itself."""
     d = bodies.dof[b]
-    first = d - 3 * b
-    n = bodies.dof[b + 1] - d - 3
+    first = d - N_RIGID * b
+    n = bodies.dof[b + 1] - d - N_RIGID
     x = right[0]
     y = right[1]
     t = right[2]
     if work.full[b] != 0:
         start = work.dense_start[b]
         for k in range(n):
-            out[3 + k] = right[3 + k]
-        cholesky_solve(work.dense[start : start + n * n].reshape((n, n)), n, out[3 : 3 + n])
+            out[N_RIGID + k] = right[N_RIGID + k]
+        cholesky_solve(work.dense[start : start + n * n].reshape((n, n)), n, out[N_RIGID : N_RIGID + n])
         for k in range(n):
-            x -= work.couple[first + k, 0] * out[3 + k]
-            y -= work.couple[first + k, 1] * out[3 + k]
-            t -= work.couple[first + k, 2] * out[3 + k]
+            x -= work.couple[first + k, 0] * out[N_RIGID + k]
+            y -= work.couple[first + k, 1] * out[N_RIGID + k]
+            t -= work.couple[first + k, 2] * out[N_RIGID + k]
         x, y, t = solve_rigid(work, b, x, y, t)
         for k in range(n):
             row = work.eased[first + k]
-            out[3 + k] -= row[0] * x + row[1] * y + row[2] * t
+            out[N_RIGID + k] -= row[0] * x + row[1] * y + row[2] * t
         out[0] = x
         out[1] = y
         out[2] = t
         return
     for k in range(n):
-        scaled = work.diagonal[first + k] * right[3 + k]
+        scaled = work.diagonal[first + k] * right[N_RIGID + k]
         x -= work.couple[first + k, 0] * scaled
         y -= work.couple[first + k, 1] * scaled
         t -= work.couple[first + k, 2] * scaled
@@ -276,7 +278,7 @@ def solve_block(bodies: Bodies, work: Arrow, b: int, right: FloatArray, out: Flo
     out[2] = t
     for k in range(n):
         row = work.couple[first + k]
-        out[3 + k] = work.diagonal[first + k] * (right[3 + k] - row[0] * x - row[1] * y - row[2] * t)
+        out[N_RIGID + k] = work.diagonal[first + k] * (right[N_RIGID + k] - row[0] * x - row[1] * y - row[2] * t)
 
 
 @kernel
@@ -284,7 +286,7 @@ def multiply(bodies: Bodies, q: FloatArray, x: FloatArray, work: Arrow, out: Flo
     """out = M(q) x for all bodies, with the couplings that :func:`factorise` left at the same q."""
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
-        first = d - 3 * b
+        first = d - N_RIGID * b
         sx, sy, inertia = deformed_moments(bodies, q, b)
         cos = math.cos(q[d + 2])
         sin = math.sin(q[d + 2])
@@ -293,116 +295,13 @@ def multiply(bodies: Bodies, q: FloatArray, x: FloatArray, work: Arrow, out: Flo
         right = bodies.mass[b] * x[d] + xt * x[d + 2]
         up = bodies.mass[b] * x[d + 1] + yt * x[d + 2]
         turn = xt * x[d] + yt * x[d + 1] + inertia * x[d + 2]
-        for k in range(bodies.dof[b + 1] - d - 3):
+        for k in range(bodies.dof[b + 1] - d - N_RIGID):
             row = work.couple[first + k]
-            modal = x[d + 3 + k]
+            modal = x[d + N_RIGID + k]
             right += row[0] * modal
             up += row[1] * modal
             turn += row[2] * modal
-            out[d + 3 + k] = modal + row[0] * x[d] + row[1] * x[d + 1] + row[2] * x[d + 2]
+            out[d + N_RIGID + k] = modal + row[0] * x[d] + row[1] * x[d + 1] + row[2] * x[d + 2]
         out[d] = right
         out[d + 1] = up
         out[d + 2] = turn
-
-
-@kernel
-def inertial_forces(bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, force: FloatArray) -> None:
-    """force += centrifugal, Coriolis and weight forces of every body.
-
-    h_R = A(omega^2 (s0 + S q) - 2 omega J S qdot) + m g,
-    h_theta = -2 omega (a + q - G q).qdot + B(s0 + S q)^T A^T g,
-    h_f = omega^2 (a + q - G q) + 2 omega D qdot + S^T A^T g
-    """
-    for b in range(len(bodies.mass)):
-        d = bodies.dof[b]
-        first = d - 3 * b
-        n = bodies.dof[b + 1] - d - 3
-        omega = u[d + 2]
-        cos = math.cos(q[d + 2])
-        sin = math.sin(q[d + 2])
-        gx = cos * loads.gravity[0] + sin * loads.gravity[1]
-        gy = -sin * loads.gravity[0] + cos * loads.gravity[1]
-        sx, sy, _ = deformed_moments(bodies, q, b)
-        rx = omega * omega * sx
-        ry = omega * omega * sy
-        torque = sx * gy - sy * gx
-        for k in range(n):
-            rate = u[d + 3 + k]
-            arm = bodies.a[first + k] + q[d + 3 + k]
-            ex = bodies.S[first + k, 0]
-            ey = bodies.S[first + k, 1]
-            rx += 2.0 * omega * ey * rate
-            ry -= 2.0 * omega * ex * rate
-            torque -= 2.0 * omega * arm * rate
-            force[d + 3 + k] += omega * omega * arm + ex * gx + ey * gy
-        start = bodies.coupling_start[b]
-        if bodies.coupling_start[b + 1] > start and omega != 0.0:
-            # D u = -(u^T D): D is skew
-            matrix = bodies.coupling[start : start + n * n]
-            add_row_product(u[d + 3 : d + 3 + n], matrix, -2.0 * omega, force[d + 3 : d + 3 + n])
-        start = bodies.geometric_start[b]
-        if bodies.geometric_start[b + 1] > start and omega != 0.0:
-            modal = q[d + 3 : d + 3 + n]
-            torque += 2.0 * omega * stiffened(bodies, b, modal, u[d + 3 : d + 3 + n])
-            matrix = bodies.geometric[start : start + n * n]
-            add_row_product(modal, matrix, -omega * omega, force[d + 3 : d + 3 + n])
-        force[d] += cos * rx - sin * ry + bodies.mass[b] * loads.gravity[0]
-        force[d + 1] += sin * rx + cos * ry + bodies.mass[b] * loads.gravity[1]
-        force[d + 2] += torque
-
-
-@kernel
-def elastic_forces(
-    bodies: Bodies, q: FloatArray, u: FloatArray, conservative: FloatArray, dissipative: FloatArray
-) -> None:
-    """conservative -= dV/dq and dissipative -= C u, modal, every body (C with its off-diagonal part).
-
-    V = q^T K q / 2, with what axial forces do to bending where a body has that.
-    """
-    for b in range(len(bodies.mass)):
-        d = bodies.dof[b]
-        first = d - 3 * b
-        n = bodies.dof[b + 1] - d - 3
-        for k in range(n):
-            conservative[d + 3 + k] -= bodies.stiffness[first + k] * q[d + 3 + k]
-            dissipative[d + 3 + k] -= bodies.damping[first + k] * u[d + 3 + k]
-        if shortens(bodies, b):
-            shortening_forces(bodies, b, q[d + 3 : d + 3 + n], conservative[d + 3 : d + 3 + n])
-        start = bodies.cross_damping_start[b]
-        if bodies.cross_damping_start[b + 1] > start:
-            # C u = u^T C: C is symmetric
-            matrix = bodies.cross_damping[start : start + n * n]
-            add_row_product(u[d + 3 : d + 3 + n], matrix, -1.0, dissipative[d + 3 : d + 3 + n])
-
-
-@kernel
-def stored_energies(
-    bodies: Bodies, loads: Loads, q: FloatArray, u: FloatArray, work: Arrow
-) -> tuple[float, float, float]:
-    """Kinetic, elastic (modal) and weight energy of all bodies [J]; overwrites ``work.couple``."""
-    kinetic = 0.0
-    elastic = 0.0
-    weight = 0.0
-    for b in range(len(bodies.mass)):
-        d = bodies.dof[b]
-        first = d - 3 * b
-        couple_modes(bodies, q, b, work)
-        sx, sy, inertia = deformed_moments(bodies, q, b)
-        cos = math.cos(q[d + 2])
-        sin = math.sin(q[d + 2])
-        wx = cos * sx - sin * sy
-        wy = sin * sx + cos * sy
-        vx = u[d]
-        vy = u[d + 1]
-        omega = u[d + 2]
-        mass = bodies.mass[b]
-        kinetic += 0.5 * mass * (vx * vx + vy * vy) + omega * (wx * vy - wy * vx) + 0.5 * inertia * omega * omega
-        for k in range(bodies.dof[b + 1] - d - 3):
-            rate = u[d + 3 + k]
-            row = work.couple[first + k]
-            kinetic += rate * (row[0] * vx + row[1] * vy + row[2] * omega + 0.5 * rate)
-            elastic += 0.5 * bodies.stiffness[first + k] * q[d + 3 + k] ** 2
-        if shortens(bodies, b):
-            elastic += shortening_energy(bodies, b, q[d + 3 : bodies.dof[b + 1]])
-        weight -= loads.gravity[0] * (mass * q[d] + wx) + loads.gravity[1] * (mass * q[d + 1] + wy)
-    return kinetic, elastic, weight

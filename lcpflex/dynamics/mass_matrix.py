@@ -6,6 +6,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
 
@@ -44,7 +45,7 @@ def slowest_vibrations(bodies: Bodies) -> FloatArray:
     """Longest period [s] of a mode of each body, free (nb,); 0 for rigid ones."""
     found = np.zeros(len(bodies.mass))
     for b in range(len(found)):
-        omega2 = bodies.stiffness[bodies.dof[b] - 3 * b : bodies.dof[b + 1] - 3 * b - 3]
+        omega2 = bodies.stiffness[bodies.dof[b] - N_RIGID * b : bodies.dof[b + 1] - N_RIGID * b - N_RIGID]
         if (omega2 > 0.0).any():
             found[b] = 2.0 * np.pi / np.sqrt(omega2[omega2 > 0.0].min())
     return found
@@ -59,22 +60,22 @@ def overbent(model: Model, q: FloatArray) -> list[int]:
 
 def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:
     """M of body b at its own coordinates (3 + n,)."""
-    n = len(q) - 3
-    first = int(bodies.dof[b]) - 3 * b
+    n = len(q) - N_RIGID
+    first = int(bodies.dof[b]) - N_RIGID * b
     modes = slice(first, first + n)
-    S, modal = bodies.S[modes], q[3:]
+    S, modal = bodies.S[modes], q[N_RIGID:]
     A = np.array([[np.cos(q[2]), -np.sin(q[2])], [np.sin(q[2]), np.cos(q[2])]])
     x, y = bodies.moment[b] + S.T @ modal
     start, end = bodies.coupling_start[b : b + 2]
     turn = bodies.c[modes] + (modal @ bodies.coupling[start:end].reshape(n, n) if end > start else 0.0)
-    M = np.eye(3 + n)
+    M = np.eye(N_RIGID + n)
     M[:2, :2] *= bodies.mass[b]
     M[:2, 2] = M[2, :2] = A @ np.array([-y, x])
     M[2, 2] = bodies.inertia[b] + 2.0 * bodies.a[modes] @ modal + modal @ modal
     start, end = bodies.geometric_start[b : b + 2]
     if end > start:
         M[2, 2] -= modal @ bodies.geometric[start:end].reshape(n, n) @ modal
-    M[:2, 3:] = A @ S.T
-    M[3:, :2] = M[:2, 3:].T
-    M[2, 3:] = M[3:, 2] = turn
+    M[:2, N_RIGID:] = A @ S.T
+    M[N_RIGID:, :2] = M[:2, N_RIGID:].T
+    M[2, N_RIGID:] = M[N_RIGID:, 2] = turn
     return M

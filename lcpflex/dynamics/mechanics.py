@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from lcpflex.contact.rows import contact_bias, contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
-from lcpflex.dynamics.inertia import elastic_forces, inertial_forces, solve_block, stored_energies
+from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
 from lcpflex.dynamics.inertia import factorise as factorise_bodies
 from lcpflex.dynamics.inertia import multiply as multiply_bodies
+from lcpflex.dynamics.inertia import solve_block
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model

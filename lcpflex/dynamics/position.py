@@ -21,6 +21,7 @@ from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_r
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.problem import assemble_friction_lcp, split_friction_solution
 
 __all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
@@ -37,7 +38,7 @@ def static_sway(model: Model, flexibility: FloatArray, q: FloatArray) -> float:
     for s in range(len(contacts.surface_body)):
         b = contacts.surface_body[s]
         if b >= 0:
-            d = model.bodies.dof[b] + 3
+            d = model.bodies.dof[b] + N_RIGID
             sway = 0.0
             for k in range(model.bodies.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
@@ -54,7 +55,7 @@ def static_part(work: Workspace, flexibility: FloatArray, r: int, q: FloatArray)
         b = work.row_body[r, i]
         if b >= 0:
             d = work.dof[b]
-            for k in range(3, work.dof[b + 1] - d):
+            for k in range(N_RIGID, work.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
                     total += work.rows[r, i, k] * q[d + k]
     return total
@@ -160,7 +161,7 @@ def static_response(work: Workspace, flexibility: FloatArray, q: FloatArray) -> 
                 b = work.row_body[r, i]
                 if b >= 0:
                     d = work.dof[b]
-                    for k in range(3, work.dof[b + 1] - d):
+                    for k in range(N_RIGID, work.dof[b + 1] - d):
                         q[d + k] += flexibility[d + k] * work.rows[r, i, k] * work.p[r]
 
 
@@ -211,8 +212,8 @@ def admissible(
     """
     bodies = model.bodies
     for b in range(len(bodies.mass)):
-        for i in range(bodies.dof[b] + 3, bodies.dof[b + 1]):
-            if flexibility[i] == 0.0 and not bodies.stiffness[i - 3 * (b + 1)] < square:
+        for i in range(bodies.dof[b] + N_RIGID, bodies.dof[b + 1]):
+            if flexibility[i] == 0.0 and not bodies.stiffness[i - N_RIGID * (b + 1)] < square:
                 return False
     n_joint = work.n_joint
     total = work.n_contacts + work.n_tangents
@@ -245,6 +246,6 @@ def clear_static(work: Workspace, flexibility: FloatArray, r: int) -> None:
         b = work.row_body[r, i]
         if b >= 0:
             d = work.dof[b]
-            for k in range(3, work.dof[b + 1] - d):
+            for k in range(N_RIGID, work.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
                     work.solved[r, i, k] = 0.0

@@ -17,6 +17,7 @@ from __future__ import annotations
 from lcpflex.dynamics.delassus import cholesky
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Bodies
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["add_tangent", "factorise_tangent", "shortening_energy", "shortening_forces", "shortens"]
 
@@ -61,7 +62,7 @@ def shortening_forces(bodies: Bodies, b: int, modal: FloatArray, force: FloatArr
     bends = bodies.bending_start[b]
     for i in range(bodies.axial_start[b + 1] - first):
         a = bodies.axial_mode[first + i]
-        omega2 = bodies.stiffness[bodies.dof[b] - 3 * b + a]
+        omega2 = bodies.stiffness[bodies.dof[b] - N_RIGID * b + a]
         g = shortened(bodies, b, modal, i)
         force[a] -= omega2 * g
         pull = omega2 * (modal[a] + g)
@@ -77,7 +78,7 @@ def shortening_energy(bodies: Bodies, b: int, modal: FloatArray) -> float:
     for i in range(bodies.axial_start[b + 1] - first):
         a = bodies.axial_mode[first + i]
         g = shortened(bodies, b, modal, i)
-        total += bodies.stiffness[bodies.dof[b] - 3 * b + a] * g * (modal[a] + 0.5 * g)
+        total += bodies.stiffness[bodies.dof[b] - N_RIGID * b + a] * g * (modal[a] + 0.5 * g)
     return total
 
 
@@ -93,7 +94,7 @@ def add_tangent(bodies: Bodies, b: int, modal: FloatArray, scale: float, with_fo
     k = bodies.bending_start[b + 1] - bends
     for i in range(bodies.axial_start[b + 1] - first):
         a = bodies.axial_mode[first + i]
-        stiff = scale * bodies.stiffness[bodies.dof[b] - 3 * b + a]
+        stiff = scale * bodies.stiffness[bodies.dof[b] - N_RIGID * b + a]
         pull = stiff * (modal[a] + shortened(bodies, b, modal, i)) if with_force else 0.0
         start = bodies.shortening_start[b] + i * k * k
         for row in range(k):

@@ -11,6 +11,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["Violation", "project", "violation"]
 
@@ -33,7 +34,7 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
     model = pack(model)
     count = int(model.joints.row[-1])
     dof = model.bodies.dof
-    width = int(np.max(np.diff(dof), initial=3))
+    width = int(np.max(np.diff(dof), initial=N_RIGID))
     rows = np.zeros((count, 2, width))
     row_body = np.zeros((count, 2), dtype=np.int64)
     phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)

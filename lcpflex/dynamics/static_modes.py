@@ -24,6 +24,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative.coordinate import ANGLE
 from lcpflex.model.arrays import Bodies, Contacts, Model, Points, frozen
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["check_compliance", "contact_stiffness", "flexibilities", "spring_rates", "with_static_modes"]
 
@@ -53,7 +54,7 @@ def flexibilities(
         If no body with a contact has more than ``dynamic_modes`` modes, and some contact needs them.
     """
     dof = model.bodies.dof
-    modes = np.diff(dof) - 3
+    modes = np.diff(dof) - N_RIGID
     touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts)} - {-1})
     largest = max((int(modes[b]) for b in touched), default=0)
     if touched and not soft.all() and not (dynamic_modes or 0) < largest:
@@ -67,8 +68,8 @@ def flexibilities(
     if dynamic_modes is None:
         touched = sorted({int(model.contacts.surface_body[s]) for s in _in_contact(model.contacts, soft)} - {-1})
     for b in touched:
-        first, last = int(dof[b]) + 3, int(dof[b + 1])
-        stiffness = model.bodies.stiffness[first - 3 * (b + 1) : last - 3 * (b + 1)]
+        first, last = int(dof[b]) + N_RIGID, int(dof[b + 1])
+        stiffness = model.bodies.stiffness[first - N_RIGID * (b + 1) : last - N_RIGID * (b + 1)]
         kept = _asked(int(modes[b]), contact_modes[b] if contact_modes else 0, dynamic_modes)
         static = np.argsort(stiffness, kind="stable")[kept:]
         flexibility[first + static] = 1.0 / stiffness[static]
@@ -85,7 +86,8 @@ def _asked(modes: int, contact_modes: int, dynamic_modes: int | None) -> int:
 def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
     """The model with the modes of positive ``flexibility`` (ndof,) static, as the module says."""
     static = [
-        flexibility[int(d) + 3 : int(e)] > 0.0 for d, e in zip(model.bodies.dof, model.bodies.dof[1:], strict=False)
+        flexibility[int(d) + N_RIGID : int(e)] > 0.0
+        for d, e in zip(model.bodies.dof, model.bodies.dof[1:], strict=False)
     ]
     flat = np.concatenate([*static, np.zeros(0, dtype=bool)])
     bodies = model.bodies
@@ -165,7 +167,7 @@ def _shapes(model: Model, p: int) -> tuple[FloatArray, slice]:
     b = int(model.points.body[p])
     if b < 0:
         return np.zeros((0, 2)), slice(0, 0)
-    first = int(model.bodies.dof[b]) + 3
+    first = int(model.bodies.dof[b]) + N_RIGID
     return model.points.phi[model.points.start[p] : model.points.start[p + 1]], slice(
         first, int(model.bodies.dof[b + 1])
     )

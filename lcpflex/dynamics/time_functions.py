@@ -23,6 +23,7 @@ from lcpflex.dynamics.compiled_function import (
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Model, Signals, frozen
+from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.functions_of_time import Harmonic, Motion, Signal, Table, takes_state
 
 __all__ = [
@@ -116,7 +117,7 @@ class State:
         d = int(self.dof[of.body])
         elastic = 0.0
         if isinstance(of, PlacedPoint):
-            elastic = float(self._material(of).psi @ values[d + 3 : self.dof[of.body + 1]])
+            elastic = float(self._material(of).psi @ values[d + N_RIGID : self.dof[of.body + 1]])
         return float(values[d + 2] + elastic)
 
     def _local(self, point: PlacedPoint) -> tuple[FloatArray, FloatArray, int | None]:
@@ -126,7 +127,7 @@ class State:
         if point.body < 0:
             return place, np.zeros(2), None
         d = int(self.dof[point.body])
-        modal = slice(d + 3, int(self.dof[point.body + 1]))
+        modal = slice(d + N_RIGID, int(self.dof[point.body + 1]))
         return place + self.q[modal] @ material.phi, self.u[modal] @ material.phi, d
 
     def _material(self, point: PlacedPoint) -> MaterialPoint:

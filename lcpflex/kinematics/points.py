@@ -12,6 +12,7 @@ import math
 
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Bodies, Points
+from lcpflex.model.planar import N_RIGID
 
 
 @kernel
@@ -21,7 +22,7 @@ def local_place(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[
     sy = points.place[p, 1]
     b = points.body[p]
     if b >= 0:
-        modal = bodies.dof[b] + 3
+        modal = bodies.dof[b] + N_RIGID
         start = points.start[p]
         for k in range(points.start[p + 1] - start):
             sx += points.phi[start + k, 0] * q[modal + k]
@@ -36,7 +37,7 @@ def local_rate(bodies: Bodies, points: Points, u: FloatArray, p: int) -> tuple[f
     vy = 0.0
     b = points.body[p]
     if b >= 0:
-        modal = bodies.dof[b] + 3
+        modal = bodies.dof[b] + N_RIGID
         start = points.start[p]
         for k in range(points.start[p + 1] - start):
             vx += points.phi[start + k, 0] * u[modal + k]
@@ -107,10 +108,10 @@ def point_motion(
     for k in range(points.start[p + 1] - start):
         ex = points.phi[start + k, 0]
         ey = points.phi[start + k, 1]
-        sx += ex * q[d + 3 + k]
-        sy += ey * q[d + 3 + k]
-        rx += ex * u[d + 3 + k]
-        ry += ey * u[d + 3 + k]
+        sx += ex * q[d + N_RIGID + k]
+        sy += ey * q[d + N_RIGID + k]
+        rx += ex * u[d + N_RIGID + k]
+        ry += ey * u[d + N_RIGID + k]
     omega = u[d + 2]
     cos = math.cos(q[d + 2])
     sin = math.sin(q[d + 2])
@@ -138,7 +139,7 @@ def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
     angle = q[d + 2]
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
-        angle += points.psi[start + k] * q[d + 3 + k]
+        angle += points.psi[start + k] * q[d + N_RIGID + k]
     return angle
 
 
@@ -159,7 +160,7 @@ def add_point_row(bodies: Bodies, points: Points, q: FloatArray, p: int, dx: flo
     row[2] += sx * ey - sy * ex
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
-        row[3 + k] += points.phi[start + k, 0] * ex + points.phi[start + k, 1] * ey
+        row[N_RIGID + k] += points.phi[start + k, 0] * ex + points.phi[start + k, 1] * ey
 
 
 @kernel
@@ -193,8 +194,8 @@ def add_point_rows(
     for k in range(points.start[p + 1] - start):
         fx = points.phi[start + k, 0]
         fy = points.phi[start + k, 1]
-        along[3 + k] += fx * ex + fy * ey
-        across[3 + k] += fx * ey - fy * ex
+        along[N_RIGID + k] += fx * ex + fy * ey
+        across[N_RIGID + k] += fx * ey - fy * ex
 
 
 @kernel
@@ -205,4 +206,4 @@ def add_rotation_row(bodies: Bodies, points: Points, p: int, torque: float, row:
     row[2] += torque
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
-        row[3 + k] += points.psi[start + k] * torque
+        row[N_RIGID + k] += points.psi[start + k] * torque

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.model.planar import N_RIGID
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -56,8 +58,8 @@ class ModalCoordinates:
 def modal_coordinates(compiled: Compiled, b: int) -> ModalCoordinates:
     """Those of body b."""
     bodies = compiled.model.bodies
-    first, last = int(bodies.dof[b]) + 3, int(bodies.dof[b + 1])
-    own = slice(first - 3 * (b + 1), last - 3 * (b + 1))
+    first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
+    own = slice(first - N_RIGID * (b + 1), last - N_RIGID * (b + 1))
     omega = np.sqrt(bodies.stiffness[own])
     n = last - first
     residual = compiled.layout.residual[b][0] if compiled.layout.residual else 0

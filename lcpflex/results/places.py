@@ -6,6 +6,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = ["material_shapes", "trajectory", "turned", "world_places"]
 
@@ -19,7 +20,7 @@ def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
 def trajectory(model: Model, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
     """World place of material points of body b: q (..., ndof), place (..., 2), phi (..., n, 2)."""
     d = int(model.bodies.dof[b])
-    s = place + np.einsum("...n,...nd->...d", q[..., d + 3 : d + 3 + phi.shape[-2]], phi)
+    s = place + np.einsum("...n,...nd->...d", q[..., d + N_RIGID : d + N_RIGID + phi.shape[-2]], phi)
     return q[..., d : d + 2] + turned(q[..., d + 2], s)
 
 

@@ -15,6 +15,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.archive import read, write
 from lcpflex.results.charts import plot
 from lcpflex.results.energy_balance import Energies
@@ -218,9 +219,9 @@ class Result:
         model, b, place, phi = self._material(body, point)
         d = int(model.bodies.dof[b])
         n = phi.shape[0]
-        s = place + self.q[:, d + 3 : d + 3 + n] @ phi
+        s = place + self.q[:, d + N_RIGID : d + N_RIGID + n] @ phi
         spin = self.u[:, d + 2]
-        rate = self.u[:, d + 3 : d + 3 + n] @ phi + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
+        rate = self.u[:, d + N_RIGID : d + N_RIGID + n] @ phi + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
         return self.u[:, d : d + 2] + turned(self.q[:, d + 2], rate)
 
     def summary(self) -> str:
@@ -334,7 +335,7 @@ class Result:
         """Mode shapes (n, 2) at an undeformed place: of the point that is there, or between two on an outline."""
         assert self.compiled is not None
         layout, model = self.compiled.layout, self.compiled.model
-        if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3:
+        if model.bodies.dof[b + 1] - model.bodies.dof[b] == N_RIGID:
             return np.zeros((0, 2))
         own = np.flatnonzero(model.points.body == b)
         if not own.size:

@@ -18,6 +18,7 @@ import numpy as np
 
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.step_error import ORDER, Units
 
@@ -151,14 +152,14 @@ class _Episodes:
         self._lasts = slowest_vibrations(model.bodies)
         self._unseen = np.zeros(units.count)  # share of its directions in which a body vibrates within a step
         for b, (d, end) in enumerate(pairwise(model.bodies.dof.tolist())):
-            own = stiffness[d + 3 : end]
-            own[:] = model.bodies.stiffness[d - 3 * b : end - 3 * b - 3]
+            own = stiffness[d + N_RIGID : end]
+            own[:] = model.bodies.stiffness[d - N_RIGID * b : end - N_RIGID * b - N_RIGID]
             self._unseen[b] = np.minimum(1.0, own * step**2 / 12.0).sum() / (len(own) + 2)
         held = np.unique(model.points.body[model.joints.point])
         self._lasts[held[held >= 0]] *= CLAMPED
         # of all impacts (m, units): begin and end [s], velocities there of frames, and of places, vibrations apart
         times, u, before = data["times"], data["u"], np.maximum(first - 1, 0)
-        frames = model.bodies.dof[:-1, None] + np.arange(3)
+        frames = model.bodies.dof[:-1, None] + np.arange(N_RIGID)
         self._begin, self._end, self._spell = times[first], times[last], times[first] - times[before]
         self._rigid, self._left = u[first][:, frames], u[last][:, frames]
         self._fast, self._changed = units.of(u[first]), units.of(u[last] - u[first])

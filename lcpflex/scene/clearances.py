@@ -10,6 +10,7 @@ import numpy as np
 from lcpflex.bodies.placed_point import check_pair
 from lcpflex.bodies.surface import Kind
 from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.placed_surface import PlacedSurface
 from lcpflex.scene.slots import Slot, SlotParts
@@ -125,7 +126,7 @@ def _holder(scene: Scene, body: int) -> Placed:
 def _world(scene: Scene, body: int, point: MaterialPoint) -> FloatArray:
     """(2,) where a material point is at the start."""
     q, turn = _frame(scene, body)
-    return q[:2] + turn @ (point.place + q[3:] @ point.phi)
+    return q[:2] + turn @ (point.place + q[N_RIGID:] @ point.phi)
 
 
 def _seen(scene: Scene, body: int, point: MaterialPoint, other: int) -> FloatArray:
@@ -136,6 +137,6 @@ def _seen(scene: Scene, body: int, point: MaterialPoint, other: int) -> FloatArr
 
 def _frame(scene: Scene, body: int) -> tuple[FloatArray, FloatArray]:
     """Initial configuration of a body, and the turn of its frame."""
-    q = np.zeros(3) if body < 0 else _holder(scene, body).start[0]
+    q = np.zeros(N_RIGID) if body < 0 else _holder(scene, body).start[0]
     cos, sin = math.cos(q[2]), math.sin(q[2])
     return q, np.array([[cos, -sin], [sin, cos]])

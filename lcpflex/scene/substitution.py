@@ -19,6 +19,7 @@ from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.placed_surface import PlacedSurface, listed
 
@@ -71,7 +72,7 @@ def remade(scene: Scene, bodies: Sequence[tuple[Body | ReductionOrder, FloatArra
     new = type(scene)(scene.gravity)
     for placed, (body, q, u) in zip(parts.placed, bodies, strict=True):
         if isinstance(body, Body):
-            new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[3:], u[3:])
+            new.add(body, placed.name, q[:2], float(q[2]), u[:2], float(u[2]), q[N_RIGID:], u[N_RIGID:])
         else:
             new.put(placed, body)
     _Again(scene, new).declare(parts)
@@ -130,11 +131,11 @@ def _start(placed: Placed, body: Body) -> tuple[FloatArray, FloatArray]:
         q, u = placed.order.start(placed.start, old)
     if _same_basis(old, body):
         return q, u
-    if not (q[3:].any() or u[3:].any()):
+    if not (q[N_RIGID:].any() or u[N_RIGID:].any()):
         still = np.zeros(body.modes)
-        return np.concatenate([q[:3], still]), np.concatenate([u[:3], still])
-    d0, delta, modal = _split(old, body, q[3:])
-    v0, nu, rate = _split(old, body, u[3:])
+        return np.concatenate([q[:N_RIGID], still]), np.concatenate([u[:N_RIGID], still])
+    d0, delta, modal = _split(old, body, q[N_RIGID:])
+    v0, nu, rate = _split(old, body, u[N_RIGID:])
     cos, sin = np.cos(q[2]), np.sin(q[2])
     turn = np.array([[cos, -sin], [sin, cos]])
     carried = v0 + u[2] * np.array([-d0[1], d0[0]])

@@ -11,6 +11,7 @@ import numpy as np
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
 from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
@@ -353,7 +354,7 @@ def _two_of(compiled: Compiled, body: str, ends: bool) -> list[tuple[float, floa
     model = compiled.model
     b = compiled.layout.bodies.index(body)
     own = model.points.place[model.points.body == b]
-    if model.bodies.dof[b + 1] - model.bodies.dof[b] == 3 and not (ends and len(own)):
+    if model.bodies.dof[b + 1] - model.bodies.dof[b] == N_RIGID and not (ends and len(own)):
         arm = float(np.sqrt(model.bodies.inertia[b] / model.bodies.mass[b]))
         return [(0.0, 0.0), (arm, 0.0)]
     if not len(own):

@@ -21,12 +21,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.dynamics.applied_forces import applied_forces
-from lcpflex.dynamics.inertia import elastic_forces, inertial_forces
+from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
+from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -196,11 +197,11 @@ def _scale(compiled: Compiled) -> FloatArray:
     scale = np.full(len(compiled.q), compiled.size)
     for b, first in enumerate(bodies.dof[:-1]):
         scale[first + 2] = 1.0
-        n = int(bodies.dof[b + 1] - first) - 3
+        n = int(bodies.dof[b + 1] - first) - N_RIGID
         own = [points.phi[points.start[p] : points.start[p + 1]] for p in np.flatnonzero(points.body == b)]
         moved = np.abs(own).max(axis=(0, 2)) if own and n else np.zeros(n)
-        scale[first + 3 : first + 3 + n] /= np.maximum(moved, np.finfo(float).tiny)
-        scale[first + 3 : first + 3 + n][moved == 0.0] = 1.0  # a mode that no point of the scene shows
+        scale[first + N_RIGID : first + N_RIGID + n] /= np.maximum(moved, np.finfo(float).tiny)
+        scale[first + N_RIGID : first + N_RIGID + n][moved == 0.0] = 1.0  # a mode that no point of the scene shows
     return scale
 
 

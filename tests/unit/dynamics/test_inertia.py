@@ -5,16 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lcpflex.dynamics.inertia import (
-    Arrow,
-    arrow,
-    elastic_forces,
-    factorise,
-    inertial_forces,
-    multiply,
-    solve_block,
-    stored_energies,
-)
+from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
+from lcpflex.dynamics.inertia import Arrow, arrow, factorise, multiply, solve_block
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Loads, frozen
 
