@@ -10,7 +10,8 @@ import numpy as np
 
 from lcpflex.bodies.surface import NO_SLAVE, RANK, Kind, Surface, can_touch
 from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid
-from lcpflex.contact.feature_blocks import ARC, SEGMENT, Feature, blocks_of
+from lcpflex.contact.feature_blocks import Feature, blocks_of
+from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT, VERTEX
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, PointTable, frozen
@@ -147,7 +148,7 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[Feature]
 
 
 def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Feature]:
-    """The segments of a chain, then a vertex (an arc of radius 0) at each corner that may bulge, and each open end.
+    """The segments of a chain, then a vertex at each corner that may bulge, and each open end.
 
     Neighbours of a segment are the segments before and after it; those of a vertex the segments that meet in it.
     """
@@ -185,7 +186,7 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
             continue
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
         x, y = surface.points[v].place
-        corner = Feature(ARC, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
+        corner = Feature(VERTEX, (indices[v], indices[v]), (float(x), float(y), 0.0), span=(0.0, 2.0 * math.pi))
         corner.neighbour = (meeting[0], meeting[1])
         features.append(corner)
     return features

@@ -1,5 +1,4 @@
 """Contact geometry: which surfaces are near each other, the gaps between them, and their rows W and biases w.
 
-To add a kind of feature that others may touch: :mod:`.feature_blocks` (its number and bounds), :mod:`.features` (its
-gap).
+To add a kind of feature that others may touch: see :mod:`.narrow_phase`.
 """

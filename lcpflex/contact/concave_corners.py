@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from lcpflex.contact.detection import SEGMENT, ContactTable
+from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import kernel
 
 __all__ = ["YIELDED", "yield_to_deeper"]

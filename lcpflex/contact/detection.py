@@ -2,7 +2,7 @@
 
 A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.bodies.surface`). An entry of
 the table is one pair (slave, feature) with its gap, normal and foot; what depends on the configuration is renewed by
-:func:`refresh`, with the feature kept.
+:func:`lcpflex.contact.narrow_phase.feature.refresh`, with the feature kept.
 
 Two tests come before anything is deformed: undeformed shapes, widened by the most that the present modal coordinates
 can move a point of either surface, sum_k |q_k| max |Phi_k|.
@@ -14,44 +14,23 @@ import math
 
 import numpy as np
 
-from lcpflex.contact.features import ARC, COINCIDENT, SEGMENT, WIDEN, foot, in_arc, may_touch, near_block, over
+from lcpflex.contact.feature_blocks import near_block
+from lcpflex.contact.narrow_phase.arc import in_arc
+from lcpflex.contact.narrow_phase.feature import SEGMENT, VERTEX, may_touch, over, refresh
+from lcpflex.contact.narrow_phase.limits import WIDEN
 from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import local_place, point_position
+from lcpflex.kinematics.points import local_place
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["ALL", "BY_LAW", "COINCIDENT", "SEGMENT", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
+__all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
 
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
 SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
 BESIDE = -1  # instead of the law of a candidate
 AWAY = 0  # column of ``span`` where candidates have the distance from the feature to the centre of the slave
-
-
-@kernel
-def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
-    """Gap, normal and foot of entry k at q, with its feature kept; the foot may leave the segment.
-
-    At the very centre of an arc there is no direction: the normal stays what it was.
-    """
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
-    ax, ay = point_position(model.bodies, model.points, q, table.a[k])
-    if table.kind[k] == SEGMENT:
-        bx, by = point_position(model.bodies, model.points, q, table.b[k])
-        s, d, nx, ny = foot(ax, ay, bx, by, px, py)
-        table.s[k] = s
-        table.normal[k, 0] = nx
-        table.normal[k, 1] = ny
-        table.gap[k] = d - table.slave_radius[k]
-        return
-    D = math.hypot(px - ax, py - ay)
-    sense = table.sense[k]
-    if D >= COINCIDENT:
-        table.normal[k, 0] = sense * (px - ax) / D
-        table.normal[k, 1] = sense * (py - ay) / D
-    table.gap[k] = sense * D - table.radius[k] - table.slave_radius[k]
 
 
 @kernel
@@ -229,7 +208,7 @@ def collect(
         if not near_block(model, block, x, y, reach):
             continue
         f = c.block_start[block]
-        vertex = c.feature_kind[f] == ARC and c.feature_radius[f] == 0.0
+        vertex = c.feature_kind[f] == VERTEX
         if vertex and point and not sunk:
             break  # those come last
         for f in range(c.block_start[block], c.block_start[block + 1]):

@@ -9,12 +9,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import frozen
+from lcpflex.contact.narrow_phase.feature import SEGMENT, VERTEX
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.model.arrays import Model, frozen
 
-__all__ = ["ARC", "SEGMENT", "Feature", "blocks_of"]
+__all__ = ["Feature", "blocks_of", "near_block"]
 
-SEGMENT, ARC = 0, 1
+ASIDE = 1.75  # more than tan 60 degrees
 BLOCK = 8  # features that share a bounding circle
 
 
@@ -39,7 +40,7 @@ def blocks_of(
     """Successive features of a surface, few and of one kind; circles about each such block, and how high it is."""
     surface_block, block_start, circles, heights = [0], [0], [], []
     for first, last in pairwise(feature_start):
-        vertices = [k for k in range(first, last) if features[k].kind == ARC and features[k].radius == 0.0]
+        vertices = [k for k in range(first, last) if features[k].kind == VERTEX]
         middle = vertices[0] if vertices else last
         for start, end in ((first, middle), (middle, last)):
             for k in range(start, end, BLOCK):
@@ -70,3 +71,27 @@ def _height(block: Sequence[Feature]) -> tuple[float, float, float]:
     n = mean / length
     top = max(float(n @ f.circle[:2]) + f.circle[2] * abs(n[0] * f.normal[1] - n[1] * f.normal[0]) for f in block)
     return float(n[0]), float(n[1]), top
+
+
+@kernel
+def near_block(model: Model, block: int, x: float, y: float, reach: float) -> bool:
+    """Whether a slave at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
+
+    Normals of a block with a height deviate from their mean n by less than 60 degrees, so that what is h lower than
+    its top is farther aside than its points by no more than h tan 60 degrees.
+    """
+    circle = model.contacts.block_circle
+    height = model.contacts.block_height
+    dx = x - circle[block, 0]
+    dy = y - circle[block, 1]
+    d2 = dx * dx + dy * dy
+    if d2 <= (reach + circle[block, 2]) ** 2:
+        return True
+    if d2 > (reach + circle[block, 3]) ** 2:
+        return False
+    nx = height[block, 0]
+    ny = height[block, 1]
+    if nx == 0.0 and ny == 0.0:
+        return True
+    low = height[block, 2] + reach - nx * x - ny * y
+    return low >= 0.0 and abs(nx * dy - ny * dx) <= circle[block, 2] + reach + ASIDE * low

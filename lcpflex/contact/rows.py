@@ -12,10 +12,8 @@ Sources: Pfeiffer & Glocker 1996; Ebrahimi & Eberhard 2005.
 
 from __future__ import annotations
 
-import math
-
-from lcpflex.contact.detection import ContactTable
-from lcpflex.contact.features import COINCIDENT, SEGMENT
+from lcpflex.contact.narrow_phase.feature import feature_rows, feature_velocity
+from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import (
     add_point_rows,
@@ -35,82 +33,23 @@ def contact_rows(
         for c in range(normal_rows.shape[1]):
             normal_rows[i, c] = 0.0
             tangent_rows[i, c] = 0.0
-    bodies = model.bodies
-    points = model.points
-    nx = table.normal[k, 0]
-    ny = table.normal[k, 1]
-    p = table.slave[k]
     if table.body[k, 0] >= 0:
-        add_point_rows(bodies, points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
+        p = table.slave[k]
+        nx = table.normal[k, 0]
+        ny = table.normal[k, 1]
+        add_point_rows(model.bodies, model.points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
         if table.slave_radius[k] != 0.0:
-            add_rotation_row(bodies, points, p, table.slave_radius[k], tangent_rows[0])
+            add_rotation_row(model.bodies, model.points, p, table.slave_radius[k], tangent_rows[0])
     if table.body[k, 1] >= 0:
-        a = table.a[k]
-        if table.kind[k] == SEGMENT:
-            s = table.s[k]
-            add_point_rows(bodies, points, q, a, -(1.0 - s) * nx, -(1.0 - s) * ny, normal_rows[1], tangent_rows[1])
-            add_point_rows(bodies, points, q, table.b[k], -s * nx, -s * ny, normal_rows[1], tangent_rows[1])
-        else:
-            add_point_rows(bodies, points, q, a, -nx, -ny, normal_rows[1], tangent_rows[1])
-            if table.radius[k] != 0.0:
-                add_rotation_row(bodies, points, a, table.radius[k], tangent_rows[1])
+        feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
 
 
 @kernel
 def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
     """gdot_N [m/s] of entry k."""
-    bodies = model.bodies
-    points = model.points
-    _, _, vx, vy, _, _ = point_motion(bodies, points, q, u, table.slave[k])
-    _, _, wx, wy, _, _ = point_motion(bodies, points, q, u, table.a[k])
-    if table.kind[k] == SEGMENT:
-        _, _, ex, ey, _, _ = point_motion(bodies, points, q, u, table.b[k])
-        wx += table.s[k] * (ex - wx)
-        wy += table.s[k] * (ey - wy)
+    _, _, vx, vy, _, _ = point_motion(model.bodies, model.points, q, u, table.slave[k])
+    wx, wy = feature_velocity(model, q, u, table, k)
     return table.normal[k, 0] * (vx - wx) + table.normal[k, 1] * (vy - wy)
-
-
-@kernel
-def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
-    """w_N and w_T [m/s^2] of entry k."""
-    bodies = model.bodies
-    points = model.points
-    nx = table.normal[k, 0]
-    ny = table.normal[k, 1]
-    tx = ny
-    ty = -nx
-    p = table.slave[k]
-    a = table.a[k]
-    b = table.b[k]
-    px, py, vpx, vpy, bpx, bpy = point_motion(bodies, points, q, u, p)
-    ax, ay, vax, vay, bax, bay = point_motion(bodies, points, q, u, a)
-    dx = px - ax
-    dy = py - ay
-    wx = vpx - vax
-    wy = vpy - vay
-    if table.kind[k] == SEGMENT:
-        cx, cy, vbx, vby, bbx, bby = point_motion(bodies, points, q, u, b)
-        ex = cx - ax
-        ey = cy - ay
-        fx = vbx - vax
-        fy = vby - vay
-        l2 = ex * ex + ey * ey
-        s = table.s[k]
-        turn = (ex * fy - ey * fx) / l2
-        slide = (fx * dx + fy * dy + ex * wx + ey * wy - 2.0 * s * (ex * fx + ey * fy)) / l2
-        rx = bpx - bax - s * (bbx - bax)
-        ry = bpy - bay - s * (bby - bay)
-        wx -= s * fx
-        wy -= s * fy
-        # ndot = turn J n, tdot = turn J t
-        w_n = nx * rx + ny * ry + turn * (-ny * wx + nx * wy) - slide * (nx * fx + ny * fy)
-        w_t = tx * rx + ty * ry + turn * (-ty * wx + tx * wy) - slide * (tx * fx + ty * fy)
-        return w_n, w_t
-    distance = max(math.hypot(dx, dy), COINCIDENT)
-    turn = table.sense[k] * (-ny * wx + nx * wy) / distance
-    rx = bpx - bax
-    ry = bpy - bay
-    return nx * rx + ny * ry + turn * (-ny * wx + nx * wy), tx * rx + ty * ry + turn * (-ty * wx + tx * wy)
 
 
 @kernel

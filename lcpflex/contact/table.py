@@ -22,7 +22,7 @@ class ContactTable:
     law: IntArray = array("contacts")  # declared contact
     slave: IntArray = array("contacts")  # material point P
     slave_radius: FloatArray = array("contacts")  # [m]
-    kind: IntArray = array("contacts")  # of the feature: SEGMENT or ARC
+    kind: IntArray = array("contacts")  # of the feature
     a: IntArray = array("contacts")  # material points of the feature
     b: IntArray = array("contacts")
     s: FloatArray = array("contacts")  # foot on a segment, 0 at a and 1 at b

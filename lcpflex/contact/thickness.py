@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from lcpflex.contact.features import ARC
+from lcpflex.contact.narrow_phase.feature import ARC, VERTEX
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Points
 
@@ -55,8 +55,7 @@ def farthest(contacts: Contacts, points: Points) -> float:
 def _feature_depths(contacts: Contacts) -> FloatArray:
     """(features,) how deep below its middle a slave belongs to a feature: no bound below vertices of chains."""
     depths = contacts.feature_reach[:, 1].astype(float)
-    arcs = contacts.feature_kind == ARC
-    discs = arcs & (contacts.feature_radius > 0.0)
+    discs = (contacts.feature_kind == ARC) & (contacts.feature_radius > 0.0)
     depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])
-    depths[arcs & (contacts.feature_radius == 0.0)] = math.inf
+    depths[contacts.feature_kind == VERTEX] = math.inf
     return depths

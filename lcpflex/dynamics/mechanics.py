@@ -6,7 +6,8 @@ multiply, solve_vector, solve_rows, contact and joint rows, energies.
 
 from __future__ import annotations
 
-from lcpflex.contact.rows import contact_bias, contact_rows
+from lcpflex.contact.narrow_phase.feature import contact_bias
+from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
 from lcpflex.dynamics.inertia import factorise as factorise_bodies

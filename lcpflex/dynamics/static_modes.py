@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.contact.features import SEGMENT
+from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray

@@ -150,8 +150,7 @@ class Contacts(NamedTuple):
     """Surfaces, their pairing, and the law of each declared contact. See :mod:`lcpflex.contact`.
 
     A surface holds *slaves* (material points with a radius >= 0) and *features* (what slaves touch).
-    Feature kinds: 0 segment from material point a to b, solid on its left, outward normal on its right;
-    1 arc about material point a with the signed radius (> 0 solid inside, < 0 hole; 0: vertex of a chain).
+    The kinds of features, segments, arcs and vertices of chains, are in :mod:`lcpflex.contact.narrow_phase`.
     """
 
     # surfaces

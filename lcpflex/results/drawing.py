@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT
 from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.results.places import world_places
 
@@ -23,7 +24,6 @@ View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
 
 _BODY, _GROUND, _JOINT = "#0072B2", "#6E6E6E", "#202020"
 _SOLID = "#D9D9D9"
-_SEGMENT, _ARC = 0, 1  # kinds of features
 _WHOLE = 2.0 * np.pi - 1e-12  # extent of a whole circle
 _MARGIN = 0.12  # of the picture, around what moves
 _NEAR = 1.0  # an endless ground surface is shown if it is nearer to what moves than that is large
@@ -145,7 +145,7 @@ def _added_discs(compiled: Compiled) -> list[float]:
     contacts = compiled.model.contacts
     owners = [surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces]
     features = [f for s in owners for f in range(contacts.feature_start[s], contacts.feature_start[s + 1])]
-    whole = [f for f in features if contacts.feature_kind[f] == _ARC and contacts.feature_span[f, 1] >= _WHOLE]
+    whole = [f for f in features if contacts.feature_kind[f] == ARC and contacts.feature_span[f, 1] >= _WHOLE]
     return [float(abs(contacts.feature_radius[f])) for f in whole if contacts.feature_sense[f] > 0]
 
 
@@ -155,7 +155,7 @@ def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> No
     added = {surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces}
     for surface, body in enumerate(contacts.surface_body):
         first, last = contacts.feature_start[surface], contacts.feature_start[surface + 1]
-        straight = contacts.feature_kind[first:last] == _SEGMENT
+        straight = contacts.feature_kind[first:last] == SEGMENT
         for f in np.arange(first, last)[~straight]:
             _draw_arc(ax, compiled, q, int(f), int(body), surface in added)
         sides = _features(compiled, surface)[straight]

@@ -10,7 +10,7 @@ import pytest
 
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.surface import Surface
-from lcpflex.compile.contact_surfaces import compile_contacts
+from lcpflex.compile.contact_surfaces import compile_surfaces
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
@@ -41,7 +41,7 @@ def place(x: float, y: float, phi: FloatArray | None = None, psi: FloatArray | N
 def assemble(modes: Sequence[int], surfaces: Sequence[tuple[int, Surface]], declared: Sequence[Declared] = ()) -> Model:
     """A model that consists of surfaces alone; ``modes``: how many each body has."""
     points = PointTable()
-    contacts = compile_contacts(surfaces, declared, points)
+    contacts = compile_surfaces(surfaces, declared, points)
     empty = bodiless_model(0, 0, [], [], [])
     dof = np.cumsum([0, *[3 + n for n in modes]])
     return pack(

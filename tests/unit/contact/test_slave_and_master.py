@@ -11,7 +11,8 @@ import lcpflex as lf
 from lcpflex import meshes
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.contact.detection import contact_table, detect
-from lcpflex.contact.rows import contact_bias, contact_rows
+from lcpflex.contact.narrow_phase.feature import contact_bias
+from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.struct import pack
 

@@ -9,7 +9,8 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.contact.detection import contact_table, detect
-from lcpflex.contact.rows import contact_bias, contact_rows
+from lcpflex.contact.narrow_phase.feature import contact_bias
+from lcpflex.contact.rows import contact_rows
 from lcpflex.jit.struct import pack
 
 PIN, MIDDLE, WIDTH, START, EXTENT = 7.9e-3, 60e-3, 16e-3, -math.pi / 3, 2 * math.pi / 3

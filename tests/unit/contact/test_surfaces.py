@@ -9,6 +9,7 @@ import pytest
 
 from lcpflex.bodies import body
 from lcpflex.bodies import surface as shapes
+from lcpflex.contact.narrow_phase.feature import SEGMENT, VERTEX
 from lcpflex.errors import ModelError
 
 
@@ -79,7 +80,7 @@ def test_normals_and_reach_of_a_rectangle(tools):
     h = math.sqrt(0.5)
     np.testing.assert_allclose(contacts.slave_normal, [(-h, -h), (h, -h), (h, h), (-h, h)])
     np.testing.assert_allclose(contacts.feature_reach[:4], 0.5, rtol=0.011)  # largest inscribed circle
-    np.testing.assert_array_equal(contacts.feature_kind, [0] * 4 + [1] * 4)
+    np.testing.assert_array_equal(contacts.feature_kind, [SEGMENT] * 4 + [VERTEX] * 4)
     np.testing.assert_array_equal(contacts.feature_neighbour[:4], [(3, 1), (0, 2), (1, 3), (2, 0)])
     np.testing.assert_array_equal(contacts.feature_neighbour[4:], [(3, 0), (0, 1), (1, 2), (2, 3)])
 

@@ -1,0 +1,95 @@
+"""The kinds of features, and the one place that chooses among them."""
+
+from __future__ import annotations
+
+from lcpflex.contact.narrow_phase.arc import arc_bias, arc_rows, arc_velocity, near_arc, over_arc, refresh_arc
+from lcpflex.contact.narrow_phase.segment import (
+    near_segment,
+    over_segment,
+    refresh_segment,
+    segment_bias,
+    segment_rows,
+    segment_velocity,
+)
+from lcpflex.contact.narrow_phase.vertex import over_vertex
+from lcpflex.contact.table import ContactTable
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.model.arrays import Model
+
+__all__ = [
+    "ARC",
+    "SEGMENT",
+    "VERTEX",
+    "contact_bias",
+    "feature_rows",
+    "feature_velocity",
+    "may_touch",
+    "over",
+    "refresh",
+]
+
+SEGMENT, ARC, VERTEX = range(3)
+
+
+@kernel
+def may_touch(model: Model, f: int, x: float, y: float, reach: float, sway: float) -> bool:
+    """Whether a slave at (x, y), in the frame of feature f, is within ``reach`` of its undeformed shape or below it.
+
+    ``sway``: how far deformation may carry points of the feature's surface [m].
+    """
+    if model.contacts.feature_kind[f] == SEGMENT:
+        return near_segment(model, f, x, y, reach, sway)
+    return near_arc(model, f, x, y, reach)
+
+
+@kernel
+def over(
+    model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
+) -> tuple[bool, float, float, float, float, float]:
+    """Whether a slave at (x, y), in the frame of the body of f, is over f, at most ``highest`` above and not too deep.
+
+    Further s, the signed distance without radius of the slave from the line or circle of f, the normal, and how far
+    the slave is from f itself: beyond the end of a segment from that end, not from its line.
+    """
+    kind = model.contacts.feature_kind[f]
+    if kind == SEGMENT:
+        return over_segment(model, q, f, x, y, highest)
+    if kind == VERTEX:
+        return over_vertex(model, q, f, x, y, highest)
+    return over_arc(model, q, f, x, y, highest)
+
+
+@kernel
+def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
+    """Gap, normal and foot of entry k at q, with its feature kept."""
+    if table.kind[k] == SEGMENT:
+        refresh_segment(model, q, table, k)
+    else:
+        refresh_arc(model, q, table, k)
+
+
+@kernel
+def feature_rows(
+    model: Model, q: FloatArray, table: ContactTable, k: int, normal_row: FloatArray, tangent_row: FloatArray
+) -> None:
+    """Add the blocks of the body of the feature to the rows of entry k."""
+    if table.kind[k] == SEGMENT:
+        segment_rows(model, q, table, k, normal_row, tangent_row)
+    else:
+        arc_rows(model, q, table, k, normal_row, tangent_row)
+
+
+@kernel
+def feature_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
+    """Velocity of the point that the gap of entry k is measured from [m/s]."""
+    if table.kind[k] == SEGMENT:
+        return segment_velocity(model, q, u, table, k)
+    return arc_velocity(model, q, u, table, k)
+
+
+@kernel
+def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
+    """w_N and w_T [m/s^2] of entry k."""
+    if table.kind[k] == SEGMENT:
+        return segment_bias(model, q, u, table, k)
+    return arc_bias(model, q, u, table, k)

@@ -1,0 +1,53 @@
+"""A vertex of a chain: where two segments meet in a bulge, or one ends. An arc of radius 0 that the segments bound."""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.contact.narrow_phase.limits import COINCIDENT, NOWHERE, WIDEN
+from lcpflex.contact.narrow_phase.segment import foot
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.points import local_place
+from lcpflex.model.arrays import Model
+
+__all__ = ["over_vertex"]
+
+
+@kernel
+def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
+    """Whether a slave at (x, y), in the frame of its body, lies beyond both segments that meet in the vertex f."""
+    c = model.contacts
+    before = c.feature_neighbour[f, 0]
+    after = c.feature_neighbour[f, 1]
+    vx, vy = local_place(model.bodies, model.points, q, c.feature_point[f, 0])
+    nx = 0.0
+    ny = 0.0
+    if before >= 0:
+        ax, ay = local_place(model.bodies, model.points, q, c.feature_point[before, 0])
+        s, _, nx, ny = foot(ax, ay, vx, vy, x, y)
+        if s <= 1.0 + WIDEN:
+            return False
+    if after >= 0:
+        bx, by = local_place(model.bodies, model.points, q, c.feature_point[after, 1])
+        s, _, mx, my = foot(vx, vy, bx, by, x, y)
+        if s >= -WIDEN:
+            return False
+        if before >= 0 and nx * my - ny * mx <= 0.0 and nx * mx + ny * my > -1.0 + WIDEN:
+            return False  # bent to a hollow: what is beyond both is below
+    return True
+
+
+@kernel
+def over_vertex(
+    model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
+) -> tuple[bool, float, float, float, float, float]:
+    """As :func:`lcpflex.contact.narrow_phase.feature.over`; a slave at the very vertex is left to its segments."""
+    ax, ay = local_place(model.bodies, model.points, q, model.contacts.feature_point[f, 0])
+    dx = x - ax
+    dy = y - ay
+    D = math.hypot(dx, dy)
+    if highest < D:
+        return NOWHERE
+    if D < COINCIDENT:
+        return False, 0.0, D, 0.0, 1.0, D
+    return in_wedge(model, q, f, x, y), 0.0, D, dx / D, dy / D, D
