@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import lcpflex as lf
 from lcpflex import gallery
+from tests.scenes import floor_of
 
 SHARP = lf.EventDriven(rtol=1e-11, atol=1e-13)
 
@@ -93,7 +94,7 @@ def test_sliding_disc_begins_to_roll() -> None:
     """v0 / (3 mu g) after the start, at two thirds of its speed."""
     scene = lf.Scene(gravity=(0.0, -9.81))
     disc = scene.add(lf.Disc(radius=0.1, mass=2.0), name="disc", position=(0.0, 0.1), velocity=(1.0, 0.0))
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.1)
+    scene.contact(disc.surface(), floor_of(scene), friction=0.1)
     result = lf.simulate(scene, 1.0, lf.EventDriven())
     assert times(result, "stick") == pytest.approx([1.0 / (3.0 * 0.1 * 9.81)], abs=1e-10)
     assert result.u[-1] == pytest.approx([2.0 / 3.0, 0.0, -20.0 / 3.0], abs=1e-12)
@@ -128,7 +129,7 @@ def test_disc_lifts_off_a_hill() -> None:
     ("mu", "degrees", "force"), [(0.5, 60.0, 0.908694), (2.0, 30.0, 1.533922)], ids=["below", "steep friction"]
 )
 def test_rod_of_painleve_slides(mu: float, degrees: float, force: float) -> None:
-    result = lf.simulate(painleve_rod(mu, degrees), 1e-4, lf.EventDriven(), record=1e-5)
+    result = lf.simulate(gallery.painleve_rod(mu, degrees), 1e-4, lf.EventDriven(), record=1e-5)
     assert result.force[0, 0] == pytest.approx([force, mu * force], abs=1e-6)
     assert result.state[0, 0] == 2
     assert not result.events
@@ -136,7 +137,7 @@ def test_rod_of_painleve_slides(mu: float, degrees: float, force: float) -> None
 
 def test_paradox_of_painleve_ends_in_an_impact_without_collision() -> None:
     """No force can keep this rod sliding: an impulse stops its tip at once, at the cost of energy."""
-    result = lf.simulate(painleve_rod(1.4, 60.0), 0.05, lf.EventDriven(), record=1e-3)
+    result = lf.simulate(gallery.painleve_rod(1.4, 60.0), 0.05, lf.EventDriven(), record=1e-3)
     assert result.events[0].kind == "impact without collision"
     assert result.events[0].time == 0.0
     assert result.events[0].energy_change < -0.1
@@ -147,28 +148,13 @@ def test_paradox_of_painleve_ends_in_an_impact_without_collision() -> None:
     assert result.impulse[1, 0, 1] <= 1.4 * result.impulse[1, 0, 0] * (1.0 + 1e-12)
 
 
-def painleve_rod(mu: float, degrees: float) -> lf.Scene:
-    """Uniform rod, m = l = g = 1, its lower end slides to the left."""
-    angle = math.radians(degrees)
-    scene = lf.Scene(gravity=(0.0, -1.0))
-    rod = scene.add(
-        lf.RigidBody(mass=1.0, inertia=1.0 / 3.0),
-        name="rod",
-        position=(math.cos(angle), math.sin(angle)),
-        angle=angle,
-        velocity=(-1.0, 0.0),
-    )
-    scene.contact(rod.node(-1.0, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=mu)
-    return scene
-
-
 def test_redundant_supports_share_the_weight() -> None:
     """A box on four support points, pushed at its centre: it sticks until F = mu m g and then slides as one."""
     scene = lf.Scene(gravity=(0.0, -9.81))
     shape = [(-0.2, -0.1), (-0.1, -0.1), (0.1, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.2, 0.1)]
     box = scene.add(lf.Polygon(shape, mass=1.0), name="box", position=(0.0, 0.1))
     scene.load(lf.Force(box.at(0.0, -0.1), (lf.Table([0.0, 1.0], [0.0, 5.0]), 0.0)))
-    scene.contact(box.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, name="floor")
+    scene.contact(box.surface(), floor_of(scene), friction=0.3, name="floor")
     result = lf.simulate(scene, 1.0, lf.EventDriven(), record=0.01)
     start = 0.3 * 9.81 / 5.0
     assert times(result, "slip") == pytest.approx([start], abs=1e-8)
@@ -185,7 +171,7 @@ def test_impulse_is_the_change_of_momentum() -> None:
     box = scene.add(
         lf.Box(width=0.4, height=0.2, mass=1.5), name="box", position=(0.0, 0.6), angle=0.5, velocity=(1.0, 0.0)
     )
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(box.surface(), floor, friction=0.4, restitution=0.3)
     result = lf.simulate(scene, 2.0, lf.EventDriven(), record=0.01)
     momentum = 1.5 * (result.u[:, :2] - result.u[0, :2])
@@ -207,7 +193,7 @@ def test_same_run_with_a_python_loop() -> None:
         scene = lf.Scene(gravity=(0.0, -9.81))
         body = scene.add(lf.Box(width=0.4, height=0.2, mass=1.0), name="block", position=(0.0, 0.1))
         scene.load(lf.Force(body.point("center"), force))  # type: ignore[arg-type]
-        scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+        scene.contact(body.surface(), floor_of(scene), friction=0.3)
         return scene
 
     compiled = lf.simulate(block((lf.Harmonic(4.0, 2.0), 0.0)), 1.9, lf.EventDriven(), record=0.1)

@@ -20,6 +20,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.solvers import ContactProblem, Lcp, Solution
+from tests.scenes import floor_of
 
 REPORT = pytest.StashKey[list[str]]()
 
@@ -44,7 +45,7 @@ def _resting_strip(modes: int = 4, pull: Any = None) -> lf.Scene:
     strip = lf.Beam(length=0.7, width=0.028, thickness=0.005, density=2700.0, youngs_modulus=6.9e10)
     scene = lf.Scene(gravity=(0.0, -9.81))
     body = scene.add(strip.reduce(modes=modes, damping=0.02), name="strip", position=(0.0, 0.0025))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for name, x in (("left", 0.0), ("right", 0.7)):
         scene.contact(body.node(x, -0.0025), floor, friction=0.5, name=name)
     if pull is not None:

@@ -12,6 +12,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.bodies.body import Body
+from tests.scenes import floor_of
 
 STEP = 1e-5
 MODES = (10, 50, 200, 400)
@@ -47,7 +48,7 @@ def membrane(modes: int, across: int = 15) -> Body:
 def resting(body: Body) -> lf.Scene:
     scene = lf.Scene(gravity=(0.0, -9.81))
     placed = scene.add(body, name="strip", position=(0.0, 0.0025))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for x in (0.0, 0.7):
         scene.contact(placed.node(x, -0.0025), floor, friction=0.5, name=f"at {x}")
     return scene

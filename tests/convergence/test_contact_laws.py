@@ -11,6 +11,8 @@ import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from tests.rates import assert_rate
+from tests.scenes import disc_on_floor
 
 GAPS = (0.01, 0.0107, 0.0123, 0.0151)  # where a touch falls within a step is of chance: mean over some
 
@@ -23,17 +25,10 @@ def mean_error(integrator: Any, exponent: float) -> float:
     law = ContactLaw(PowerLaw(STIFFNESS[exponent], exponent), HysteresisDamping(0.5))
     errors = []
     for gap in GAPS:
-        scene = lf.Scene(gravity=(0.0, 0.0))
-        ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.1 + gap), velocity=(0.0, -1.0))
-        scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+        scene = disc_on_floor(0.1 + gap, (0.0, -1.0), gravity=0.0)
         result = lf.simulate(scene, 0.08, lf.Smooth(law, integrator=integrator), record=0.08)
         errors.append(result.u[-1, 1] - 0.5)
     return float(np.sqrt(np.mean(np.square(errors))))
-
-
-def rate(scales: Any, errors: Any) -> float:
-    """Exponent of the power law through the points, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(scales), np.log(errors), 1)[0])
 
 
 @pytest.mark.parametrize(("exponent", "expected"), [(1.0, 0.82), (1.5, 0.98), (3.0, 1.40)])
@@ -44,7 +39,7 @@ def test_restitution_follows_the_tolerance(exponent: float, expected: float) -> 
     """
     tolerances = np.geomspace(1e-5, 1e-10, 6)
     errors = [mean_error(lf.ExplicitRungeKutta(rtol=r, atol=1e-2 * r), exponent) for r in tolerances]
-    assert rate(tolerances, errors) == pytest.approx(expected, abs=0.1), errors
+    assert_rate(tolerances, errors, expected, within=0.1)
     assert errors[-1] < 2e-9
 
 
@@ -56,5 +51,5 @@ def test_restitution_of_fixed_steps(exponent: float, expected: float) -> None:
     """
     steps = np.geomspace(4e-4, 2.5e-5, 5)
     errors = [mean_error(lf.Verlet(h), exponent) for h in steps]
-    assert rate(steps, errors) == pytest.approx(expected, abs=0.2), errors
+    assert_rate(steps, errors, expected, within=0.2)
     assert errors[-1] < 3e-6

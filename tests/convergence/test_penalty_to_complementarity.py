@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -15,14 +14,10 @@ from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.gallery.mechanisms.flexible import aluminium_strip
+from tests.rates import assert_rate
 
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-13)
 EXACT = lf.EventDriven(rtol=1e-10, atol=1e-13)
-
-
-def rate(scales: Sequence[float], errors: Sequence[float]) -> float:
-    """Exponent of the power law through the points, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(scales), np.log(errors), 1)[0])
 
 
 def test_elastic_bar() -> None:
@@ -49,9 +44,9 @@ def test_elastic_bar() -> None:
         force = np.interp(0.8, result.times, result.force[:, 0, 0])
         assert force == pytest.approx(impedance * speed * (1.0 - math.exp(-0.3 * k / impedance)), rel=0.01)
     assert short[0] == pytest.approx(impedance**2 * speed / stiffnesses[0] * (x - 2.0 + 2.0 * math.exp(-x)), rel=0.01)
-    assert rate(stiffnesses, late) == pytest.approx(-1.0, abs=0.01)
-    assert rate(stiffnesses, short) == pytest.approx(-1.0, abs=0.05)
-    assert rate(stiffnesses, off) == pytest.approx(-1.0, abs=0.05)
+    assert_rate(stiffnesses, late, -1.0, within=0.01)
+    assert_rate(stiffnesses, short, -1.0, within=0.05)
+    assert_rate(stiffnesses, off, -1.0, within=0.05)
 
 
 @pytest.mark.parametrize("modes", [0, 1], ids=["rigid", "one mode"])
@@ -75,8 +70,8 @@ def test_pendulum(modes: int) -> None:
         soft = lf.simulate(scene, end, lf.Smooth(lf.Penalty(k), integrator=FINE), record=end)
         off.append(math.dist(soft.point("pendulum", "right")[-1], rigid.point("pendulum", "right")[-1]))
         impulse.append(abs(soft.impulse[-1, 0, 0] - rigid.impulse[-1, 0, 0]))
-    assert rate(stiffnesses, off) == pytest.approx(-0.5, abs=0.01)
-    assert rate(stiffnesses[1:], impulse[1:]) == pytest.approx(-0.5, abs=0.03)
+    assert_rate(stiffnesses, off, -0.5, within=0.01)
+    assert_rate(stiffnesses[1:], impulse[1:], -0.5, within=0.03)
     if modes == 0:
         inertia = 0.7 * 0.028 * 0.005 * 2700.0 * 0.7**2 / 3.0
         late = math.pi * math.sqrt(inertia / 0.69**2 / stiffnesses[-1])  # the stop is 0.69 m below the hinge
@@ -92,7 +87,7 @@ def test_peak_force_of_rigid_bodies_has_no_limit() -> None:
         stepper = lf.Smooth(lf.Penalty(k), integrator=FINE)
         result = lf.simulate(gallery.pendulum(0, friction=0.0), 0.408, stepper, record=1e-5)
         peaks.append(result.contact("stop").peak_force)
-    assert rate(stiffnesses, peaks) == pytest.approx(0.5, abs=0.01)
+    assert_rate(stiffnesses, peaks, 0.5, within=0.01)
 
 
 @pytest.mark.parametrize(
@@ -117,6 +112,6 @@ def test_claw_approaches_newtons_law(exponent: float, factor: HysteresisFactor) 
         off.append(float(np.abs(soft.q[-1] - rigid.q[-1]).max()))
         speed.append(float(np.abs(soft.u[-1] - rigid.u[-1]).max()))
     expected = -1.0 / (exponent + 1.0)
-    assert rate(stiffnesses, off) == pytest.approx(expected, abs=0.02)
-    assert rate(stiffnesses, speed) == pytest.approx(expected, abs=0.02)
+    assert_rate(stiffnesses, off, expected, within=0.02)
+    assert_rate(stiffnesses, speed, expected, within=0.02)
     assert off[-1] < 2e-4

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -12,13 +11,10 @@ import pytest
 import lcpflex as lf
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from tests.rates import assert_rate
+from tests.scenes import box_on_floor, disc_on_floor, floor_of
 
 Vector = npt.NDArray[np.float64]
-
-
-def rate(scales: Sequence[float], errors: Sequence[float]) -> float:
-    """Exponent of the power law through the points, by least squares of the logarithms."""
-    return float(np.polyfit(np.log(scales), np.log(errors), 1)[0])
 
 
 def rolling_disc() -> lf.Scene:
@@ -32,7 +28,7 @@ def rolling_disc() -> lf.Scene:
         velocity=(1.0, -1.0),
     )
     scene.join(lf.Revolute(rod.point("top"), disc.point("center")))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(disc.surface(), floor, friction=0.3, name="floor")
     return scene
 
@@ -60,33 +56,28 @@ def test_order_of_runge_kutta_in_contact() -> None:
         return state, result.energies.largest_remainder
 
     exact, _ = end(1600)
-    counts = (25, 50, 100, 200)
-    ends = [end(n) for n in counts]
-    order = -rate(counts, [float(np.abs(state - exact).max()) for state, _ in ends])
-    assert 4.7 < order < 5.6
-    assert -rate(counts, [remainder for _, remainder in ends]) > 4.7
+    counts = np.array([25, 50, 100, 200])
+    ends = [end(int(n)) for n in counts]
+    assert_rate(1.0 / counts, [np.abs(state - exact).max() for state, _ in ends], 5.0, within=(0.3, 0.6))
+    assert_rate(1.0 / counts, [remainder for _, remainder in ends], 5.0, within=(0.3, 1.7))
 
 
 def test_order_of_verlet_in_contact() -> None:
     """Order 2 without forces that depend on velocities, 1 with them."""
 
-    def errors(law: Penalty, friction: float) -> float:
+    def assert_order(order: float, law: Penalty, friction: float) -> None:
         def end(steps: int) -> Vector:
-            scene = lf.Scene(gravity=(0.0, -9.81))
-            disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.5), velocity=(1.0, -1.0))
-            floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-            scene.contact(disc.surface(), floor, friction=friction)
+            scene = disc_on_floor(0.5, (1.0, -1.0), radius=0.5, friction=friction)
             result = lf.simulate(scene, IN_CONTACT, Smooth(law, integrator=Verlet(IN_CONTACT / steps)))
             assert result.steps == steps
             return np.concatenate([result.q[-1], result.u[-1]])
 
         exact = end(200_000)
-        counts = (100, 200, 400, 800)
-        return -rate(counts, [float(np.abs(end(n) - exact).max()) for n in counts])
+        counts = np.array([100, 200, 400, 800])
+        assert_rate(1.0 / counts, [np.abs(end(int(n)) - exact).max() for n in counts], order, within=0.05)
 
-    assert errors(Penalty(2e4, exponent=3.0), 0.0) == pytest.approx(2.0, abs=0.05)
-    softer = Penalty(2e4, exponent=3.0, damping=0.1, slip_speed=0.5)
-    assert errors(softer, 0.3) == pytest.approx(1.0, abs=0.05)
+    assert_order(2.0, Penalty(2e4, exponent=3.0), 0.0)
+    assert_order(1.0, Penalty(2e4, exponent=3.0, damping=0.1, slip_speed=0.5), 0.3)
 
 
 @pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "stiff"])
@@ -98,10 +89,7 @@ def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
 
     def run(rtol: float) -> tuple[Vector, float]:
         integrator = Stiff(rtol, 1e-2 * rtol) if implicit else ExplicitRungeKutta(rtol, 1e-2 * rtol)
-        scene = lf.Scene(gravity=(0.0, -9.81))
-        disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.15), velocity=(1.0, -1.0))
-        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-        scene.contact(disc.surface(), floor, friction=0.2)
+        scene = disc_on_floor(0.15, (1.0, -1.0), friction=0.2)
         stepper = Smooth(Penalty(1e5, damping=0.2, slip_speed=0.1), integrator=integrator)
         result = lf.simulate(scene, 0.2, stepper, record=0.02)
         return np.concatenate([result.q[-1], result.u[-1]]), result.energies.relative_remainder
@@ -109,8 +97,8 @@ def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
     exact, _ = run(1e-12)
     tolerances = tuple(np.geomspace(1e-5, 1e-10, 16))
     runs = [run(rtol) for rtol in tolerances]
-    assert rate(tolerances, [float(np.abs(state - exact).max()) for state, _ in runs]) > 0.66
-    assert rate(tolerances, [remainder for _, remainder in runs]) > 0.66
+    assert_rate(tolerances, [np.abs(state - exact).max() for state, _ in runs], 1.0, within=0.34)
+    assert_rate(tolerances, [remainder for _, remainder in runs], 1.0, within=0.34)
     assert runs[-1][1] < 1e-6
 
 
@@ -120,10 +108,7 @@ def test_bounce_approaches_rigid_impact(exponent: float, expected: float) -> Non
 
     It is late by the duration of contact, which goes with K^(-1/(n+1)).
     """
-    scene = lf.Scene(gravity=(0.0, -9.81))
-    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 1.1))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-    scene.contact(ball.surface(), floor, restitution=1.0, name="floor")
+    scene = disc_on_floor(1.1, restitution=1.0)
     rigid = lf.simulate(scene, 0.7, lf.EventDriven(), record=0.7)
     landing = math.sqrt(2.0 / 9.81)
     assert rigid.u[-1, 1] == pytest.approx(9.81 * (2.0 * landing - 0.7), rel=1e-7)
@@ -132,7 +117,7 @@ def test_bounce_approaches_rigid_impact(exponent: float, expected: float) -> Non
     for stiffness in stiffnesses:
         soft = lf.simulate(scene, 0.7, Smooth(Penalty(stiffness, exponent)), record=0.7)
         errors.append(abs(float(soft.q[-1, 1] - rigid.q[-1, 1])))
-    assert -rate(stiffnesses, errors) == pytest.approx(expected, abs=0.02)
+    assert_rate(stiffnesses, errors, -expected, within=0.02)
     assert errors[-1] < 1e-3
 
 
@@ -143,20 +128,13 @@ def test_sliding_approaches_coulomb_friction() -> None:
     by pi^2 v_s^2 / (12 mu g). The stiffness is so large that the start, when the block sinks in, plays no part.
     """
 
-    def scene() -> lf.Scene:
-        built = lf.Scene(gravity=(0.0, -9.81))
-        block = built.add(lf.Box(width=0.4, height=0.2, mass=1.0), position=(0.0, 0.1), velocity=(1.0, 0.0))
-        floor = built.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-        built.contact(block.surface(), floor, friction=0.4, name="floor")
-        return built
-
-    rigid = lf.simulate(scene(), 0.4, lf.EventDriven(), record=0.4)
+    rigid = lf.simulate(box_on_floor((1.0, 0.0), friction=0.4), 0.4, lf.EventDriven(), record=0.4)
     assert rigid.q[-1, 0] == pytest.approx(1.0 / (2.0 * 0.4 * 9.81), rel=1e-6)
     speeds = (4e-2, 2e-2, 1e-2, 5e-3)
     errors = []
     for slip_speed in speeds:
         law = Penalty(1e8, damping=1000.0, slip_speed=slip_speed)
-        soft = lf.simulate(scene(), 0.4, Smooth(law), record=0.4)
+        soft = lf.simulate(box_on_floor((1.0, 0.0), friction=0.4), 0.4, Smooth(law), record=0.4)
         errors.append(float(soft.q[-1, 0] - rigid.q[-1, 0]))
         assert errors[-1] == pytest.approx(math.pi**2 * slip_speed**2 / (12.0 * 0.4 * 9.81), rel=0.01)
-    assert rate(speeds, errors) == pytest.approx(2.0, abs=0.02)
+    assert_rate(speeds, errors, 2.0, within=0.02)

@@ -12,6 +12,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.bodies.reduction.stiffening import Stiffening
+from tests.scenes import floor_of
 
 LENGTH, WIDTH, THICKNESS, DENSITY, MODULUS = 1.0, 0.02, 0.005, 2700.0, 7e10
 EULER = math.pi**2 * MODULUS * WIDTH * THICKNESS**3 / 12.0 / LENGTH**2
@@ -71,7 +72,7 @@ def test_a_resting_contact_presses(stepper: Any) -> None:
     scene = lf.Scene(gravity=(0, 0))
     beam = scene.add(BEAM.reduce(2), "strut", angle=0.5 * math.pi)
     scene.join(lf.Prismatic(beam.point("left"), scene.ground.at(0, 0), axis=(0, 1)))
-    scene.contact(beam.node(0.0, 0.0), scene.ground.half_plane((0, 0), (0, 1)))
+    scene.contact(beam.node(0.0, 0.0), floor_of(scene))
     scene.load(lf.Force(beam.point("right"), (0.0, -0.08 * EULER)))
     result = lf.simulate(scene, 0.05, stepper)
     assert told(result) == [("compression", pytest.approx(0.08 * EULER, rel=0.01), pytest.approx(8.0, abs=0.1))]
@@ -81,7 +82,7 @@ def test_impacts_are_no_load() -> None:
     """Dropped on its end: the impulse over a step would be far beyond Euler's load."""
     scene = lf.Scene()
     beam = scene.add(BEAM.reduce(2), "strut", position=(0, 0.01), angle=0.5 * math.pi)
-    scene.contact(beam.node(0.0, 0.0), scene.ground.half_plane((0, 0), (0, 1)), restitution=0.5)
+    scene.contact(beam.node(0.0, 0.0), floor_of(scene), restitution=0.5)
     result = lf.simulate(scene, 0.1, lf.MoreauJean(1e-4))
     assert result.impulse[-1, 0, 0] / 1e-4 > 10.0 * EULER
     assert told(result) == []
@@ -142,7 +143,7 @@ def test_what_cannot_feel_its_axial_force_is_refused() -> None:
 def test_a_massless_boundary_refuses_it_where_modes_would_be_static() -> None:
     scene = lf.Scene()
     beam = scene.add(BEAM.reduce(8, stiffening=ACTUAL), position=(0, 0.01))
-    scene.contact(beam.surface(), scene.ground.half_plane((0, 0), (0, 1)))
+    scene.contact(beam.surface(), floor_of(scene))
     with pytest.raises(lf.ModelError, match="not to be static; expected GeneralizedAlpha, MoreauJean or EventDriven"):
         lf.simulate(scene, 0.01, lf.MasslessBoundary())
 

@@ -20,6 +20,7 @@ from lcpflex import gallery
 from lcpflex.errors import ModelError
 from lcpflex.studies import Output, WorkPrecision
 from lcpflex.studies import work_precision as full_study
+from tests.scenes import floor_of, grazing_disc
 
 EVENTS = [lf.EventDriven(rtol=r, atol=0.1 * r) for r in (1e-5, 1e-6, 1e-7)]
 
@@ -59,19 +60,16 @@ def blind(seen: Callable[[], lf.Scene], kind: type[Misses] = Misses) -> list[Mis
     return [kind(10.0**-k, seen) for k in range(2, 11)]
 
 
-def graze(over: float = 2e-3, aside: float = 0.0) -> lf.Scene:
+def graze(aside: float = 0.0) -> lf.Scene:
     """A disc passes another, which it overlaps by 2 mm on its way, and is deflected."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(-0.5, 0.2 - over), velocity=(1.0, 0.0))
-    scene.contact(disc.surface(), scene.ground.circle((0.0, -aside), 0.1), restitution=0.5)
-    return scene
+    return grazing_disc(2e-3, aside)
 
 
 def pulse(force: float = 100.0) -> lf.Scene:
     """A box on rough ground is pushed for 50 ms."""
     scene = lf.Scene()
     box = scene.add(lf.Box(0.4, 0.2, mass=1.0), name="box", position=(0.0, 0.1), velocity=(1.0, 0.0))
-    scene.contact(box.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    scene.contact(box.surface(), floor_of(scene), friction=0.3)
     push = lf.Table([0.0, 0.3, 0.325, 0.35, 10.0], [0.0, 0.0, force, 0.0, 0.0])
     scene.load(lf.Force(box.point("center"), (push, 0.0)))
     return scene

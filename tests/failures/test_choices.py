@@ -10,6 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
+from tests.scenes import floor_of
 
 STEPPERS = [
     pytest.param(lf.EventDriven(), id="event-driven"),
@@ -35,7 +36,7 @@ def leaning_rods(
         velocity=(size * (-side - side * spin * math.sin(angle)), size * side * spin * math.cos(angle)),
         angular_velocity=side * spin,
     )
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(rod.node(-size, 0.0), floor, friction=friction, name="tip")
     return scene
 
@@ -63,7 +64,7 @@ def test_several_motions_among_other_contacts(stepper: Any, loud: Any) -> None:
 
         def block(scene: lf.Scene) -> None:
             box = scene.add(lf.Box(0.4, 0.2, mass=1.0), name="box", position=(9.0, 0.1))
-            scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.5, name="under box")
+            scene.contact(box.surface(), floor_of(scene), friction=0.5, name="under box")
 
         if block_first:
             scene = lf.Scene(gravity=(0.0, -1.0))
@@ -75,7 +76,7 @@ def test_several_motions_among_other_contacts(stepper: Any, loud: Any) -> None:
                 velocity=(-1.0 - 1.2 * math.sin(math.radians(60.0)), 0.6),
                 angular_velocity=1.2,
             )
-            scene.contact(rod.node(-1.0, 0.0), scene.ground.half_plane((0, 0), (0, 1)), friction=1.4, name="tip")
+            scene.contact(rod.node(-1.0, 0.0), floor_of(scene), friction=1.4, name="tip")
         else:
             block(scene)
         said = loud(scene, 2e-5, stepper)
@@ -91,7 +92,7 @@ def test_forces_that_are_not_unique_are_no_several_motions() -> None:
         wall = scene.ground.half_plane((0, 0), (side * math.sqrt(0.75), 0.5))
         scene.contact(disc.surface(), wall, friction=1.5)
     box = scene.add(lf.Box(0.1, 0.4, mass=1.0), position=(3.0, 0.2))
-    scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=1.5)
+    scene.contact(box.surface(), floor_of(scene), friction=1.5)
     for stepper in (lf.MoreauJean(step=1e-4), lf.GeneralizedAlpha(step=1e-4)):
         result = lf.simulate(scene, 0.02, stepper)
         assert np.abs(result.u).max() < 1e-9

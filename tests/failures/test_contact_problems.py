@@ -19,6 +19,7 @@ from lcpflex.solvers import (
     Status,
     accept,
 )
+from tests.scenes import floor_of
 
 STEP = 1e-3
 
@@ -27,7 +28,7 @@ def redundant_table(legs: int = 6) -> lf.Scene:
     """A rigid table of 1 kg stands on ``legs`` legs in a row: two would carry it."""
     scene = lf.Scene(gravity=(0.0, -9.81))
     table = scene.add(lf.RigidBody(mass=1.0, inertia=0.1), name="table", position=(0.0, 0.5))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for k in range(legs):
         x = -0.5 + k / (legs - 1)
         scene.contact(table.node(x, -0.5), floor, friction=0.5, name=f"leg {k + 1}")

@@ -10,6 +10,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, Poisson
 from lcpflex.runs.simulate import _closed, _growth_cause
+from tests.scenes import floor_of
 
 
 def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:
@@ -19,7 +20,7 @@ def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:
         thing = scene.add(body, name="strip", position=(0.0, 0.1))
     else:
         thing = scene.add(lf.Disc(0.1, mass=1.0), name="ball", position=(0.0, 0.2))
-    plane = scene.ground.half_plane((0, 0), (0, 1))
+    plane = floor_of(scene)
     scene.contact(thing.surface(), plane, friction=friction, restitution=restitution, name="stop")
     return scene
 
@@ -62,6 +63,6 @@ def test_massless_boundary_names_the_contact_that_it_refuses() -> None:
         lf.simulate(ball(0.5, 0.0, modes=True), 1e-3, lf.MasslessBoundary(step=1e-6))
     scene = ball(0.0, 0.0, modes=True)
     rigid = scene.add(lf.Disc(0.1, mass=1.0), position=(3.0, 0.2))
-    scene.contact(rigid.surface(), scene.ground.half_plane((0, 0), (0, 1)), name="rigid ball")
+    scene.contact(rigid.surface(), floor_of(scene), name="rigid ball")
     with pytest.raises(lf.ModelError, match="contact 'rigid ball': its bodies have no normal compliance"):
         lf.simulate(scene, 1e-3, lf.MasslessBoundary(step=1e-6))

@@ -11,6 +11,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
 from lcpflex.studies.stability_maps.admissible_accelerations import Count, admissible_accelerations
+from tests.scenes import floor_of
 
 
 @pytest.mark.parametrize(
@@ -96,7 +97,7 @@ def coincidence() -> lf.Scene:
     """A block's slip stops at the very time at which a ball beside it strikes the floor."""
     stop = 1.0 / (0.3 * 9.81)
     scene = lf.Scene(gravity=(0.0, -9.81))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     block = scene.add(lf.Box(width=0.4, height=0.2, mass=1.0), name="block", position=(0.0, 0.1), velocity=(1.0, 0.0))
     scene.contact(block.surface(), floor, friction=0.3, name="under block")
     height = 0.5 * 9.81 * stop**2

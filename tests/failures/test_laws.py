@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 import lcpflex as lf
+from tests.scenes import floor_of
 
 WEIGHT = 9.81
 
@@ -20,7 +21,7 @@ def against_a_wall(push: float = 50.0, prop: bool = True, length: float = 1.0, m
     depth = push / 1e6 * length
     wall = scene.ground.half_plane((0.1 * length - depth, 0.0), (-1.0, 0.0))
     if prop:
-        scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+        scene.contact(disc.surface(), floor_of(scene), name="floor")
     scene.contact(disc.surface(), wall, friction=0.3, law=law, name="wall")
     scene.load(lf.Force(disc.point("center"), (push * mass * length, 0.0)))
     return scene
@@ -53,7 +54,7 @@ def pressed_by_a_spring(length: float = 1.0, mass: float = 1.0, weight: bool = F
     disc = scene.add(
         lf.Disc(0.1 * length, mass=mass), "disc", position=(0.0, 0.15 * length), velocity=(0.0, -0.26 * length)
     )
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(disc.surface(), floor_of(scene), name="floor")
     scene.join(lf.PointOnLine(disc.point("center"), scene.ground.at(0.0, 0.0), (0.0, 1.0)))
     if not weight:
         top = scene.ground.at(0.0, length)

@@ -11,16 +11,12 @@ import pytest
 
 import lcpflex as lf
 from tests.run_warnings import of_the_run
+from tests.scenes import disc_on_floor, floor_of
 
-FLOOR = ((0.0, 0.0), (0.0, 1.0))
 
-
-def falling_disc(height: float = 0.01, speed: float = 0.0, **law: Any) -> lf.Scene:
+def falling_disc(gap: float = 0.01, **law: Any) -> lf.Scene:
     """A disc of 1 kg and 0.1 m above a floor."""
-    scene = lf.Scene()
-    disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(0.0, 0.1 + height), velocity=(0.0, -speed))
-    scene.contact(disc.surface(), scene.ground.half_plane(*FLOOR), name="floor", **law)
-    return scene
+    return disc_on_floor(0.1 + gap, **law)
 
 
 def falling_strip(modes: int = 8, **law: Any) -> lf.Scene:
@@ -28,7 +24,7 @@ def falling_strip(modes: int = 8, **law: Any) -> lf.Scene:
     scene = lf.Scene()
     strip = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=8).reduce(modes=modes, damping=0.01)
     body = scene.add(strip, name="strip", angle=0.2, position=(0.0, 0.007))
-    scene.contact(body.surface(), scene.ground.half_plane(*FLOOR), name="floor", **law)
+    scene.contact(body.surface(), floor_of(scene), name="floor", **law)
     return scene
 
 
@@ -39,7 +35,7 @@ def test_steps_too_long_for_a_law_under_moreau_jean(stiffness: float, loud: Any)
     scene = lf.Scene(gravity=(0.0, -1e-3 * stiffness))  # a millimetre deep at rest
     disc = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 0.1 + 1e-4))
     law = lf.ContactLaw(lf.laws.PowerLaw(stiffness, 1.0), lf.laws.KelvinVoigt(restitution=0.5))
-    scene.contact(disc.surface(), scene.ground.half_plane(*FLOOR), law=law)
+    scene.contact(disc.surface(), floor_of(scene), law=law)
     said = loud(scene, 60.0 * limit, lf.MoreauJean(step=1.5 * limit))
     product = re.search(r"the stiffest contact by law has frequency times step = ([\d.]+) > 2", said)
     assert product is not None, said
@@ -58,7 +54,7 @@ def test_a_law_beyond_its_range(size: float, loud: Any) -> None:
     def thrown(speed: float) -> lf.Scene:
         scene = lf.Scene(gravity=(0.0, 0.0))
         ball = scene.add(lf.Disc(0.05 * size, mass=mass), position=(0.0, 0.0501 * size), velocity=(0.0, -speed))
-        scene.contact(ball.surface(), scene.ground.half_plane(*FLOOR), name="bumper", law=law)
+        scene.contact(ball.surface(), floor_of(scene), name="bumper", law=law)
         return scene
 
     said = loud(thrown(3.0), 0.1 * size, lf.Smooth(law))
@@ -93,10 +89,10 @@ def test_massless_boundaries_reflect_nothing(loud: Any) -> None:
 
 def test_a_massless_boundary_without_compliance(loud: Any) -> None:
     """Two rigid bodies have nothing that could give way; an elastic law of the contact has."""
-    said = loud(falling_disc(height=1e-3), 0.03, lf.MasslessBoundary(step=1e-4))
+    said = loud(falling_disc(gap=1e-3), 0.03, lf.MasslessBoundary(step=1e-4))
     assert "compliance" in said
     law = lf.laws.PowerLaw(1e5, 1.0)
-    result = lf.simulate(falling_disc(height=1e-3), 0.03, lf.MasslessBoundary(compliance={"floor": law}))
+    result = lf.simulate(falling_disc(gap=1e-3), 0.03, lf.MasslessBoundary(compliance={"floor": law}))
     assert result.complete
     assert result.impulse[-1, 0, 0] > 0.0
 
@@ -106,7 +102,7 @@ def test_energy_in_modes_that_are_static(loud: Any) -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     strip = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=8).reduce(modes=10)
     body = scene.add(strip, position=(0.0, 0.1), modal_velocity=[0.0, 0.1] + [0.0] * 8)
-    scene.contact(body.surface(), scene.ground.half_plane(*FLOOR), name="floor")
+    scene.contact(body.surface(), floor_of(scene), name="floor")
     said = loud(scene, 0.01, lf.MasslessBoundary(step=1e-4, dynamic_modes=1))
     assert "0.005 J of the initial 0.005 J" in said
     assert "keep more dynamic modes" in said

@@ -11,30 +11,14 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.results.summary import doubts
+from tests.scenes import disc_on_floor, floor_of, shot_at_thin_wall
 
 Loud = Callable[..., str]
 
 
 def dropped(size: float = 1.0) -> lf.Scene:
     """A disc of ``size`` / 10 falls on a floor, for lengths in units of 1/size metres."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * size))
-    disc = scene.add(lf.Disc(0.1 * size, mass=1.0 / size), position=(0.0, 0.3 * size))
-    scene.contact(disc.surface(), scene.ground.half_plane((0, 0), (0, 1)), restitution=0.5)
-    return scene
-
-
-def shot(
-    speed: float = 100.0, size: float = 1.0, law: Any = None, height: float = 0.0, start: float = -0.05
-) -> lf.Scene:
-    """A disc of 5 mm radius flies at a wall that is 2 mm thick and 200 mm high; ``size``: 1 m in units of length."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    disc = scene.add(
-        lf.Disc(0.005 * size, mass=0.01 / size), position=(start * size, height * size), velocity=(speed * size, 0.0)
-    )
-    places = [(0.0, -0.1), (0.002, -0.1), (0.002, 0.1), (0.0, 0.1)]
-    wall = scene.ground.chain([(x * size, y * size) for x, y in places], closed=True)
-    scene.contact(disc.surface(), wall, law=law, name="wall")
-    return scene
+    return disc_on_floor(0.3 * size, radius=0.1 * size, mass=1.0 / size, gravity=9.81 * size, restitution=0.5)
 
 
 def head_on(offset: float) -> lf.Scene:
@@ -74,7 +58,7 @@ FIXED = [
 @pytest.mark.parametrize("size", [1.0, 1e3])
 @pytest.mark.parametrize(("stepper", "law"), FIXED)
 def test_a_disc_does_not_fly_through_a_wall_unseen(loud: Loud, stepper: Any, law: Any, size: float) -> None:
-    said = loud(shot(size=size, law=law, start=-0.091), 0.0028, stepper)
+    said = loud(shot_at_thin_wall(size=size, law=law, start=-0.091), 0.0028, stepper)
     assert "the bodies of contact 'wall' passed through each other, or met by luck, at t = " in said
     assert "take steps of at most 3e-05 s" in said or "take steps of at most 4e-05 s" in said
 
@@ -95,8 +79,8 @@ def test_a_spinning_rod_does_not_pass_a_disc_unseen(loud: Loud) -> None:
 
 @pytest.mark.parametrize("stepper", [lf.MoreauJean(step=1e-3), lf.GeneralizedAlpha(step=1e-3)])
 def test_a_fast_body_that_meets_nothing_thin_is_no_reason_to_doubt(stepper: Any) -> None:
-    beside = shot(height=0.2)
-    beside.contact(beside.body("body1").surface(), beside.ground.half_plane((0, -5), (0, 1)))
+    beside = shot_at_thin_wall(height=0.2)
+    beside.contact(beside.body("disc").surface(), beside.ground.half_plane((0, -5), (0, 1)))
     result = lf.simulate(beside, 0.01, stepper)
     assert doubts(result) == result.warnings == ()
     # two that fly side by side, 1 mm apart, faster than they are thick
@@ -109,7 +93,7 @@ def test_a_fast_body_that_meets_nothing_thin_is_no_reason_to_doubt(stepper: Any)
 
 @pytest.mark.parametrize("stepper", [lf.MoreauJean(step=2e-6), lf.GeneralizedAlpha(step=2e-6), lf.EventDriven()])
 def test_a_wall_that_a_fine_step_meets_stops_the_disc(stepper: Any) -> None:
-    result = lf.simulate(shot(), 0.001, stepper)
+    result = lf.simulate(shot_at_thin_wall(), 0.001, stepper)
     assert result.q[-1, 0] == pytest.approx(-0.005, abs=2e-4)
     assert result.found_wrong == result.warnings == ()
 
@@ -125,14 +109,14 @@ SOFT = [
 
 @pytest.mark.parametrize(("stepper", "law"), SOFT)
 def test_a_law_too_soft_lets_a_body_out_on_the_far_side_and_is_told_of(loud: Loud, stepper: Any, law: Any) -> None:
-    said = loud(shot(law=law), 0.001, stepper)
+    said = loud(shot_at_thin_wall(law=law), 0.001, stepper)
     assert "the indentation of contact 'wall' reached 0.00" in said
     assert "comes out of the other on the far side" in said
 
 
 def test_a_stiff_law_turns_the_body_back_and_is_trusted() -> None:
     for stepper, law in ((lf.Smooth(lf.Penalty(1e8)), None), (lf.EventDriven(), lf.Penalty(1e8))):
-        result = lf.simulate(shot(law=law), 0.001, stepper)
+        result = lf.simulate(shot_at_thin_wall(law=law), 0.001, stepper)
         assert result.u[-1, 0] == pytest.approx(-100.0, rel=1e-3)
         assert result.found_wrong == ()
 
@@ -140,7 +124,7 @@ def test_a_stiff_law_turns_the_body_back_and_is_trusted() -> None:
 def test_a_disc_that_vanishes_in_a_soft_floor_is_told_of(loud: Loud) -> None:
     scene = lf.Scene()
     disc = scene.add(lf.Disc(0.01, mass=1.0), position=(0.0, 0.02))
-    scene.contact(disc.surface(), scene.ground.half_plane((0, 0), (0, 1)), name="floor")
+    scene.contact(disc.surface(), floor_of(scene), name="floor")
     # static indentation m g/k = 98 mm, five diameters
     assert "the indentation of contact 'floor' reached" in loud(scene, 0.5, lf.Smooth(lf.Penalty(1e2)))
     result = lf.simulate(scene, 0.5, lf.Smooth(lf.Penalty(1e5)))

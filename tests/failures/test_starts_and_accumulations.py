@@ -10,17 +10,14 @@ from scipy.integrate import solve_ivp
 
 import lcpflex as lf
 from lcpflex import gallery
+from tests.scenes import disc_on_floor
 
 ALL_IMPACTS_END = 1.354570923  # [s] ball from 1 m, e = 1/2, g = 9.81
 
 
 def resting_ball(depth: float, speed: float = 0.0, restitution: float = 0.5) -> lf.Scene:
     """A ball of 0.1 m ``depth`` deep in the floor, arriving at ``speed``."""
-    scene = lf.Scene(gravity=(0.0, -9.81))
-    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), name="ball", position=(0.0, 0.1 - depth), velocity=(0.0, -speed))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-    scene.contact(ball.surface(), floor, restitution=restitution, name="floor")
-    return scene
+    return disc_on_floor(0.1 - depth, (0.0, -speed), restitution=restitution)
 
 
 @pytest.mark.parametrize("stepper", [lf.MoreauJean(step=1e-4), lf.EventDriven()], ids=["moreau-jean", "event-driven"])

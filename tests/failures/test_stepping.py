@@ -14,18 +14,15 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.studies import Outcome
+from tests.scenes import disc_on_floor
 
 STIFFNESS = 1e6  # [N/m]
 CRITICAL = 2.0 / math.sqrt(STIFFNESS)  # [s] step 2/omega of 1 kg on such a spring
 
 
-def falling_disc(speed: float = 1.0) -> lf.Scene:
-    """A disc of 1 kg meets the floor at ``speed``, without gravity."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.1005), velocity=(0.0, -speed))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-    scene.contact(disc.surface(), floor, name="floor")
-    return scene
+def falling_disc() -> lf.Scene:
+    """A disc of 1 kg meets the floor at 1 m/s, without gravity."""
+    return disc_on_floor(0.1005, (0.0, -1.0), gravity=0.0)
 
 
 def test_penalty_springs_beyond_the_limit_of_the_step(loud: Any) -> None:

@@ -21,9 +21,8 @@ from lcpflex.studies.model_order.report import RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.verdict import contradictions
+from tests.scenes import disc_on_spring, floor_of, shot_at_thin_wall
 from tests.unit.studies.fidelity_scenes import sled
-
-FLOOR = ((0.0, 0.0), (0.0, 1.0))
 
 
 def moreau(step: float = 1e-3) -> lf.MoreauJean:
@@ -43,11 +42,7 @@ def untroubled(found, method: str = "m") -> np.ndarray:
 
 def plate(speed: float = 100.0) -> Scene:
     """A disc flies at a plate that is thinner than its way in a step."""
-    scene = Scene(gravity=(0.0, 0.0))
-    disc = scene.add(lf.Disc(0.005, mass=0.01), name="disc", position=(-0.5, 0.0), velocity=(speed, 0.0))
-    wall = scene.ground.chain([(0.0, -0.1), (0.002, -0.1), (0.002, 0.1), (0.0, 0.1)], closed=True)
-    scene.contact(disc.surface(), wall)
-    return scene
+    return shot_at_thin_wall(speed, start=-0.5)
 
 
 @pytest.mark.parametrize("truth", [None, True])
@@ -70,7 +65,7 @@ def pulsed() -> Scene:
 
     scene = Scene()
     box = scene.add(lf.Box(0.4, 0.2, mass=1.0), name="box", position=(0.0, 0.1))
-    scene.contact(box.surface(), scene.ground.half_plane(*FLOOR), friction=0.0)
+    scene.contact(box.surface(), floor_of(scene), friction=0.0)
     scene.load(lf.Force(box.point("center"), (pulse, 0.0)))
     return scene
 
@@ -103,10 +98,7 @@ def test_vibrations_of_two_steps_a_period_are_not_sound() -> None:
     """The energy of the leapfrog scheme is kept below h = 2/omega; its frequency is far off."""
 
     def oscillator(stiffness: float = 1e4) -> Scene:
-        scene = Scene(gravity=(0.0, 0.0))
-        disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(1.1, 0.0))
-        scene.load(lf.Spring(disc.point("center"), scene.ground.at(0.0, 0.0), stiffness=stiffness, length=1.0))
-        return scene
+        return disc_on_spring(stiffness)
 
     found = stability(
         oscillator, {"m": moreau}, {"step": [2e-5, 5e-3, 1.5e-2]}, duration=1.0, truth=True, progress=False

@@ -10,6 +10,7 @@ import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
+from tests.scenes import floor_of
 
 
 def logarithmic(low: float, high: float) -> st.SearchStrategy[float]:
@@ -33,7 +34,7 @@ def test_exact_factor_for_any_impact(mass: float, stiffness: float, exponent: fl
     scene = lf.Scene(gravity=(0.0, 0.0))
     position = (0.0, radius + 0.5 * deepest)
     body = scene.add(lf.Disc(radius=radius, mass=mass), position=position, velocity=(0.0, -speed))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="wall")
+    scene.contact(body.surface(), floor_of(scene), name="wall")
     law = ContactLaw(PowerLaw(stiffness, exponent), HysteresisDamping(e, guard_speed=1e-6))
     integrator = lf.ExplicitRungeKutta(rtol=1e-8, atol=1e-10 * min(deepest, speed))
     duration = (6.0 + 10.0 / e) * time

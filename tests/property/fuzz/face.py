@@ -11,6 +11,7 @@ import numpy as np
 
 import lcpflex as lf
 from lcpflex import gallery, laws, meshes, solvers
+from tests.scenes import floor_of
 
 __all__ = [
     "Face",
@@ -61,7 +62,7 @@ def small_scene() -> lf.Scene:
     scene = lf.Scene()
     disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(0.0, 0.5))
     scene.add(lf.Box(0.2, 0.1, mass=1.0), name="box", position=(1.0, 0.5))
-    scene.contact(disc.surface(), scene.ground.half_plane((0, 0), (0, 1)), name="floor", friction=0.3)
+    scene.contact(disc.surface(), floor_of(scene), name="floor", friction=0.3)
     return scene
 
 

@@ -24,6 +24,7 @@ from tests.property.fuzz.face import (
     small_scene,
     solid,
 )
+from tests.scenes import floor_of
 
 __all__ = ["bodies_faces", "run_faces", "scene_faces"]
 
@@ -134,7 +135,7 @@ def scene_faces() -> list[Face]:
     def surfaces() -> tuple[lf.Scene, Any, Any]:
         scene = lf.Scene()
         disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(0.0, 0.5))
-        return scene, disc.surface(), scene.ground.half_plane((0, 0), (0, 1))
+        return scene, disc.surface(), floor_of(scene)
 
     def contact(**changed: Any) -> Any:
         scene, a, b = surfaces()

@@ -13,6 +13,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import solvers
+from tests.scenes import floor_of
 
 STEEL = lf.laws.Material(2.0**37, 0.25)
 PAIR = lf.laws.CylinderPair.internal(0.5, 0.4375, 0.25, STEEL)
@@ -183,7 +184,7 @@ def scene(number: Callable[[float], Any], law: Any = None, **contact: float) -> 
     made.load(lf.Force(beam.point("right"), (number(1.0), number(-1.0))))
     made.load(lf.Spring(beam.point("right"), made.ground.at(number(1.0), number(2.0)), number(64.0), number(1.0)))
     ball = made.add(lf.Disc(number(0.25), mass=number(1.0)), "ball", (number(2.0), number(0.25)))
-    floor = made.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(made)
     made.contact(ball.surface(), floor, **{key: number(value) for key, value in contact.items()}, law=law)
     made.contact(beam.circle("right", number(0.0625)), floor, law=law)
     return made

@@ -15,6 +15,7 @@ import lcpflex as lf
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli.reading import save_figure
 from lcpflex.solvers.benchmark.files import save_problems
+from tests.scenes import disc_on_floor
 
 
 @contextmanager
@@ -30,10 +31,7 @@ def full_disk() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def result() -> lf.Result:
-    scene = lf.Scene()
-    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.11), velocity=(1.0, 0.0))
-    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
-    return lf.simulate(scene, 0.1, lf.MoreauJean(1e-3))
+    return lf.simulate(disc_on_floor(0.11, (1.0, 0.0), friction=0.3), 0.1, lf.MoreauJean(1e-3))
 
 
 def problems(path: Path) -> None:

@@ -14,6 +14,7 @@ from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reduction.component_modes import unreduced
 from lcpflex.checks import resolution_rules as advice
 from lcpflex.checks.resolution import _push, unresolved
+from tests.scenes import floor_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:mesh. its stiffness:lcpflex.errors.ModelWarning")  # coarse on purpose
 
@@ -135,7 +136,7 @@ def pressed(nodes, modes=None, resolution=True):
     body = Continuum(mesh, poissons_ratio=0.3, **STEEL).reduce(modes=modes)
     scene = lf.Scene(gravity=(0.0, 0.0))
     block = scene.add(body if resolution else replace(body, resolution=None), "block", velocity=(0.0, -0.1))
-    scene.contact(block.surface("bottom"), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="ground")
+    scene.contact(block.surface("bottom"), floor_of(scene), name="ground")
     return scene
 
 
@@ -203,7 +204,7 @@ def test_static_modes_do_not_count():
     body = lf.residual_compliance(Continuum(mesh, poissons_ratio=0.3, **STEEL), "bottom", modes=30)
     scene = lf.Scene(gravity=(0.0, 0.0))
     block = scene.add(body, "block", velocity=(0.0, -0.1))
-    scene.contact(block.surface("bottom"), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="ground")
+    scene.contact(block.surface("bottom"), floor_of(scene), name="ground")
     for modes, warned in ((3, True), (30, False)):
         result = lf.simulate(scene, 3e-5, lf.MasslessBoundary(dynamic_modes=modes), record=3e-8)
         texts = [text for text in result.warnings if "keep more" in text]

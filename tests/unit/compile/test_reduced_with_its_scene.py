@@ -14,6 +14,7 @@ import lcpflex as lf
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.studies import small_vibrations
+from tests.scenes import floor_of
 
 E, RHO = 7e10, 2700.0
 BEAM = lf.Beam(1.0, 0.02, 0.005, RHO, E)
@@ -440,7 +441,7 @@ def test_surfaces_are_looked_at_between_the_nodes_that_have_modes(nodes: int) ->
     plate = lf.Continuum(fine, density=RHO, youngs_modulus=E, poissons_ratio=0.33, thickness=0.02)
     scene = lf.Scene()
     body = scene.add(plate, modes=1, position=(0.0, 0.05), contact_nodes=nodes)
-    scene.contact(body.surface("bottom"), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)))
+    scene.contact(body.surface("bottom"), floor_of(scene))
     (said,) = scene.compiled().warnings
     assert "more contact_nodes=" in said
 
@@ -449,7 +450,7 @@ def test_a_default_reduction_does_not_warn_of_itself() -> None:
     for modes in (6, 8, 12):
         scene = lf.Scene()
         beam = scene.add(BEAM, modes=modes, position=(0.0, 0.05))
-        scene.contact(beam.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+        scene.contact(beam.surface(), floor_of(scene), friction=0.3)
         assert not scene.compiled().warnings
         assert flexible(scene)[0].residual_modes <= 11
 

@@ -10,6 +10,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.contact.detection import contact_table, detect
 from lcpflex.jit.struct import pack
+from tests.scenes import floor_of
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 
@@ -72,7 +73,7 @@ def test_a_box_that_stands_on_the_end_of_its_declared_bottom():
     """Fallen on its left side: the lower-left corner, which ends the chain, meets the floor sideways."""
     scene = lf.Scene()
     block = scene.add(lf.Box(width=0.2, height=0.4, mass=1.0), position=(0.0, 0.1), angle=0.5 * math.pi)
-    scene.contact(block.surface("top"), scene.ground.half_plane((0, 0), (0, 1)))
+    scene.contact(block.surface("top"), floor_of(scene))
     ((_, normal, gap),) = found(scene)
     np.testing.assert_allclose(normal, (0.0, 1.0), atol=1e-15)
     assert abs(gap) < 1e-15
@@ -113,7 +114,7 @@ def test_a_rocker_rolls_on_its_arc_only(angle, inside):
     scene = lf.Scene()
     rocker = scene.add(lf.RigidBody(mass=1.0, inertia=1.0), position=(0.0, 0.5), angle=-angle)
     arc = rocker.arc((0.0, 0.0), 0.5, start=-0.5 * math.pi - 0.5, extent=1.5)
-    scene.contact(arc, scene.ground.half_plane((0, 0), (0, 1)))
+    scene.contact(arc, floor_of(scene))
     contacts = found(scene)
     assert len(contacts) == inside
     assert all(abs(gap) < 1e-15 and normal[1] == 1.0 for _, normal, gap in contacts)
@@ -210,7 +211,7 @@ def test_the_same_contacts_in_the_same_order_every_time():
     box = lf.Box(width=0.2, height=0.1, mass=1.0)
     for k in range(9):
         scene.add(box, position=(0.2 * (k % 3), 0.05 + 0.1 * (k // 3)))
-    scene.ground.half_plane((0, 0), (0, 1))
+    floor_of(scene)
     scene.contact_all()
     compiled = scene.compiled()
     tables = [contact_table(400, 10) for _ in range(2)]

@@ -15,6 +15,7 @@ from lcpflex.contact.narrow_phase.feature import contact_bias
 from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.struct import pack
+from tests.scenes import floor_of
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 CHOICES = ("both", "upper", "lower")
@@ -86,7 +87,7 @@ def test_a_choice_among_kinds():
 def test_what_cannot_be_a_slave():
     scene = lf.Scene()
     a, b, c = (scene.add(lf.Box(width=1.0, height=1.0, mass=1.0), position=(1.1 * k, 1.0)) for k in range(3))
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     with pytest.raises(lf.ModelError, match=r"slave: 'body3\.outline' was given, expected one of the two surfaces"):
         scene.contact(a.surface(), b.surface(), slave=c.surface())
     with pytest.raises(lf.ModelError, match=r"slave: 'upper' was given, expected one of the two surfaces"):

@@ -32,6 +32,7 @@ from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.layout import DAMPING
 from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
+from tests.scenes import disc_on_floor
 
 STIFFNESS, MASS, SPEED = 4e7, 0.8, 1.5
 DEEP = (MASS * SPEED**2 / STIFFNESS) ** 0.4  # the scale of indentations
@@ -241,10 +242,7 @@ def test_exact_law_gives_what_is_prescribed(
 
 def wall(mass: float, speed: float) -> lf.Scene:
     """A ball flies towards a wall, without weight."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    body = scene.add(lf.Disc(radius=0.1, mass=mass), position=(0.0, 0.101), velocity=(0.0, -speed))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="wall")
-    return scene
+    return disc_on_floor(0.101, (0.0, -speed), mass=mass, gravity=0.0, name="wall")
 
 
 def rebound(law: ContactLaw, integrator: Any = None, mass: float = MASS, speed: float = SPEED) -> lf.Result:

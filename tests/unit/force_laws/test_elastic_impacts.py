@@ -18,6 +18,7 @@ from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth
+from tests.scenes import disc_on_floor
 
 RADIUS, MASS, SPEED = 0.0079, 0.015, 0.3
 RTOL = 1e-11  # of a step
@@ -30,11 +31,7 @@ LAWS += [Pereira(PAIR), Liu(PAIR), Persson(PAIR)]
 
 
 def thrown(gap: float, speed: float = SPEED) -> lf.Scene:
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    disc = lf.Disc(radius=RADIUS, mass=MASS)
-    body = scene.add(disc, position=(0.0, RADIUS + gap), velocity=(0.0, -speed))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="wall")
-    return scene
+    return disc_on_floor(RADIUS + gap, (0.0, -speed), radius=RADIUS, mass=MASS, gravity=0.0, name="wall")
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)

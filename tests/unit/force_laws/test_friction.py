@@ -29,6 +29,7 @@ from lcpflex.force_laws.friction.laws import (
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.model.arrays import SLIP, STICK
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from tests.scenes import floor_of
 
 MU, STATIC = 0.3, 0.45
 SPEED = 1e-3
@@ -218,7 +219,7 @@ def block(mu: float = MU, degrees: float = 0.0) -> tuple[lf.Scene, Any]:
     scene = lf.Scene(gravity=(WEIGHT * math.sin(lean), -WEIGHT * math.cos(lean)))
     sunk = -WEIGHT * math.cos(lean) / STIFFNESS
     body = scene.add(lf.RigidBody(mass=1.0, inertia=1e9, points={"p": (0.0, 0.0)}), name="block", position=(0.0, sunk))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(body.node(0.0, 0.0), floor, friction=mu, name="floor")
     return scene, body
 

@@ -20,6 +20,7 @@ from lcpflex.force_laws.friction.laws import LuGre
 from lcpflex.force_laws.normal_kernels import normal_force
 from lcpflex.force_laws.user_law import OwnLaw
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from tests.scenes import disc_on_floor
 
 K, E = 1e7, 0.6
 FIXED = Verlet(1e-5)  # where rounding chooses no steps
@@ -40,10 +41,7 @@ def as_python(depth: float, rate: float, speed: float, p: Any) -> float:
 
 
 def ball() -> lf.Scene:
-    scene = lf.Scene(gravity=(0.0, -9.81))
-    disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.55), velocity=(1.0, -1.0))
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, name="floor")
-    return scene
+    return disc_on_floor(0.55, (1.0, -1.0), radius=0.5, friction=0.3)
 
 
 def run(law: ContactLaw, integrator: Any = FIXED, duration: float = 0.5) -> lf.Result:
@@ -211,10 +209,8 @@ def test_beside_complementarity(stepper: Any) -> None:
     """The same as the law of the library, and what is raised comes out there, too."""
 
     def run_scene(law: ContactLaw) -> lf.Result:
-        scene = lf.Scene(gravity=(0.0, -9.81))
-        disc = scene.add(lf.Disc(radius=0.5, mass=1.0), position=(0.0, 0.501), velocity=(1.0, -1.0))
-        scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", law=law)
-        return lf.simulate(scene, 0.01, stepper, record=1e-3)
+        scene = disc_on_floor(0.501, (1.0, -1.0), radius=0.5, law=law)
+        return lf.simulate(scene, 0.01, stepper, record=0.001)
 
     damping = HysteresisDamping(E)
     built_in = run_scene(ContactLaw(PowerLaw(K), damping))

@@ -21,6 +21,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.results.chart_words import stepper_words, told_apart
 from lcpflex.results.charts import shown_forces
 from lcpflex.results.result import Result
+from tests.scenes import floor_of
 
 
 def test_chart_shows_forces_gaps_and_energies_with_units(swing: Result) -> None:
@@ -85,7 +86,7 @@ def test_forces_are_drawn_on_the_upper_body_whichever_side_has_the_nodes(chain: 
     lower = scene.add(lf.Box(width=0.3, height=0.1, mass=1.0), name="lower", position=(0.0, 0.05))
     upper = scene.add(lf.Box(width=0.2, height=0.1, mass=1.0), name="upper", position=(0.0, 0.15))
     step = [(0.1, 0.0), (-0.1, 0.0)]  # narrower than the box: its ends are the nodes that touch
-    ground = scene.ground.chain(step) if chain else scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    ground = scene.ground.chain(step) if chain else floor_of(scene)
     scene.contact(lower.surface(), ground, friction=0.5)
     scene.contact(upper.surface(), lower.surface(), friction=0.5)
     result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
@@ -118,7 +119,7 @@ def test_holes_are_left_open_and_their_edges_are_known() -> None:
 def test_surfaces_on_a_rigid_body_are_drawn_as_they_are() -> None:
     """A closed chain is filled, an open one is a line, and no line runs from the origin to their corners."""
     scene = lf.Scene()
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     body = scene.add(lf.RigidBody(mass=1.0, inertia=0.01), name="body", position=(0.0, 0.2))
     corners = [(-0.1, -0.1), (0.1, -0.1), (0.12, 0.1)]
     hook = [(0.3, 0.1), (0.3, 0.0), (0.4, 0.0)]
@@ -137,7 +138,7 @@ def test_bodies_of_discs_are_joined_to_their_hinges() -> None:
     scene = lf.Scene()
     club = scene.add(lf.RigidBody(mass=1.0, inertia=0.01), name="club", position=(0.6, 0.5))
     scene.join(lf.Revolute(club.at(-0.2, 0.0), scene.ground.at(0.4, 0.5)))
-    scene.contact(club.circle((0.2, 0.0), 0.05), scene.ground.half_plane((0, 0), (0, 1)))
+    scene.contact(club.circle((0.2, 0.0), 0.05), floor_of(scene))
     ax = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-3)).draw(0.0).axes[0]
     ends = [np.round(line.get_xydata()[-1], 9).tolist() for line in ax.lines if len(line.get_xydata()) == 2]
     assert [0.4, 0.5] in ends
@@ -149,7 +150,7 @@ def test_ground_that_is_near_is_shown() -> None:
     for height, shown in ((0.25, True), (2.0, False)):
         scene = lf.Scene()
         ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, height))
-        scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)))
+        scene.contact(ball.surface(), floor_of(scene))
         low = lf.simulate(scene, 1e-3, lf.MoreauJean(step=1e-3)).draw(0.0).axes[0].get_ylim()[0]
         assert (low < 0.0) == shown
 
@@ -179,7 +180,7 @@ def test_arrows_have_one_scale_for_a_run_and_end_in_the_picture(swing: Result) -
 
 def test_arrows_in_a_stack_do_not_overlap() -> None:
     scene = lf.Scene()
-    below = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    below = floor_of(scene)
     for k in range(5):
         box = scene.add(lf.Box(width=0.2, height=0.1, mass=1.0), position=(0.0, 0.05 + 0.1 * k))
         scene.contact(box.surface(), below)

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import BDF
 
 import lcpflex as lf
+from tests.scenes import floor_of
 
 LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
 ADAPTIVE = lf.AdaptiveStep(rtol=1e-4, atol=1e-6, shortest=1e-6)
@@ -24,7 +25,7 @@ def thrown(law: Any = None) -> lf.Scene:
         lf.Disc(radius=0.1, mass=1.0), name="ball", position=(0.0, 0.13), velocity=(1.0, 0.0), angular_velocity=3.0
     )
     box = scene.add(lf.Box(0.3, 0.1, mass=1.0), name="box", position=(0.5, 0.11), angle=0.3)
-    ground = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    ground = floor_of(scene)
     if law is None:
         scene.contact_all(friction=0.3, restitution=0.5)
     else:
@@ -38,7 +39,7 @@ def heap() -> lf.Scene:
     scene = lf.Scene()
     for k in range(12):
         scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.05 * (k % 3) + 0.01 * k, 0.101 + 0.201 * k))
-    scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor_of(scene)
     scene.ground.half_plane((-0.3, 0.0), (1.0, 0.0))
     scene.contact_all(friction=0.3, restitution=0.2)
     return scene
@@ -49,7 +50,7 @@ def beam() -> lf.Scene:
     scene = lf.Scene()
     reduced = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=10).reduce(modes=4)
     body = scene.add(reduced, angle=0.3, position=(0.0, 0.02), angular_velocity=1.0)
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    scene.contact(body.surface(), floor_of(scene), friction=0.3)
     return scene
 
 

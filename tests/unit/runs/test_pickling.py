@@ -20,6 +20,7 @@ from lcpflex import gallery, meshes
 from lcpflex.compile.compiled_scene import Compiled
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
+from tests.scenes import floor_of
 
 COPIES = {"pickled": lambda thing: pickle.loads(pickle.dumps(thing)), "copied": deepcopy}
 
@@ -238,7 +239,7 @@ def loaded(**parts: Any) -> lf.Scene:
     if "length" in parts:
         scene.join(lf.Distance(center, scene.ground.at(0.0, 3.0), parts["length"], name="rope"))
     if "law" in parts:
-        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        floor = floor_of(scene)
         scene.contact(disc.surface(), floor, law=lf.ContactLaw(lf.laws.OwnLaw(parts["law"])), name="floor")
     if "rule" in parts:
         scene.contact_all(law=lf.ContactLaw(lf.laws.OwnLaw(parts["rule"])))
@@ -298,7 +299,7 @@ def small_scene() -> lf.Scene:
     ball = scene.add(lf.Disc(0.1, mass=1.0), "ball", (3.0, 0.1), velocity=(1.0, 0.0))
     scene.join(lf.Revolute(beam.point("left"), scene.ground.at(0.0, 2.0), name="pin"))
     scene.load(lf.Torque(beam.point("right"), lf.Harmonic(0.1, 30.0)))
-    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    scene.contact(ball.surface(), floor_of(scene), friction=0.3)
     return scene
 
 
@@ -332,7 +333,7 @@ def test_results(name: str) -> None:
     """Of each stepper, with what they answer."""
     scene = small_scene() if name != "MasslessBoundary" else loaded()
     if name == "MasslessBoundary":
-        scene.contact(scene.body("disc").surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)))
+        scene.contact(scene.body("disc").surface(), floor_of(scene))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         result = lf.simulate(scene, 0.005, STEPPERS[name], progress=False)

@@ -11,13 +11,11 @@ import pytest
 import lcpflex as lf
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.problem import Lcp, Solution, Status
+from tests.scenes import disc_on_floor, floor_of
 
 
 def falling_ball(**contact: float) -> lf.Scene:
-    scene = lf.Scene(gravity=(0.0, -10.0))
-    ball = scene.add(lf.Disc(radius=0.1, mass=1.0), name="ball", position=(0.0, 0.6))
-    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", **contact)
-    return scene
+    return disc_on_floor(0.6, gravity=10.0, **contact)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +55,7 @@ def test_more_contacts_than_expected_make_room_for_themselves() -> None:
     scene = lf.Scene(gravity=(0.0, -10.0))
     for k in range(40):
         scene.add(lf.Disc(radius=0.1, mass=1.0), name=f"ball{k}", position=(0.3 * k, 0.11))
-    scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor_of(scene)
     scene.contact_all(friction=0.3)
     result = lf.simulate(scene, 0.2, lf.MoreauJean(1e-3))
     assert np.abs(result.q[-1, 1::3] - 0.1).max() < 1e-3
@@ -122,7 +120,7 @@ def test_a_callback_that_fails_on_the_way_loses_nothing() -> None:
             raise RuntimeError("no wind data")
         return (1.0, 0.0)
 
-    scene.load(lf.Force(scene.body("ball").at(0.0, 0.0), gust))
+    scene.load(lf.Force(scene.body("disc").at(0.0, 0.0), gust))
     with pytest.raises(lf.StepError, match="no wind data") as caught:
         lf.simulate(scene, 1.0, lf.MoreauJean(1e-3))
     assert caught.value.result.times[-1] == pytest.approx(0.05, abs=2e-3)
@@ -137,7 +135,7 @@ def test_ctrl_c_returns_what_there_is() -> None:
         return (0.0, 0.0)
 
     told = lf.Function(press, shortest=1.0)  # of what is told nothing is probed before the run
-    scene.load(lf.Force(scene.body("ball").at(0.0, 0.0), told))
+    scene.load(lf.Force(scene.body("disc").at(0.0, 0.0), told))
     result = lf.simulate(scene, 1.0, lf.MoreauJean(1e-3))
     assert not result.complete
     assert "interrupted" in result.message
@@ -189,7 +187,7 @@ def test_a_failure_at_the_very_start_has_a_result_too(stepper: lf.MoreauJean | l
 def test_a_quadratic_program_refuses_friction_before_time_is_spent() -> None:
     scene = lf.Scene()
     ball = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 5.0))
-    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3)
+    scene.contact(ball.surface(), floor_of(scene), friction=0.3)
     with pytest.raises(lf.ModelError, match=r"solver: .*friction \(up to 0.3\), expected Lemke"):
         lf.simulate(scene, 0.1, lf.MoreauJean(1e-3, solver=lf.QuadraticProgram("clarabel")))
 

@@ -6,6 +6,7 @@ import lcpflex as lf
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.penalty import Penalty
+from tests.scenes import floor_of
 
 LAW = Penalty(stiffness=1e5, exponent=1.5)
 
@@ -19,7 +20,7 @@ def two_balls() -> tuple[lf.Scene, list]:
 
 def test_laws_are_carried_to_the_compiled_scene_and_its_system():
     scene, (a, b) = two_balls()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     scene.contact(a.surface(), floor, law=LAW, name="soft")
     scene.contact(b.surface(), floor, restitution=0.5, name="hard")
     compiled = scene.compiled()
@@ -32,7 +33,7 @@ def test_laws_are_carried_to_the_compiled_scene_and_its_system():
 def test_kernels_serve_scenes_with_and_without_laws_alike(soft):
     """Types of another kind would have everything compiled once more, which takes minutes."""
     scene, balls = two_balls()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     for k, ball in enumerate(balls):
         scene.contact(ball.surface(), floor, law=LAW if k < soft else None)
     plain, _ = two_balls()
@@ -44,7 +45,7 @@ def test_kernels_serve_scenes_with_and_without_laws_alike(soft):
 
 def test_rules_carry_laws_and_declared_contacts_go_before_them():
     scene, (a, _) = two_balls()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     scene.contact(a.surface(), floor, name="hard")
     scene.contact_all(friction=0.1, law=LAW)
     compiled = scene.compiled()

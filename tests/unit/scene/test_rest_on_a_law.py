@@ -9,6 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.results.summary import doubts
+from tests.scenes import disc_on_floor, floor_of
 
 WEIGHT = 9.81
 
@@ -17,11 +18,8 @@ def resting(
     stiffness: float, by_law: bool, radius: float = 0.1, mass: float = 1.0, gravity: float = WEIGHT
 ) -> lf.Scene:
     """A disc that its weight has pressed into the floor."""
-    scene = lf.Scene(gravity=(0.0, -gravity))
-    disc = scene.add(lf.Disc(radius, mass=mass), "disc", position=(0.0, radius - mass * gravity / stiffness))
     law = {"law": lf.Penalty(stiffness)} if by_law else {}
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", **law)
-    return scene
+    return disc_on_floor(radius - mass * gravity / stiffness, radius=radius, mass=mass, gravity=gravity, **law)
 
 
 STEPPERS: dict[str, tuple[bool, Any]] = {
@@ -67,7 +65,7 @@ def test_of_two_contacts_the_one_without_a_law_is_refused(first: str) -> None:
     scene = lf.Scene()
     disc = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 0.09))
     walls = {
-        "law": (scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), {"law": lf.Penalty(981.0)}),
+        "law": (floor_of(scene), {"law": lf.Penalty(981.0)}),
         "none": (scene.ground.half_plane((-0.099, 0.0), (1.0, 0.0)), {}),
     }
     for name in ("law", "none") if first == "law" else ("none", "law"):
@@ -90,7 +88,7 @@ def test_a_system_of_ones_own_rests_where_the_stepper_has_a_law() -> None:
 def test_least_gap_passes_over_what_was_too_far_to_measure() -> None:
     scene = lf.Scene()
     disc = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 1.0))
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(disc.surface(), floor_of(scene), name="floor")
     scene.contact(disc.surface(), scene.ground.half_plane((50.0, 0.0), (-1.0, 0.0)), name="far")
     result = lf.simulate(scene, 0.5, lf.MoreauJean(1e-3))
     floor, far = result.contact("floor"), result.contact("far")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from tests.scenes import floor_of
 
 
 def boxes(n=3, gap=0.1):
@@ -32,7 +33,7 @@ def test_the_scene_of_the_readme():
 
 def test_laws_keep_the_order_of_declaration():
     scene, (a, b, c) = boxes()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     assert scene.contact(a.surface(), floor, friction=0.1, name="first") == "first"
     assert scene.contact(b.surface(), floor, restitution=0.2) == "contact2"
     assert scene.contact(c.surface(), floor, friction=0.3, tangential_restitution=0.4) == "contact3"
@@ -46,7 +47,7 @@ def test_laws_keep_the_order_of_declaration():
 def test_everything_against_everything():
     scene, (a, b, c) = boxes()
     scene.contact_all(friction=0.5, exclude=[(a, c)])
-    floor = scene.ground.half_plane((0, 0), (0, 1))  # later than the rule
+    floor = floor_of(scene)  # later than the rule
     scene.contact(b.surface(), floor, friction=0.9, name="mine")
     compiled = scene.compiled()
     assert compiled.layout.contacts == (
@@ -63,7 +64,7 @@ def test_jointed_bodies_are_left_out_but_meet_the_ground():
     scene, (a, b, _) = boxes()
     scene.join(lf.Revolute(a.at(0.55, 0), b.at(-0.55, 0)))
     scene.join(lf.Revolute(a.at(0, 0), scene.ground.at(0, 0.5)))
-    scene.ground.half_plane((0, 0), (0, 1))
+    floor_of(scene)
     scene.contact_all()
     names = scene.compiled().layout.contacts
     assert "box1.outline/box2.outline" not in names
@@ -73,7 +74,7 @@ def test_jointed_bodies_are_left_out_but_meet_the_ground():
 def test_everything_leaves_out_what_cannot_touch():
     scene, (a, _) = boxes(2)
     a.hole((0, 0), 0.1)
-    scene.ground.half_plane((0, 0), (0, 1))
+    floor_of(scene)
     scene.contact_all(exclude=[(a, scene.ground)])
     assert scene.compiled().layout.contacts == (
         "box1.outline/box2.outline",
@@ -145,7 +146,7 @@ def test_initial_penetration_is_refused_with_contact_and_depth():
 @pytest.mark.parametrize("gap", [0.0, -1e-12, 1e-12])
 def test_touching_is_no_penetration(gap):
     scene, (_a, _b) = boxes(2, gap=gap)
-    scene.ground.half_plane((0, 0), (0, 1))
+    floor_of(scene)
     scene.contact_all()
     assert len(scene.compiled().layout.contacts) == 3
 

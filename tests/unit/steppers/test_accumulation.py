@@ -12,16 +12,14 @@ import lcpflex as lf
 from lcpflex.jit.struct import allocate
 from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.pace import Pace
+from tests.scenes import disc_on_floor
 
 SCHEMES = [lf.MoreauJean, lf.GeneralizedAlpha]
 
 
 def bouncing(restitution: float, size: float = 1.0) -> lf.Scene:
-    """A ball falls by 1 m on a floor; lengths in units of 1/size metres."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * size))
-    ball = scene.add(lf.Disc(0.1 * size, mass=1.0 / size), position=(0.0, 1.1 * size))
-    scene.contact(ball.surface(), scene.ground.half_plane((0, 0), (0, 1)), restitution=restitution)
-    return scene
+    scale = {"radius": 0.1 * size, "mass": 1.0 / size, "gravity": 9.81 * size}
+    return disc_on_floor(1.1 * size, restitution=restitution, **scale)
 
 
 def rest_time(restitution: float) -> float:

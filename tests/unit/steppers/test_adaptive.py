@@ -13,6 +13,8 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.steppers.adaptive import AdaptiveStep
+from tests.rates import assert_rate
+from tests.scenes import floor_of
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ def test_error_falls_with_the_tolerance_and_steps_grow_as_its_root() -> None:
     tolerances = np.geomspace(1e-6, 10**-9.5, 8)
     runs = [lf.simulate(gallery.stick_slip_block(), 1.9, controlled(tolerance)) for tolerance in tolerances]
     errors = [abs(run.q[-1, 0] - 0.332714308) for run in runs]
-    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(2.0 / 3.0, abs=0.06), errors
-    assert np.polyfit(np.log(tolerances), np.log([run.steps for run in runs]), 1)[0] == pytest.approx(-1 / 3, abs=0.05)
+    assert_rate(tolerances, errors, 2.0 / 3.0, within=0.06)
+    assert_rate(tolerances, [run.steps for run in runs], -1.0 / 3.0, within=0.05)
     assert errors[-1] < 1e-8
 
 
@@ -138,8 +140,8 @@ def test_generalised_alpha_keeps_its_order_while_its_step_changes() -> None:
     tolerances = np.array([1e-4, 1e-5, 1e-6, 1e-7])
     runs = [lf.simulate(swinging_mass(), 3.0, controlled_alpha(tolerance)) for tolerance in tolerances]
     errors = [np.abs(run.q[-1] - exact).max() for run in runs]
-    assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(2.0 / 3.0, abs=0.1)
-    assert np.polyfit(np.log(tolerances), np.log([run.steps for run in runs]), 1)[0] == pytest.approx(-1 / 3, abs=0.05)
+    assert_rate(tolerances, errors, 2.0 / 3.0, within=0.1)
+    assert_rate(tolerances, [run.steps for run in runs], -1.0 / 3.0, within=0.05)
 
 
 def test_generalised_alpha_shortens_its_step_at_impacts() -> None:
@@ -158,7 +160,7 @@ def test_generalised_alpha_sees_impacts_in_any_part_of_a_step(restitution: float
     for height in np.linspace(0.3, 0.4, 9):
         scene = lf.Scene(gravity=(0.0, 0.0))
         disc = scene.add(lf.RigidBody(mass=1.0, inertia=0.4), position=(0.0, 1.0 + height), velocity=(3.0, -2.0))
-        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        floor = floor_of(scene)
         scene.contact(disc.circle((0.0, 0.0), 1.0), floor, friction=0.2, restitution=restitution)
         stepper = lf.GeneralizedAlpha(step=1e-4, adaptive=AdaptiveStep(rtol=1e-6, atol=1e-8))
         result = lf.simulate(scene, 1.0, stepper)

@@ -39,6 +39,7 @@ from lcpflex.force_laws.friction.laws import (
     Threlfall,
 )
 from lcpflex.force_laws.layout import END
+from tests.scenes import floor_of
 
 RADIUS = 0.1
 FINE = lf.ExplicitRungeKutta(rtol=1e-10, atol=1e-12)
@@ -49,7 +50,7 @@ HALF = ContactLaw(PowerLaw(1e6), HysteresisDamping(0.5))
 def falling(*balls: tuple[float, float], gravity: float = 0.0, slip: float = 0.0, friction: float = 0.0) -> lf.Scene:
     """Balls of 1 kg in a row over one floor: the gap [m] and speed [m/s] of each."""
     scene = lf.Scene(gravity=(0.0, -gravity))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for k, (gap, speed) in enumerate(balls):
         disc = lf.Disc(radius=RADIUS, mass=1.0)
         body = scene.add(disc, name=f"ball {k}", position=(k, RADIUS + gap), velocity=(slip, -speed))
@@ -111,7 +112,7 @@ def test_effective_mass_with_a_joint(integrator: Any) -> None:
     rod = lf.RigidBody(mass=1.0, inertia=1.0 / 12.0, center=(0.5, 0.0), points={"end": (0.0, 0.0)})
     body = scene.add(rod, name="rod", angular_velocity=-1.0)
     scene.join(lf.Revolute(body.point("end"), scene.ground.at(0.0, 0.0)))
-    scene.contact(body.node(1.0, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="stop")
+    scene.contact(body.node(1.0, 0.0), floor_of(scene), name="stop")
     law = ContactLaw(PowerLaw(1e7, 1.0), KelvinVoigt(0.5))
     result = lf.simulate(scene, 2e-3, lf.Smooth(law, integrator=integrator), record=1e-5)
     expected = restitution_of(KelvinVoigt, 0.5)
@@ -202,7 +203,7 @@ def test_permanent_indentation_and_its_return() -> None:
         assert bounce.u[-1, 1] == pytest.approx(0.6, rel=1e-6)
     scene = lf.Scene(gravity=(0.0, 0.0))
     body = scene.add(lf.Disc(radius=RADIUS, mass=1.0), position=(0.0, RADIUS))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(body.surface(), floor_of(scene), name="floor")
     scene.load(lf.Force(body.point("center"), (0.0, lambda t: -200.0 * t * math.sin(40.0 * t) ** 2)))
     result = lf.simulate(scene, 0.16, lf.Smooth(law), record=1e-3)
     assert result.penetration.max() > 1e-4
@@ -288,7 +289,7 @@ def test_law_of_the_scene() -> None:
     """It goes before that of the stepper, and after one by name."""
     scene = lf.Scene(gravity=(0.0, 0.0))
     body = scene.add(lf.Disc(radius=RADIUS, mass=1.0), position=(0.0, RADIUS), velocity=(0.0, -1.0))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", law=HALF)
+    scene.contact(body.surface(), floor_of(scene), name="floor", law=HALF)
     other = ContactLaw(PowerLaw(1e6), HysteresisDamping(0.8))
     for stepper, e in ((lf.Smooth(), 0.5), (lf.Smooth(other), 0.5), (lf.Smooth(laws={"floor": other}), 0.8)):
         assert lf.simulate(scene, 0.03, stepper).u[-1, 1] == pytest.approx(e, rel=1e-6)

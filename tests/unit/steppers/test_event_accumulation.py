@@ -14,13 +14,7 @@ from lcpflex.dynamics.impact_laws import Energetic, Poisson
 from lcpflex.steppers.event_driven.memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
 from lcpflex.steppers.event_driven.thresholds import Thresholds
 from tests.run_warnings import of_the_run
-
-
-def pressed_ball(restitution: float, gravity: float, height: float) -> lf.Scene:
-    scene = lf.Scene(gravity=(0.0, -gravity))
-    ball = scene.add(lf.Disc(0.1, mass=1.0), name="ball", position=(0.0, 0.1 + height))
-    scene.contact(ball.surface(), scene.ground.half_plane((0, 0), (0, 1)), restitution=restitution, name="floor")
-    return scene
+from tests.scenes import disc_on_floor, floor_of
 
 
 @pytest.mark.parametrize("impact", [lf.Newton(), Poisson(), Energetic()], ids=repr)
@@ -32,7 +26,9 @@ def test_bounces_under_a_large_force_end(gravity: float, height: float, restitut
     """At t1 (1 + e) / (1 - e), exactly; a ball that is pressed on went on to bounce in the last figures of its gap."""
     first = math.sqrt(2.0 * height / gravity)
     end = first * (1.0 + restitution) / (1.0 - restitution)
-    result = lf.simulate(pressed_ball(restitution, gravity, height), 1.5 * end, lf.EventDriven(impact=impact))
+    result = lf.simulate(
+        disc_on_floor(0.1 + height, gravity=gravity, restitution=restitution), 1.5 * end, lf.EventDriven(impact=impact)
+    )
     impacts = [event.time for event in result.events if event.kind == "impact"]
     expected = [first * (1.0 + 2.0 * sum(restitution**k for k in range(1, n + 1))) for n in range(len(impacts))]
     assert impacts == pytest.approx(expected, abs=1e-6 * end)
@@ -140,7 +136,7 @@ def test_the_threshold_that_rises_is_that_of_what_accumulates() -> None:
 def dominoes(count: int, height: float, width: float, gap: float, friction: float, restitution: float) -> lf.Scene:
     """A row of boxes on a floor, the first of which falls against the next at 3 rad/s."""
     scene = lf.Scene()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     before = None
     for k in range(count):
         turned = {"velocity": (1.5 * height, -1.5 * width), "angular_velocity": -3.0} if k == 0 else {}

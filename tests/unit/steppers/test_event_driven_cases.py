@@ -13,6 +13,7 @@ from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
+from tests.scenes import floor_of
 
 G = 9.81
 SHARP: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-13}
@@ -20,10 +21,6 @@ SHARP: dict[str, Any] = {"rtol": 1e-11, "atol": 1e-13}
 
 def times(result: lf.Result, kind: str, contact: str | None = None) -> list[float]:
     return [e.time for e in result.events if e.kind == kind and contact in (None, e.contact)]
-
-
-def floor_of(scene: lf.Scene) -> Any:
-    return scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
 
 
 def sliding_block(scene: lf.Scene, name: str, x: float, speed: float, friction: float) -> Any:

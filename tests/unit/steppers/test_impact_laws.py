@@ -11,6 +11,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact import SEGMENTS, energetic_segments
 from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from tests.scenes import floor_of
 
 LAWS = (Newton(), Poisson(), Energetic(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True))
 NAMES = [repr(law) for law in LAWS]
@@ -104,7 +105,7 @@ def test_energetic_law_refuses_contacts_that_close_together() -> None:
 def test_energetic_law_takes_independent_contacts_at_once() -> None:
     """Two balls reach the floor at the same time: they do not influence each other."""
     scene = lf.Scene(gravity=(0.0, 0.0))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for k in range(2):
         ball = scene.add(
             lf.Disc(radius=0.1, mass=1.0), name=f"ball {k}", position=(float(k), 0.2), velocity=(0.0, -1.0)
@@ -150,7 +151,7 @@ def random_rod(rng: np.random.Generator) -> lf.Scene:
         velocity=(rng.uniform(-2.0, 2.0), -1.0),
         angular_velocity=rng.uniform(-0.5, 0.5),
     )
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(rod.node(-1.0, 0.0), floor, friction=rng.uniform(0.0, 3.0), restitution=rng.uniform(0.0, 1.0))
     return scene
 
@@ -281,7 +282,7 @@ def test_order_of_impacts_is_no_matter_where_one_is_faster_or_nothing_is_shared(
     faster = struck(struck_from_both_sides("left", (1.0, 1.001)), Newton(sequential=True), 0.01)
     assert not any("order" in w for w in faster.warnings)
     scene = lf.Scene(gravity=(0.0, 0.0))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for k in range(2):
         ball = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(float(k), 0.2), velocity=(0.0, -1.0))
         scene.contact(ball.surface(), floor, restitution=0.5)
@@ -293,7 +294,7 @@ def test_order_of_impacts_is_no_matter_where_one_is_faster_or_nothing_is_shared(
 def test_tangential_restitution_is_newtons() -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.2), velocity=(1.0, -1.0))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(disc.surface(), floor, friction=0.3, restitution=0.5, tangential_restitution=0.5)
     for law in (Poisson(), Energetic()):
         with pytest.raises(lf.ModelError, match="tangential restitution"):

@@ -17,6 +17,7 @@ from lcpflex.force_laws.friction.kernels import friction_force
 from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.jit.kernel import interpreted
+from tests.scenes import floor_of
 
 MASS, SPRING, PULL, WEIGHT, MU, STATIC = 0.25, 5e3, 0.02, 20.0, 0.3, 0.5
 DROP = (STATIC - MU) * WEIGHT
@@ -82,7 +83,7 @@ def pulled(
     scene = lf.Scene(gravity=(0.0, 0.0))
     part = 0.5 if joints else 1.0
     box = scene.add(lf.Box(0.2 * length, 0.1 * length, mass=part * MASS * mass), "block", position=(0.0, 0.15 * length))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for x in np.linspace(-0.1, 0.1, contacts) if contacts > 1 else [0.0]:
         scene.contact(box.node(x * length, -0.15 * length), floor, friction=MU, law=each)
     top = box

@@ -16,6 +16,8 @@ from lcpflex.bodies.body import Body, MaterialPoint
 from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
 from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+from tests.rates import assert_rate
+from tests.scenes import bar_between_walls, beam_struck_by_disc, floor_of
 
 WAVE_SPEED = 30.0
 CONTACT_TIME = 2.0 * LENGTH / WAVE_SPEED
@@ -98,13 +100,7 @@ def test_prestressed_bar_keeps_its_energy_for_twenty_periods() -> None:
 
 
 def between_walls() -> lf.Scene:
-    """A bar flies to and fro between two walls."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    body = lf.Bar(LENGTH, 1.0, 1.0, MODULUS, elements=100).reduce(modes=None)
-    bar = scene.add(body, name="bar", position=(1.0, 0.0), velocity=(-10.0, 0.0))
-    scene.contact(bar.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (1.0, 0.0)), name="left")
-    scene.contact(bar.node(LENGTH, 0.0), scene.ground.half_plane((LENGTH + 2.0, 0.0), (-1.0, 0.0)), name="right")
-    return scene
+    return bar_between_walls(100, LENGTH, MODULUS, start=1.0, play=2.0)
 
 
 def dropping() -> lf.Scene:
@@ -112,7 +108,7 @@ def dropping() -> lf.Scene:
     scene = lf.Scene(gravity=(0.0, -10.0))
     body = lf.Bar(LENGTH, 1.0, 1.0, 16.0 * MODULUS, elements=100).reduce(modes=None)
     bar = scene.add(body, name="bar", position=(0.0, 1.0), angle=0.5 * math.pi)
-    scene.contact(bar.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(bar.node(0.0, 0.0), floor_of(scene), name="floor")
     return scene
 
 
@@ -180,7 +176,7 @@ def bar_with_foot(elements: int = 200) -> lf.Scene:
     scene.join(lf.DrivenDisplacement(bar.point("right"), end, (1.0, 0.0), pull, name="pull"))
     scene.join(lf.PointOnLine(bar.point("right"), end, (1.0, 0.0), name="guide"))
     scene.load(lf.Force(bar.point("left"), (0.0, -weight)))
-    scene.contact(bar.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=1.0, name="foot")
+    scene.contact(bar.node(0.0, 0.0), floor_of(scene), friction=1.0, name="foot")
     return scene
 
 
@@ -285,27 +281,15 @@ def free_pendulum(modes: int) -> lf.Scene:
     return gallery.pendulum().with_bodies({"pendulum": strip.reduce(modes)})
 
 
-def beam_struck_by_disc(mass: float) -> lf.Scene:
-    """A steel beam on two supports; the disc, whose surface is the slave, meets its middle at 1 m/s."""
-    body = lf.Beam(0.4, 0.02, 0.01, density=7800.0, youngs_modulus=2.1e11, elements=40).reduce(modes=20)
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    beam = scene.add(body, name="beam")
-    scene.join(lf.Revolute(beam.point("left"), scene.ground.at(0.0, 0.0)))
-    scene.join(lf.PointOnLine(beam.point("right"), scene.ground.at(0.4, 0.0), axis=(1.0, 0.0)))
-    disc = scene.add(lf.Disc(radius=0.01, mass=mass), "disc", position=(0.2, 0.0151), velocity=(0.0, -1.0))
-    scene.contact(disc.surface(), beam.surface("top"), friction=0.2)
-    return scene
-
-
 def test_contact_that_opens_is_not_left_with_a_longer_step_than_it_bears() -> None:
     """1 mg, whose contact is shorter than a step: kicked by its last force over an undivided step, it gained 100 %."""
-    result = lf.simulate(beam_struck_by_disc(1e-6), 3e-4, MasslessBoundary(step=7.5e-8), record=1.5e-7)
+    result = lf.simulate(beam_struck_by_disc(1e-6, friction=0.2), 3e-4, MasslessBoundary(step=7.5e-8), record=1.5e-7)
     assert result.energies.relative_remainder < 0.01
     assert result.impulse[-1, 0, 0] == pytest.approx(2e-6, rel=0.01)  # 1 mg is thrown back by what does not move
 
 
 def test_steps_are_whole_again_when_a_contact_has_opened_amid_one() -> None:
-    result = lf.simulate(beam_struck_by_disc(1e-3), 3e-3, MasslessBoundary(step=7.5e-7), record=3e-6)
+    result = lf.simulate(beam_struck_by_disc(1e-3, friction=0.2), 3e-3, MasslessBoundary(step=7.5e-7), record=3e-6)
     divided = [warning for warning in result.warnings if "divided" in warning]
     assert len(divided) == 1
     assert int(divided[0].split()[0]) < 0.01 * result.steps
@@ -322,7 +306,7 @@ def test_fewer_static_modes_than_closed_contacts_are_told() -> None:
     body = lf.Beam(0.7, 0.028, 0.005, density=2700.0, youngs_modulus=6.9e10).reduce(modes=2, damping=0.02)
     scene = lf.Scene()
     beam = scene.add(body, name="beam", position=(0.0, 0.0025))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for name, x in (("left", 0.0), ("right", 0.7)):
         scene.contact(beam.node(x, -0.0025), floor, name=name)
     with pytest.raises(lf.StepError, match="than there are static modes"):
@@ -406,7 +390,7 @@ def test_damped_free_motion_is_of_order_two() -> None:
     steps = 400 * 2 ** np.arange(4)
     exact = final(25600)
     errors = [np.abs(final(int(n)) - exact).max() for n in steps]
-    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.15)
+    assert_rate(1.0 / steps, errors, 2.0, within=0.15)
 
 
 # what is refused

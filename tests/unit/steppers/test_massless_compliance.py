@@ -23,6 +23,8 @@ from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
 from lcpflex.gallery.mechanisms.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution
 from lcpflex.steppers.massless_boundary.stepper import MasslessBoundary
+from tests.rates import assert_rate
+from tests.scenes import bar_between_walls, beam_struck_by_disc, disc_on_floor
 
 STEEL = Material(210e9, 0.3)
 RADIUS = 0.015
@@ -37,11 +39,8 @@ def massless(law: Any, name: str = "floor", **others: Any) -> MasslessBoundary:
 
 def ball(speed: float = 1.0, gap: float = 0.0, gravity: float = 0.0, friction: float = 0.0) -> lf.Scene:
     """A rigid steel ball above the floor."""
-    scene = lf.Scene(gravity=(0.0, -gravity))
-    disc = scene.add(lf.Disc(radius=RADIUS, mass=MASS), "ball", position=(0.0, RADIUS + gap), velocity=(0.0, -speed))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
-    scene.contact(disc.surface(), floor, name="floor", friction=friction)
-    return scene
+    moving = {"velocity": (0.0, -speed), "gravity": gravity}
+    return disc_on_floor(RADIUS + gap, radius=RADIUS, mass=MASS, friction=friction, **moving)
 
 
 # rigid bodies
@@ -100,7 +99,7 @@ def test_ball_comes_to_rest_in_its_dent() -> None:
     """delta = (m g / K)^(2/3), with the weight for the force, and 2/5 m g delta stored."""
     law = PowerLaw(1e6)
     scene = ball(0.0, gravity=9.81)
-    disc = scene.body("ball")
+    disc = scene.body("disc")
     scene.load(lf.Spring(disc.point("center"), scene.ground.at(0.0, 1.0), stiffness=0.0, damping=40.0))
     result = lf.simulate(scene, 0.2, massless(law, step=2e-5))
     weight = 9.81 * MASS
@@ -162,23 +161,14 @@ def test_stiff_law_leaves_the_compliance_of_the_body() -> None:
     without = impulse(None)
     stiffness = 1e7 * 4.0 ** np.arange(5)  # that of the static modes is 1e4 N/m
     apart = [np.abs(impulse(PowerLaw(float(K), 1.0)) - without).max() for K in stiffness]
-    rate = -np.polyfit(np.log(stiffness), np.log(apart), 1)[0]
-    assert 0.9 < rate < 1.1, (rate, apart)
-
-
-def between_walls() -> lf.Scene:
-    """A bar flies to and fro between two walls."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    body = lf.Bar(LENGTH, 1.0, 1.0, MODULUS, elements=40).reduce(modes=None)
-    bar = scene.add(body, name="bar", position=(1.0, 0.0), velocity=(-10.0, 0.0))
-    scene.contact(bar.node(0.0, 0.0), scene.ground.half_plane((0.0, 0.0), (1.0, 0.0)), name="left")
-    scene.contact(bar.node(LENGTH, 0.0), scene.ground.half_plane((LENGTH + 2.0, 0.0), (-1.0, 0.0)), name="right")
-    return scene
+    assert_rate(1.0 / stiffness, apart, 1.0, within=0.1)
 
 
 def test_one_contact_by_law_beside_one_without() -> None:
     law = PowerLaw(1000.0)
-    result = lf.simulate(between_walls(), 10.0, massless(law, "left"), record=0.005)
+    result = lf.simulate(
+        bar_between_walls(40, LENGTH, MODULUS, start=1.0, play=2.0), 10.0, massless(law, "left"), record=0.005
+    )
     left, right = result.force[:, :, 0].T
     assert left.max() > 100.0
     assert right.max() > 100.0
@@ -188,23 +178,13 @@ def test_one_contact_by_law_beside_one_without() -> None:
     assert np.abs(stored - stored[0]).max() < 0.01 * result.energies.scale
 
 
-def beam_struck(x: float) -> lf.Scene:
-    """A steel beam on two supports; a disc meets it at x with 1 m/s."""
-    body = lf.Beam(0.4, 0.02, 0.01, density=7800.0, youngs_modulus=2.1e11, elements=40).reduce(modes=20)
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    beam = scene.add(body, name="beam")
-    scene.join(lf.Revolute(beam.point("left"), scene.ground.at(0.0, 0.0)))
-    scene.join(lf.PointOnLine(beam.point("right"), scene.ground.at(0.4, 0.0), axis=(1.0, 0.0)))
-    disc = scene.add(lf.Disc(radius=0.01, mass=0.1), "disc", position=(x, 0.0151), velocity=(0.0, -1.0))
-    scene.contact(disc.surface(), beam.surface("top"), name="disc")
-    return scene
-
-
 def test_a_slave_over_two_segments_has_one_spring() -> None:
     """At a node of the sagging beam the disc is over two segments, 0.1 mm beside it over one."""
     law = Hertz.sphere_on_plane(0.01, STEEL)
     peaks = [
-        lf.simulate(beam_struck(x), 3e-4, massless(law, "disc"), record=0.0).contact("disc").peak_force
+        lf.simulate(beam_struck_by_disc(0.1, x, name="disc"), 3e-4, massless(law, "disc"), record=0.0)
+        .contact("disc")
+        .peak_force
         for x in (0.2, 0.2001)
     ]
     assert peaks[0] == pytest.approx(peaks[1], rel=5e-3)
@@ -330,7 +310,7 @@ def test_friction_of_rigid_bodies_is_refused() -> None:
 
 def test_other_contacts_still_need_their_compliance() -> None:
     scene = ball()
-    disc = scene.body("ball")
+    disc = scene.body("disc")
     scene.contact(disc.surface(), scene.ground.half_plane((1.0, 0.0), (-1.0, 0.0)), name="side")
     with pytest.raises(lf.ModelError, match="no modes"):
         lf.simulate(scene, 1e-5, massless(WALL))

@@ -11,6 +11,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
 from lcpflex.studies.stability_maps.admissible_accelerations import ContactFate, Count, admissible_accelerations
+from tests.scenes import floor_of
 
 
 @pytest.mark.parametrize(
@@ -50,7 +51,7 @@ def test_redundant_supports_leave_forces_open_but_not_the_motion() -> None:
     scene = lf.Scene(gravity=(0.0, -9.81))
     shape = [(-0.2, -0.1), (0.0, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.2, 0.1)]
     box = scene.add(lf.Polygon(shape, mass=1.0), name="box", position=(0.0, 0.1))
-    scene.contact(box.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(box.surface(), floor_of(scene), name="floor")
     found = admissible_accelerations(scene)
     assert found.count is Count.UNIQUE
     assert not found.forces_unique
@@ -108,7 +109,7 @@ def rod_with(restitution: float, mu: float = 1.4) -> lf.Scene:
         angle=angle,
         velocity=(-1.0, 0.0),
     )
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     scene.contact(rod.node(-1.0, 0.0), floor, friction=mu, restitution=restitution, name="floor")
     return scene
 

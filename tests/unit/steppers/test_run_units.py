@@ -10,6 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.steppers.scales import scales_of
+from tests.scenes import box_on_floor, disc_on_floor, floor_of
 
 UNITS = {  # values of a kilogram, a metre and a second
     "tonnes, mm": (1e-3, 1e3, 1.0),
@@ -32,10 +33,8 @@ STEPPERS = {
 
 def block(kg, m, s=1.0):
     """A box falls a little, slides and comes to rest."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
-    box = scene.add(lf.Box(0.4 * m, 0.2 * m, mass=2.0 * kg), position=(0.0, 0.1 * m), velocity=(1.3 * m / s, 0.0))
-    scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.3, restitution=0.1)
-    return scene
+    contact = {"friction": 0.3, "restitution": 0.1}
+    return box_on_floor((1.3 * m / s, 0.0), size=m, mass=2.0 * kg, gravity=9.81 * m / s**2, **contact)
 
 
 def pendulum(kg, m, s=1.0):
@@ -49,15 +48,8 @@ def pendulum(kg, m, s=1.0):
 
 def ball(kg, m, s=1.0):
     """A ball with spin bounces, ever lower, until it rolls."""
-    scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
-    body = scene.add(
-        lf.Disc(0.05 * m, mass=0.3 * kg),
-        position=(0.0, 0.1 * m),
-        velocity=(0.4 * m / s, 0.0),
-        angular_velocity=-3.0 / s,
-    )
-    scene.contact(body.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.3, restitution=0.5)
-    return scene
+    motion = {"velocity": (0.4 * m / s, 0.0), "spin": -3.0 / s, "gravity": 9.81 * m / s**2}
+    return disc_on_floor(0.1 * m, radius=0.05 * m, mass=0.3 * kg, friction=0.3, restitution=0.5, **motion)
 
 
 def motion(scene, m, stepper, s=1.0):
@@ -150,7 +142,7 @@ def strip(kg, m, s=1.0):
     ).reduce(modes=6)
     scene = lf.Scene(gravity=(0.0, -9.81 * m / s**2))
     beam = scene.add(body, position=(0.0, 0.001 * m), velocity=(0.1 * m / s, -0.2 * m / s))
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     for x in (0.0, 0.5):
         scene.contact(beam.node(x * m, 0.0), floor)
     return scene

@@ -9,18 +9,10 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from tests.scenes import grazing_disc
 
 FINE = lf.AdaptiveStep(rtol=1e-10, atol=1e-11)
 SCHEMES = [lf.MoreauJean, lf.GeneralizedAlpha]
-
-
-def graze(overlap: float, size: float = 1.0, friction: float = 0.0) -> lf.Scene:
-    """A disc of 0.1 m radius passes another one, fixed, whose edge it overlaps by ``overlap`` [m]; in 1/size metres."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    place = (-0.5 * size, (0.2 - overlap) * size)
-    disc = scene.add(lf.Disc(0.1 * size, mass=1.0 / size), position=place, velocity=(size, 0.0))
-    scene.contact(disc.surface(), scene.ground.circle((0, 0), 0.1 * size), restitution=0.5, friction=friction)
-    return scene
 
 
 def deflected(overlap: float) -> tuple[float, float]:
@@ -33,7 +25,7 @@ def deflected(overlap: float) -> tuple[float, float]:
 @pytest.mark.parametrize("overlap", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_graze_is_found(scheme: Any, overlap: float) -> None:
-    result = lf.simulate(graze(overlap), 1.0, scheme(step=1e-3, adaptive=FINE))
+    result = lf.simulate(grazing_disc(overlap), 1.0, scheme(step=1e-3, adaptive=FINE))
     assert result.u[-1, :2] == pytest.approx(deflected(overlap), abs=3e-7)
     assert result.u[-1, 1] == pytest.approx(deflected(overlap)[1], rel=1e-4)
     assert result.steps < 1000
@@ -43,20 +35,22 @@ def test_a_graze_is_found(scheme: Any, overlap: float) -> None:
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_graze_is_found_in_other_units(scheme: Any, size: float) -> None:
     control = lf.AdaptiveStep(rtol=1e-10, atol=1e-11 * size)
-    result = lf.simulate(graze(1e-5, size), 1.0, scheme(step=1e-3, adaptive=control, gap_tolerance=1e-9 * size))
+    result = lf.simulate(
+        grazing_disc(1e-5, size=size), 1.0, scheme(step=1e-3, adaptive=control, gap_tolerance=1e-9 * size)
+    )
     assert result.u[-1, :2] / size == pytest.approx(deflected(1e-5), rel=1e-4)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_graze_with_friction_is_that_of_an_event_driven_run(scheme: Any) -> None:
-    exact = lf.simulate(graze(1e-6, friction=0.3), 1.0, lf.EventDriven())
-    result = lf.simulate(graze(1e-6, friction=0.3), 1.0, scheme(step=1e-3, adaptive=FINE))
+    exact = lf.simulate(grazing_disc(1e-6, friction=0.3), 1.0, lf.EventDriven())
+    result = lf.simulate(grazing_disc(1e-6, friction=0.3), 1.0, scheme(step=1e-3, adaptive=FINE))
     np.testing.assert_allclose(result.u[-1], exact.u[-1], rtol=0.0, atol=3e-7)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_near_miss_is_none(scheme: Any) -> None:
-    result = lf.simulate(graze(-1e-6), 1.0, scheme(step=1e-3, adaptive=FINE))
+    result = lf.simulate(grazing_disc(-1e-6), 1.0, scheme(step=1e-3, adaptive=FINE))
     assert result.u[-1] == pytest.approx((1.0, 0.0, 0.0), abs=1e-12)
 
 

@@ -15,6 +15,7 @@ from lcpflex import gallery
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
+from tests.scenes import disc_on_floor, floor_of
 
 FINE = ExplicitRungeKutta(rtol=1e-11, atol=1e-13)
 RADIUS = 0.015
@@ -22,12 +23,9 @@ MASS = 4.0 / 3.0 * math.pi * RADIUS**3 * 7780.0
 HERTZ = 3.768446e10  # of a steel ball of that radius on a rigid wall [N/m^1.5]
 
 
-def ball(speed: float = 1.0, gap: float = 0.0, gravity: float = 0.0, **contact: Any) -> lf.Scene:
+def ball(speed: float = 1.0, gap: float = 0.0, **contact: Any) -> lf.Scene:
     """A steel ball flies towards the floor."""
-    scene = lf.Scene(gravity=(0.0, -gravity))
-    body = scene.add(lf.Disc(radius=RADIUS, mass=MASS), position=(0.0, RADIUS + gap), velocity=(0.0, -speed))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", **contact)
-    return scene
+    return disc_on_floor(RADIUS + gap, (0.0, -speed), radius=RADIUS, mass=MASS, gravity=0.0, **contact)
 
 
 def stopped_mass() -> lf.Scene:
@@ -35,7 +33,7 @@ def stopped_mass() -> lf.Scene:
     scene = lf.Scene(gravity=(0.0, 0.0))
     body = scene.add(lf.Disc(radius=0.1, mass=100.0), position=(0.0, 0.1), velocity=(0.0, -1.0))
     scene.load(lf.Spring(body.point("center"), scene.ground.at(0.0, 3.1), stiffness=1e4, length=3.0))
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="stop")
+    scene.contact(body.surface(), floor_of(scene), name="stop")
     return scene
 
 
@@ -275,7 +273,7 @@ def test_laws_by_name() -> None:
     scene = lf.Scene(gravity=(0.0, 0.0))
     for k, name in enumerate(("soft", "hard")):
         body = scene.add(lf.Disc(radius=0.1, mass=1.0), name=name, position=(k, 0.1), velocity=(0.0, -1.0))
-        scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name=f"{name} floor")
+        scene.contact(body.surface(), floor_of(scene), name=f"{name} floor")
     result = lf.simulate(scene, 0.04, Smooth(Penalty(1e4), laws={"hard floor": Penalty(1e6)}), record=1e-5)
     assert result.force[:, 0, 0].max() == pytest.approx(math.sqrt(1e4), rel=1e-5)
     assert result.force[:, 1, 0].max() == pytest.approx(math.sqrt(1e6), rel=1e-4)
@@ -293,7 +291,7 @@ def test_unused_restitution_is_said() -> None:
 def test_more_contacts_than_memory_was_made_for() -> None:
     """Forty balls on one floor: tables grow, forces and gaps are those of one."""
     scene = lf.Scene(gravity=(0.0, -9.81))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for k in range(40):
         body = scene.add(lf.Disc(radius=0.1, mass=1.0), name=f"ball {k}", position=(k, 0.1))
         scene.contact(body.surface(), floor, name=f"floor {k}")

@@ -14,6 +14,7 @@ from lcpflex.gallery.mechanisms.flexible import aluminium_strip
 from lcpflex.results.stated_error import error_shares
 from lcpflex.steppers import step_error
 from lcpflex.steppers.moreau_jean.stepper import MoreauJeanScheme
+from tests.scenes import disc_on_spring, floor_of
 
 
 def bouncing_beam(**law: Any) -> lf.Scene:
@@ -21,7 +22,7 @@ def bouncing_beam(**law: Any) -> lf.Scene:
     scene = lf.Scene()
     beam = lf.Beam(0.5, 0.02, 0.01, density=1000.0, youngs_modulus=1e7, elements=10).reduce(modes=4)
     body = scene.add(beam, angle=0.3, position=(0.0, 0.02), angular_velocity=1.0)
-    scene.contact(body.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), friction=0.3, **law)
+    scene.contact(body.surface(), floor_of(scene), friction=0.3, **law)
     end = (0.5 * math.cos(0.3), 0.02 + 0.5 * math.sin(0.3))
     velocity = (-0.5 * math.sin(0.3), 0.5 * math.cos(0.3))
     rod = scene.add(lf.Box(0.1, 0.01, mass=0.02), position=(end[0] + 0.05, end[1]), velocity=velocity)
@@ -66,15 +67,12 @@ def swinging() -> lf.Scene:
     return scene
 
 
-def vibrating() -> lf.Scene:
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    bob = scene.add(lf.Disc(0.1, mass=1.0), position=(1.1, 0.0))
-    scene.load(lf.Spring(bob.point("center"), scene.ground.at(0.0, 0.0), stiffness=400.0, length=1.0))
-    return scene
-
-
 def bouncing() -> lf.Scene:
     return gallery.bouncing_ball(height=0.2, restitution=0.8)
+
+
+def vibrating() -> lf.Scene:
+    return disc_on_spring(400.0)
 
 
 @pytest.mark.parametrize("build", [swinging, vibrating, bouncing])
@@ -190,7 +188,7 @@ def landing() -> lf.Scene:
     """A box that turns lands on a corner."""
     scene = lf.Scene()
     box = scene.add(lf.Box(0.1, 0.06, mass=1.0), position=(0.0, 0.1503), angle=0.5, angular_velocity=5.0)
-    scene.contact(box.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=0.2, restitution=0.5)
+    scene.contact(box.surface(), floor_of(scene), friction=0.2, restitution=0.5)
     return scene
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.jit.kernel import FloatArray
+from tests.scenes import floor_of
 
 G = 9.81
 STEPPERS = [
@@ -34,7 +35,7 @@ def box(
     scene = lf.Scene(gravity=(G * size * math.sin(slope), -G * size * math.cos(slope)))
     body = lf.Box(0.4 * size, 0.2 * size, mass=mass)
     placed = scene.add(body, name="box", position=(0.0, 0.1 * size), velocity=(speed, 0.0))
-    scene.contact(placed.surface(), scene.ground.half_plane((0, 0), (0, 1)), friction=friction, name="floor")
+    scene.contact(placed.surface(), floor_of(scene), friction=friction, name="floor")
     return scene
 
 
@@ -132,7 +133,7 @@ def test_event_driven_says_nothing_of_forces_that_are_all_there(scene: lf.Scene)
 
 def row_of_dominoes(count: int, backwards: bool) -> lf.Scene:
     scene = lf.Scene()
-    floor = scene.ground.half_plane((0, 0), (0, 1))
+    floor = floor_of(scene)
     order = range(count - 1, -1, -1) if backwards else range(count)
     for i in order:
         domino = scene.add(lf.Box(0.008, 0.05, mass=0.01), position=(0.03 * i, 0.025))

@@ -14,6 +14,7 @@ from lcpflex import gallery
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem import meshes
 from lcpflex.scene.scene import Scene
+from tests.scenes import floor_of
 
 STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 
@@ -35,7 +36,7 @@ def sled() -> Scene:
     scene = Scene()
     beam = lf.Beam(length=0.3, width=0.02, thickness=0.02, elements=30, **STEEL).reduce(2, damping=0.02)
     body = scene.add(beam, "sled", (0.0, 0.01), velocity=(0.5, 0.0))
-    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    floor = floor_of(scene)
     for x in (0.05, 0.25):
         scene.contact(body.node(x, -0.01), floor, friction=0.3)
     return scene

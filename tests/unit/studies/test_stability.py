@@ -14,14 +14,12 @@ from lcpflex import gallery
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 from lcpflex.studies import Criteria, Outcome, StabilityMap, acceleration_level, stability
+from tests.scenes import disc_on_spring, floor_of
 
 
 def oscillator(stiffness: float = 100.0) -> lf.Scene:
     """A mass of 1 kg on a spring, which the scheme takes explicitly."""
-    scene = lf.Scene(gravity=(0.0, 0.0))
-    disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(1.1, 0.0))
-    scene.load(lf.Spring(disc.point("center"), scene.ground.at(0.0, 0.0), stiffness=stiffness, length=1.0))
-    return scene
+    return disc_on_spring(stiffness)
 
 
 def moreau_jean(step: float = 1e-3) -> lf.MoreauJean:
@@ -84,7 +82,7 @@ def pressed_disc() -> lf.Scene:
     """The force grows so slowly that the disc stays on the floor."""
     scene = lf.Scene(gravity=(0.0, 0.0))
     disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.1))
-    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
+    scene.contact(disc.surface(), floor_of(scene), name="floor")
     scene.load(lf.Force(disc.point("center"), (0.0, lf.Table([0.0, 0.5, 1.0], [0.0, -10.0, -10.0]))))
     return scene
 
@@ -109,7 +107,7 @@ def test_indentation_under_a_law_of_the_scene_is_no_drift() -> None:
     def soft(stiffness: float) -> lf.Scene:
         scene = lf.Scene(gravity=(0.0, 0.0))
         disc = scene.add(lf.Disc(radius=0.1, mass=1.0), position=(0.0, 0.1))
-        floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+        floor = floor_of(scene)
         scene.contact(disc.surface(), floor, name="floor", law=Penalty(stiffness=stiffness))
         scene.load(lf.Force(disc.point("center"), (0.0, lf.Table([0.0, 0.5, 1.0], [0.0, -10.0, -10.0]))))
         return scene

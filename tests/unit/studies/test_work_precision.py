@@ -17,6 +17,7 @@ from lcpflex.studies.convergence.points import SceneStudy
 from lcpflex.studies.convergence.reference import Reference
 from lcpflex.studies.outputs import Measured, Part, error_between, resolution
 from lcpflex.studies.trial import Trial, brief, in_order, predicted
+from tests.rates import assert_rate
 
 STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 MOREAU_JEAN = [lf.MoreauJean(step=h) for h in STEPS]
@@ -49,12 +50,8 @@ def slip() -> WorkPrecision:
     return work_precision(gallery.scenes()["stick_slip"], methods, repeats=1)
 
 
-def rate(points, output: str) -> float:
-    return float(np.polyfit(np.log([1.0 / p.steps for p in points]), np.log([p.errors[output] for p in points]), 1)[0])
-
-
 def test_a_first_order_scheme_converges_across_jumps_with_order_one(ball) -> None:
-    assert rate(ball.points, "speed") == pytest.approx(1.0, abs=0.15)
+    assert_rate([1.0 / p.steps for p in ball.points], [p.errors["speed"] for p in ball.points], 1.0, within=0.15)
     assert ball.points[-1].errors["speed"] < 1e-3
 
 
