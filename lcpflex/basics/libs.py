@@ -11,6 +11,7 @@ from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
     import clarabel
+    import llvmlite.binding as llvm
     import matplotlib.animation as animation
     import meshio
     import numba.core.event as numba_event
@@ -63,6 +64,7 @@ __all__ = [
     "LineCollection",
     "linprog",
     "ListedColormap",
+    "llvm",
     "LogFormatter",
     "meshio",
     "nnls",

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from lcpflex.force_laws.penalty import Penalty
     from lcpflex.gallery import Case, scenes, warmup_cases
     from lcpflex.jit.cache import lost
+    from lcpflex.jit.keys import LEVELS
     from lcpflex.runs.simulate import simulate
     from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.benchmark.comparison import all_solvers
@@ -37,6 +38,7 @@ __all__ = [
     "EventDriven",
     "ExplicitRungeKutta",
     "GeneralizedAlpha",
+    "LEVELS",
     "MasslessBoundary",
     "MoreauJean",
     "Penalty",

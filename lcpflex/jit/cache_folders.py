@@ -32,6 +32,7 @@ __all__ = [
     "keeper",
     "say_once",
     "unsafe",
+    "use_only",
     "writable",
 ]
 
@@ -41,6 +42,7 @@ SHIPPED = PACKAGE / "kernels"
 OF_OTHERS = stat.S_IWGRP | stat.S_IWOTH
 
 _said: set[str] = set()
+_only: list[Path] = []
 
 
 def say_once(text: str) -> None:
@@ -52,12 +54,17 @@ def say_once(text: str) -> None:
 
 def cache_folders() -> list[Path]:
     """The folders that are read, in order, whether they exist or not."""
-    return [*_own_folders(), *([SHIPPED] if SHIPPED.is_dir() else [])]
+    return _only or [*_own_folders(), *([SHIPPED] if SHIPPED.is_dir() else [])]
+
+
+def use_only(folder: Path) -> None:
+    """Read and keep kernels in this folder alone, from now on in this process."""
+    _only[:] = [folder]
 
 
 def keeper() -> Path | None:
     """The first folder that can be written to and will be read; None where there is none."""
-    for folder in _own_folders():
+    for folder in _only or _own_folders():
         if not writable(folder):
             continue
         if not (reason := unsafe(folder)):

@@ -21,7 +21,7 @@ import llvmlite
 import numba
 import numpy as np
 
-__all__ = ["LEVELS", "Magic", "derived", "key_of", "machines"]
+__all__ = ["LEVELS", "Magic", "derived", "key_of", "machines", "source_of", "sources_of"]
 
 Magic = tuple[str, str, str]  # triple, name and features of a processor, as numba's codegen tells them
 
@@ -49,7 +49,7 @@ def key_of(function: Callable[..., Any], arguments: Iterable[Any], result: Any, 
     None for what is not to be kept: functions of others, closures, types that hold addresses of this process, and
     sources that have changed since they were imported.
     """
-    source = _source_of(function)
+    source = source_of(function)
     names = [*map(str, arguments), str(result)]
     if source is None or any(map(ADDRESS.search, names)):
         return None
@@ -93,7 +93,7 @@ def _environment() -> tuple[object, ...]:
     )
 
 
-def _source_of(function: Callable[..., Any]) -> Path | None:
+def source_of(function: Callable[..., Any]) -> Path | None:
     """The file of a function of the package, found by its module: ``lcpflex/solvers`` is a link. None for others."""
     package, *names = function.__module__.split(".")
     if package != "lcpflex" or not names or function.__closure__ or "<locals>" in function.__qualname__:
@@ -116,13 +116,19 @@ def _places(names: list[str]) -> list[Path]:
 @cache
 def _stamp(path: Path) -> str:
     """Hash of all the sources that a kernel in the file at ``path`` can depend on."""
-    sources, waiting = set(), [path]
+    return derived(*(_digest(source) for source in sorted(sources_of(path))))
+
+
+def sources_of(path: Path) -> set[Path]:
+    """The files that a kernel in the one at ``path`` can depend on."""
+    sources: set[Path] = set()
+    waiting = [path]
     while waiting:
         source = waiting.pop()
         if source not in sources:
             sources.add(source)
             waiting.extend(_imports(source))
-    return derived(*(_digest(source) for source in sorted(sources)))
+    return sources
 
 
 @cache

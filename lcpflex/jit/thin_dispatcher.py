@@ -56,9 +56,9 @@ class ThinDispatcher(CPUDispatcher):  # type: ignore[misc]
             entry = super()._compile_for_args(*args, **kws)
             for types, result in list(self.overloads.items()):
                 if result.entry_point is entry and types not in self._for_python:
-                    self._for_python.add(types)
                     if isinstance(result.library, ThinLibrary):
-                        return self._opened(types, result)
+                        entry = self._opened(types, result)
+                    self._for_python.add(types)  # not before: an interrupted one is opened again
         return entry
 
     def _opened(self, types: Any, result: Any) -> Any:
