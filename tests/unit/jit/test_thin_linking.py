@@ -221,6 +221,44 @@ def test_threads_and_modules_that_are_loaded_again(filled: Filled, tmp_path: Pat
         assert reloaded["compiled"] == []
 
 
+INTERRUPTED = """
+import gc
+import lcpflex.tiny_high, lcpflex.jit.thin_dispatcher as dispatcher
+from lcpflex.jit import loading, thin
+from lcpflex.jit.cache import KernelCache
+plain, left = {place}, [{count}]
+def broken(*given, **named):
+    left[0] -= 1
+    if left[0] == 0:
+        raise KeyboardInterrupt
+    return plain(*given, **named)
+{place} = broken
+try:
+    lcpflex.tiny_high.top(0.3, 2)
+except KeyboardInterrupt:
+    pass
+assert gc.isenabled() and dispatcher._depth == 0
+"""
+PLACES = (
+    "thin.ThinLibrary._optimize_final_module",
+    "thin.ThinLibrary._finalize_final_module",
+    "dispatcher.ThinDispatcher.add_overload",
+    "dispatcher._python_face",
+    "loading.file_of",
+    "KernelCache.save_overload",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cache", ["cache", "/dev/null/none"])
+def test_interrupted(filled: Filled, cache: str, tmp_path: Path) -> None:
+    """Whatever Ctrl-C has left in the engine, the next call is right."""
+    interrupted = [INTERRUPTED.format(place=place, count=count) for place in PLACES for count in (1, 2, 4, 6)]
+    cases = [case(tmp_path / f"{n}" / cache, before=before) for n, before in enumerate(interrupted)]
+    runs, _ = jobs(filled.sources, *cases)
+    assert {run["value"] for run in runs} == {filled.value}
+
+
 def test_folders_do_not_grow_without_end(tmp_path: Path) -> None:
     """The oldest files go first, others stay."""
     for n in range(10):
