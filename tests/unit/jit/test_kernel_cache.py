@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import signal
 import subprocess
@@ -17,7 +16,6 @@ from lcpflex.jit import cache as kernel_cache
 from lcpflex.jit import cache_folders
 from lcpflex.jit.cache_folders import cache_folders as folders_of
 from lcpflex.jit.cache_folders import is_private_file, unsafe
-from lcpflex.jit.file_lock import FileLock
 from lcpflex.jit.kernel_file import ENDING, KernelFile
 
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights of other users are not told by such bits here")
@@ -365,39 +363,6 @@ def test_the_run_goes_on_without_locks_or_space(trouble: str, tmp_path: Path) ->
     assert said.count("No space left on device") == (trouble == "FULL")
     assert run(tmp_path)[0] == (KERNELS if trouble == "FULL" else 0)
     assert not list(tmp_path.rglob("*.tmp.*"))
-
-
-class TestFileLock:
-    """Within one process, where the lock of one file excludes that of the same file opened again."""
-
-    def test_one_at_a_time(self, tmp_path: Path) -> None:
-        """And the file goes with the lock."""
-        one, other = FileLock(tmp_path / "lock"), FileLock(tmp_path / "lock")
-        told: list[float] = []
-        assert one.acquire(0.0)
-        assert not other.acquire(0.1, told.append)
-        assert told == sorted(told)
-        assert told
-        one.release()
-        one.release()
-        assert not (tmp_path / "lock").exists()
-        assert other.acquire(0.0)
-        other.release()
-
-    def test_a_file_that_was_removed_is_no_lock(self, tmp_path: Path) -> None:
-        """Who has opened it before its holder removed it takes the new one instead."""
-        one, other = FileLock(tmp_path / "lock"), FileLock(tmp_path / "lock")
-        assert one.acquire(0.0)
-        (tmp_path / "lock").unlink()
-        assert other.acquire(0.0)
-        assert FileLock(tmp_path / "lock").acquire(0.0) is False
-        other.release()
-
-    def test_no_folder(self, tmp_path: Path) -> None:
-        """Is an error of the system."""
-        with pytest.raises(OSError) as told:  # noqa: PT011
-            FileLock(tmp_path / "none" / "lock").acquire(0.0)
-        assert told.value.errno == errno.ENOENT
 
 
 def test_patience_is_longer_than_any_kernel() -> None:
