@@ -13,7 +13,7 @@ from lcpflex.results.problem_log import Recorder, RecordProblems
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
-from lcpflex.steppers.user_functions import with_own_functions
+from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Compiled
@@ -83,8 +83,8 @@ class Setup:
     def run(self) -> Run:
         """The run at its start."""
         run = self.stepper.start(self.system, self.options.duration, self.options.interval)
-        started: Run = with_own_functions(run, self.system.functions)
-        return started
+        watch(run.records, [("", function) for function in self.system.functions])
+        return run
 
 
 def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> Compiled | UserSystem:

@@ -28,6 +28,7 @@ from lcpflex.runs.initial_state import started_from
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.steppers.law_run import friction_warnings
+from lcpflex.steppers.user_functions import advance
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Compiled
@@ -193,7 +194,7 @@ def _save_problems(recorder: Recorder, result: Result) -> Result:
 def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
     """``run.advance``: why it stopped, empty if it did not, and what a function or solver of the user raised."""
     try:
-        return run.advance(n_steps), None
+        return advance(run, n_steps), None
     except SolverError as error:  # the cause is what a solver of the user's raised
         return str(error), error.__cause__ if isinstance(error.__cause__, Exception) else error
     except LcpflexError as error:
@@ -317,11 +318,11 @@ class _WithoutGrowth:
 
     def advance(self, n_steps: int) -> str:
         """Make up to n_steps steps, one by one; empty, or why the run cannot go on."""
-        message = self._run.advance(0)
+        message = advance(self._run, 0)
         for _ in range(n_steps):
             if message or self._run.finished:
                 break
-            message = self._run.advance(1) or self._grown()
+            message = advance(self._run, 1) or self._grown()
         return message
 
     def _grown(self) -> str:

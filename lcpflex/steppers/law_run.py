@@ -6,7 +6,6 @@ Such a stepper takes them as forces (:mod:`lcpflex.dynamics.law_contacts`). Thei
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.workspace import Workspace
@@ -15,7 +14,6 @@ from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import DAMPING_KIND, LIMIT, PERMANENT
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
-from lcpflex.steppers.user_functions import with_own_laws
 
 __all__ = [
     "begin_laws",
@@ -25,7 +23,6 @@ __all__ = [
     "refuse_laws",
     "refuse_states",
     "too_deep",
-    "with_laws",
 ]
 
 LASTING = 0.1  # share of the run in which a contact is closed: a shorter one is an impact
@@ -59,12 +56,6 @@ def refuse_states(system: System) -> None:
             f"contacts by complementarity: "
             "Smooth takes it, with a law for every contact"
         )
-
-
-def with_laws(run: Any, system: System) -> Any:
-    """``run`` as it is, or one that tells of the users' functions among the laws."""
-    named = [(name, law.row()) for name, law in zip(system.names, system.laws, strict=False) if law is not None]
-    return with_own_laws(run, [name for name, _ in named], [row for _, row in named])
 
 
 def begin_laws(system: System, work: Workspace) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import copy_parts
 from lcpflex.steppers.passages import Passages, swallowed
@@ -37,6 +38,7 @@ class Records:
         self.impact_step = 0.0
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
+        self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
         self._passages = Passages(system.model, system.names)
         self.tape: Tape = system.tape(64, 1024)
 

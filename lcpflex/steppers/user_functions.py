@@ -2,54 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Protocol
 
-from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.force_laws.layout import LawRow, UserLaw
+from lcpflex.steppers.run import Records
+from lcpflex.steppers.system import System
 
-__all__ = ["with_own_functions", "with_own_laws"]
-
-
-def with_own_laws(run: Any, names: Sequence[str], rows: Sequence[LawRow]) -> Any:
-    """``run`` as it is, or one that tells of the functions among its ``rows``, those of the contacts ``names``."""
-    own = [(f"contact {name!r}: ", row.own) for name, row in zip(names, rows, strict=True) if row.own is not None]
-    return _OwnFunctionRun(run, own) if own else run
+__all__ = ["advance", "watch", "watch_laws", "watch_pair_laws"]
 
 
-def with_own_functions(run: Any, functions: Sequence[CompiledFunction]) -> Any:
-    """``run`` as it is, or one that tells of the users' functions of time, which name themselves."""
-    return _OwnFunctionRun(run, [("", function) for function in functions]) if functions else run
+class Advancing(Protocol):
+    """A run."""
+
+    records: Records
+
+    def advance(self, n_steps: int) -> str: ...
 
 
-class _OwnFunctionRun:
-    """A run that ends with what a user's function raised, or says which is not a finite number."""
+def watch(records: Records, functions: Iterable[tuple[str, UserLaw]]) -> None:
+    """Have :func:`advance` look at functions of the user's, each named by what a text begins with."""
+    added = list(functions)
+    records.functions += added
+    _begin(added)
 
-    def __init__(self, run: Any, functions: Sequence[tuple[str, UserLaw]]) -> None:
-        self._run = run
-        self._functions = functions
-        self._begin()
 
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._run, name)
+def watch_laws(records: Records, names: Sequence[str], rows: Sequence[LawRow]) -> None:
+    """The functions among the ``rows``, those of the contacts ``names``."""
+    named = zip(names, rows, strict=True)
+    watch(records, [(f"contact {name!r}: ", row.own) for name, row in named if row.own is not None])
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on. Raises what one of them has raised."""
-        try:
-            message: str = self._run.advance(n_steps)
-        except Exception:  # of numbers that are none, perhaps: then the function says more
-            words = self._complaint()
-            if not words:
-                raise
-            return words
-        words = self._complaint()
-        if not message:
-            self._begin()  # trial states where one is no number do not matter, if shorter steps do without them
-        return words if message and words else message
 
-    def _begin(self) -> None:
-        for _, function in self._functions:
-            function.begin()
+def watch_pair_laws(records: Records, system: System) -> None:
+    """The functions among the laws of the system's contacts."""
+    named = [(name, law.row()) for name, law in zip(system.names, system.laws, strict=False) if law is not None]
+    watch_laws(records, [name for name, _ in named], [row for _, row in named])
 
-    def _complaint(self) -> str:
-        return "; ".join(prefix + words for prefix, function in self._functions if (words := function.complaint()))
+
+def advance(run: Advancing, n_steps: int) -> str:
+    """``run.advance``: up to ``n_steps`` steps; empty, or why the run cannot go on.
+
+    A run ends with what a user's function raised, or says which is not a finite number. Raises what a step has raised
+    where no function explains it.
+    """
+    functions = run.records.functions
+    try:
+        message = run.advance(n_steps)
+    except Exception:  # of numbers that are none, perhaps: then the function says more
+        words = _complaint(functions)
+        if not words:
+            raise
+        return words
+    words = _complaint(functions)
+    if not message:
+        _begin(functions)  # trial states where one is no number do not matter, if shorter steps do without them
+    return words if message and words else message
+
+
+def _begin(functions: Sequence[tuple[str, UserLaw]]) -> None:
+    for _, function in functions:
+        function.begin()
+
+
+def _complaint(functions: Sequence[tuple[str, UserLaw]]) -> str:
+    return "; ".join(prefix + words for prefix, function in functions if (words := function.complaint()))

@@ -36,12 +36,13 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART, Thresholds
-from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.named import listed
 from lcpflex.steppers.run import Records
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
+from lcpflex.steppers.user_functions import watch_pair_laws
 
 __all__ = ["EventDriven", "EventDrivenRun"]
 
@@ -319,5 +320,6 @@ class EventDriven:
                 "expected Newton(), the one law that knows it"
             )
         refuse_states(system)
-        run: EventDrivenRun = with_laws(EventDrivenRun(system, self, duration, interval), system)
+        run = EventDrivenRun(system, self, duration, interval)
+        watch_pair_laws(run.records, system)
         return run

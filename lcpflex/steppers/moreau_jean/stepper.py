@@ -30,7 +30,7 @@ from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states, with_laws
+from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.moreau_jean.adaptive import ControlledMoreauJean
 from lcpflex.steppers.moreau_jean.step import Settings, grown, record, spots_of, whole_step
 from lcpflex.steppers.passing import may_pass, set_out
@@ -42,6 +42,7 @@ from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import Sampling, carried, half_steps
 from lcpflex.steppers.stepping_run import AdaptiveRun, FixedRun, contact_trouble
 from lcpflex.steppers.system import System
+from lcpflex.steppers.user_functions import watch_pair_laws
 
 __all__ = ["MoreauJean"]
 
@@ -249,5 +250,5 @@ class MoreauJean:
         else:
             limits = self.adaptive.limits(system, duration, interval)
             run = AdaptiveRun(ControlledMoreauJean(system, settings, limits, self.solver), limits)
-        run = with_laws(run, system)
+        watch_pair_laws(run.records, system)
         return run

@@ -25,7 +25,7 @@ from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scal
 from lcpflex.steppers.smooth.explicit import SmoothSettings
 from lcpflex.steppers.smooth.run import FixedRun, SmoothRun
 from lcpflex.steppers.system import System
-from lcpflex.steppers.user_functions import with_own_laws
+from lcpflex.steppers.user_functions import watch_laws
 
 __all__ = ["ExplicitRungeKutta", "Smooth", "Stiff", "Verlet"]
 
@@ -175,7 +175,9 @@ class Smooth:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
         laws = [law.row() for law in self._chosen(system)]
         system = replace(system, laws=())  # no contact is left out of detection for being by law
-        return with_own_laws(self._run(system, laws, duration, interval), system.names, laws)
+        run = self._run(system, laws, duration, interval)
+        watch_laws(run.records, system.names, laws)
+        return run
 
     def _run(self, system: System, laws: Sequence[LawRow], duration: float, interval: float) -> SmoothRun:
         """A run of the integrator."""
