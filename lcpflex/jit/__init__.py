@@ -2,5 +2,5 @@
 
 Everything that touches numba beyond its public face is here, each with a test that says what breaks when it changes.
 To add a kernel: decorate a function of arrays, numbers and structs with ``kernel`` (:mod:`lcpflex.jit.kernel`).
-To add a struct: :mod:`lcpflex.jit.struct`.
+To add a struct: :mod:`lcpflex.jit.struct`. To go to another numba: :mod:`lcpflex.jit.private`.
 """
