@@ -27,7 +27,7 @@ def run(folder: Path = Path()) -> lf.Result:
 
     figure = Figure(figsize=(9, 9), layout="constrained")
     scene, points, energy = figure.subplots(3, 1, height_ratios=(1.4, 1, 1))
-    touching = np.bincount(result.spots.record, minlength=len(result.times))
+    touching = np.bincount(result.contact_points.record, minlength=len(result.times))
     result.draw(result.times[np.argmax(touching)], axes=scene)
     points.plot(result.times, touching, drawstyle="steps-post")
     points.set_ylabel("touching points")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import lcpflex as lf
-from lcpflex.solvers import OwnSolver, replay
+from lcpflex.solvers import UserSolver, replay
 from lcpflex.solvers.benchmark.files import load_problems
 
 
@@ -46,7 +46,7 @@ def solvers() -> dict[str, Any]:
     """By hand, in haste, the library's own, and those of other packages that are installed."""
     found: dict[str, Any] = {
         "sweep (by hand)": sweep,
-        "hasty (3 sweeps)": OwnSolver(partial(sweep, most=3), takes="arrays"),
+        "hasty (3 sweeps)": UserSolver(partial(sweep, most=3), takes="arrays"),
         "Auto": lf.Auto(),
         "Lemke": lf.Lemke(),
     }

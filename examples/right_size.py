@@ -1,7 +1,7 @@
 """How few modes will do? A hammer falls onto a strip between two supports: rigid, a few modes, or the full mesh?
 
 Both bodies can be had at any fidelity: rigid, 1, 2, 4, ... modes, the full mesh. ``right_size`` compares them with one
-run of the full meshes (or, where that is dear, one far up the ladder, extrapolated to them), raises only the body whose
+run of the full meshes (or, where that is dear, one far up the levels, extrapolated to them), raises only the body whose
 refinement changes what is asked for, and stops where the error that is left is below the tolerance. The stout hammer
 (80 x 30 x 30 mm, steel) may be rigid; the slender strip (0.8 m x 30 mm x 8 mm), which it strikes at 1 m/s, may not. In
 the picture: error against cost.
@@ -37,12 +37,12 @@ def run(folder: Path = Path()) -> lf.Result:
     print(found)
 
     result = lf.simulate(found.scene, DURATION, STEPPER)
-    whole = {name: found.scene.body(name).source.ladder()[-1].make() for name in found.rungs}
+    whole = {name: found.scene.body(name).source.fidelity_levels()[-1].make() for name in found.levels}
     full = lf.simulate(found.scene.with_bodies(whole), DURATION, STEPPER)
     impulse, exact = (one.contact("strike").impulse[-1, 0] for one in (result, full))
     print(f"impulse {impulse:.4f} N s, of the full meshes {exact:.4f} N s")
 
-    assert found.rungs["hammer"] == "rigid"
+    assert found.levels["hammer"] == "rigid"
     assert abs(impulse / exact - 1.0) < TOLERANCE
 
     found.plot().savefig(folder / "right_size.png", dpi=150)

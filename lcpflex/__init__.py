@@ -21,6 +21,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.lazy import attach
+from lcpflex.basics.renamed import OldModules
 from lcpflex.basics.version import VERSION as __version__
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-    from lcpflex.dynamics.impact_laws import Energetic, Newton, Poisson
+    from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.force_laws.contact_law import ContactLaw
     from lcpflex.force_laws.penalty import Penalty
@@ -94,7 +95,7 @@ __all__ = [
     "Distance",
     "DrivenAngle",
     "DrivenDisplacement",
-    "Energetic",
+    "Stronge",
     "EnergyGrowth",
     "EventDriven",
     "ExplicitRungeKutta",
@@ -156,7 +157,7 @@ __all__ = [
     "unreduced",
 ]
 
-__getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__ = attach(__name__, renamed={"Energetic": "Stronge"})
 
 
 class _Package(ModuleType):
@@ -165,5 +166,12 @@ class _Package(ModuleType):
     def __reduce__(self) -> tuple[Any, ...]:
         return import_module, (self.__name__,)
 
+    def __setattr__(self, name: str, value: object) -> None:
+        """``import lcpflex.simulate`` binds a module that is elsewhere now; ``lcpflex.simulate`` stays the function."""
+        if name == "simulate" and isinstance(value, ModuleType):
+            value = value.simulate
+        super().__setattr__(name, value)
+
 
 sys.modules[__name__].__class__ = _Package
+sys.meta_path.insert(0, OldModules())

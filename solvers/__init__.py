@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.problem import Lcp, Solution, Status, accept
     from lcpflex.solvers.quadratic_program import QuadraticProgram
     from lcpflex.solvers.time_limit import TimeLimit
-    from lcpflex.solvers.user_solver import OwnSolver
+    from lcpflex.solvers.user_solver import UserSolver
 
 if __name__ != "lcpflex.solvers":
     raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
@@ -54,7 +54,7 @@ __all__ = [
     "Lemke",
     "MinMapNewton",
     "MixedLcp",
-    "OwnSolver",
+    "UserSolver",
     "PrincipalPivoting",
     "QuadraticProgram",
     "Replay",
@@ -78,4 +78,4 @@ __all__ = [
     "solve_lcp",
 ]
 
-__getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__ = attach(__name__, renamed={"OwnSolver": "UserSolver"})

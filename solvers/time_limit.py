@@ -8,7 +8,7 @@ from typing import Any
 from lcpflex.errors import ModelError
 from lcpflex.solvers.clock import check_time_limit, within
 from lcpflex.solvers.solution import LcpSolver, PosedProblem, Problem, Solution
-from lcpflex.solvers.user_solver import OwnSolver, as_solver
+from lcpflex.solvers.user_solver import UserSolver, as_solver
 
 __all__ = ["TimeLimit"]
 
@@ -19,7 +19,7 @@ class TimeLimit:
 
     A solver of this package looks at the clock between its iterations and returns the best point it has, with the
     status TIME_LIMIT; it may take a little longer, for an iteration is not cut short, and compiling counts. Any other
-    solver (see :class:`lcpflex.solvers.OwnSolver`) runs in a process of its own, which is killed when the time is up.
+    solver (see :class:`lcpflex.solvers.UserSolver`) runs in a process of its own, which is killed when the time is up.
 
     solver: the solver, or a callable. seconds [s]: > 0. Raises ModelError for anything else.
     """
@@ -32,7 +32,7 @@ class TimeLimit:
         if self.seconds is None:
             raise ModelError("seconds is None: expected a number of seconds > 0")
         solver = as_solver(self.solver)
-        if isinstance(solver, OwnSolver):
+        if isinstance(solver, UserSolver):
             least = min(self.seconds, solver.time_limit or self.seconds)
             solver = replace(solver, time_limit=least)
         object.__setattr__(self, "solver", solver)

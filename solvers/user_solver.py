@@ -24,7 +24,7 @@ from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.user_process import Worker
 
-__all__ = ["OwnSolver", "as_solver", "is_ours", "name_of", "named_solvers", "own_part"]
+__all__ = ["UserSolver", "as_solver", "is_ours", "name_of", "named_solvers", "own_part"]
 
 TARGET = 1e-10  # residual of a solution where no other is asked for
 LONGEST = 300  # characters of what a solver says of its failure
@@ -38,7 +38,7 @@ _EXPECTED = (
 
 
 @dataclass(frozen=True, slots=True)
-class OwnSolver:
+class UserSolver:
     """A solver of 0 <= z _|_ M z + q >= 0 that is a function of the user's own, or an object with ``solve``.
 
     Every stepper, ``cross_check`` and ``replay`` make one of any callable that they are given as a solver. A problem
@@ -94,7 +94,7 @@ class OwnSolver:
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.function, self.tolerance, self.takes, self.time_limit, self.name, self.version)
-        return OwnSolver, given  # without its processes
+        return UserSolver, given  # without its processes
 
     @property
     def model(self) -> str:
@@ -198,7 +198,7 @@ def is_ours(solver: object) -> bool:
 
 
 def as_solver(solver: Any, tolerance: float = TARGET, name: str = "") -> Any:
-    """The solver itself if it is one of this package, else an :class:`OwnSolver` with it.
+    """The solver itself if it is one of this package, else an :class:`UserSolver` with it.
 
     tolerance: of one that does not tell its own. Raises ModelError for what is no solver.
     """
@@ -208,7 +208,7 @@ def as_solver(solver: Any, tolerance: float = TARGET, name: str = "") -> Any:
         raise ModelError(
             f"solver is the class {solver.__name__}: expected an object of it, such as {solver.__name__}()"
         )
-    return OwnSolver(solver, own_tolerance(solver, tolerance), name=name)
+    return UserSolver(solver, own_tolerance(solver, tolerance), name=name)
 
 
 def own_tolerance(solver: Any, otherwise: float) -> float:
@@ -221,10 +221,10 @@ def own_tolerance(solver: Any, otherwise: float) -> float:
     return float(stated)  # type: ignore[arg-type]
 
 
-def own_part(solver: Any) -> OwnSolver | None:
+def own_part(solver: Any) -> UserSolver | None:
     """The solver of the user's that a solver, with or without a limit of time, is made of."""
     inner = getattr(solver, "solver", solver) if is_ours(solver) else solver
-    return inner if isinstance(inner, OwnSolver) else None
+    return inner if isinstance(inner, UserSolver) else None
 
 
 def named_solvers(given: Any) -> dict[str, Any]:

@@ -13,15 +13,19 @@ and loads neither numpy nor what only the first use needs.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import import_module
 from typing import Any
 
+from lcpflex.basics.renamed import renamed_name
+
 __all__ = ["attach"]
 
 
-def attach(module: str, label: str | None = None) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+def attach(
+    module: str, label: str | None = None, renamed: Mapping[str, str] | None = None
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """``__getattr__`` and ``__dir__`` of the module of that name.
 
     Parameters
@@ -31,6 +35,8 @@ def attach(module: str, label: str | None = None) -> tuple[Callable[[str], Any],
         ``from home import name`` or ``import home as name``.
     label
         What messages call the module, its name if omitted.
+    renamed
+        New names by old ones, which are loaded with a warning (:mod:`lcpflex.basics.renamed`).
 
     Returns
     -------
@@ -47,6 +53,8 @@ def attach(module: str, label: str | None = None) -> tuple[Callable[[str], Any],
         return sorted({*homes(), *sys.modules[module].__all__})
 
     def load(name: str) -> Any:
+        if renamed and name in renamed:
+            return renamed_name(module, name, renamed, label or module)
         if name.startswith("__") or name not in homes():
             from lcpflex.basics.names import nearest
 

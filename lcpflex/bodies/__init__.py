@@ -9,7 +9,7 @@ from lcpflex.basics.lazy import attach
 if TYPE_CHECKING:
     from lcpflex.bodies.bar import Bar
     from lcpflex.bodies.beam import Beam
-    from lcpflex.bodies.body import Body, Chain, MaterialPoint, Resolution, Round, Rung, Shortening
+    from lcpflex.bodies.body import Body, Chain, FidelityLevel, MaterialPoint, Resolution, Round, Shortening
     from lcpflex.bodies.continuum import Continuum
     from lcpflex.bodies.matrices import Matrices
     from lcpflex.bodies.reduction.component_modes import (
@@ -41,7 +41,7 @@ __all__ = [
     "Resolution",
     "RigidBody",
     "Round",
-    "Rung",
+    "FidelityLevel",
     "Shortening",
     "SolidOfRevolution",
     "Stiffening",
@@ -52,4 +52,4 @@ __all__ = [
     "unreduced",
 ]
 
-__getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__ = attach(__name__, renamed={"Rung": "FidelityLevel"})

@@ -30,7 +30,7 @@ from lcpflex.bodies.reduction.damping import (
     vanish,
     with_residual,
 )
-from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.reduction.fidelity_levels import ModeLevels
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.errors import ModelError, shown
@@ -144,7 +144,9 @@ class Bar:
             residual_modes=n - free,
             contact_modes=min(n - free, self._contact_modes(free, mass, height, places)),
             statics=LineStatics(partial(self._whole, mass), self.length),
-            ladder=ModeLadder(self.elements, partial(self._reduced_alike, places, residual_damping), damping, n - free),
+            fidelity_levels=ModeLevels(
+                self.elements, partial(self._reduced_alike, places, residual_damping), damping, n - free
+            ),
             products=partial(
                 _bar_products,
                 shapes=shapes,

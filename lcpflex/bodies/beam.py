@@ -33,7 +33,7 @@ from lcpflex.bodies.reduction.damping import (
     vanish,
     with_residual,
 )
-from lcpflex.bodies.reduction.fidelity_levels import ModeLadder
+from lcpflex.bodies.reduction.fidelity_levels import ModeLevels
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
 from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
@@ -175,7 +175,7 @@ class Beam:
             residual_modes=n - free,
             contact_modes=min(n - free, self._contact_modes(free, line, stiffening, places)),
             statics=LineStatics(partial(self._whole, line, stiffening), self.length),
-            ladder=ModeLadder(
+            fidelity_levels=ModeLevels(
                 available,
                 partial(self._reduced_alike, stiffening, places, residual_damping),
                 damping,

@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of, whole_number
 from lcpflex.basics.arguments import mapping_of as named
+from lcpflex.basics.renamed import renamed_property
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
@@ -38,7 +39,7 @@ __all__ = [
     "Reducible",
     "Resolution",
     "Round",
-    "Rung",
+    "FidelityLevel",
     "Shortening",
     "Statics",
     "array_of",
@@ -154,7 +155,7 @@ class Shortening:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rung:
+class FidelityLevel:
     """A body at one fidelity.
 
     Attributes
@@ -216,7 +217,8 @@ class Body:
     locate : the material point at a place (x, y) of the body frame; raises :class:`ModelError` off the body
     axisymmetric : whether it stands for a solid of revolution about x, which moves along its axis only
     resolution : what the mesh can resolve; None where it has none
-    ladder : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is known
+    fidelity_levels : gives the same body at other fidelities, from rigid to the whole mesh; None where only this one is
+        known
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
     contact_modes : how many of these interfaces of contacts have added: what ``MasslessBoundary`` makes static
     statics : static compliance of the whole mesh, to compare with; None where it is not known
@@ -247,12 +249,14 @@ class Body:
     shortening: Shortening | None = field(default=None, repr=False)
     axisymmetric: bool = False
     resolution: Resolution | None = field(default=None, repr=False)
-    ladder: Callable[[], tuple[Rung, ...]] | None = field(default=None, repr=False)
+    fidelity_levels: Callable[[], tuple[FidelityLevel, ...]] | None = field(default=None, repr=False)
     residual_modes: int = 0
     contact_modes: int = 0
     statics: Statics | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
     axis: Axis | None = field(default=None, repr=False)
+
+    ladder = renamed_property("ladder", "fidelity_levels")
 
     def __post_init__(self) -> None:
         n = len(self.stiffness)

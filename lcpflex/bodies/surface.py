@@ -29,7 +29,7 @@ __all__ = [
     "circle",
     "half_plane",
     "hole",
-    "is_slave_of",
+    "can_be_node_side",
     "node",
     "on_body",
 ]
@@ -172,7 +172,7 @@ def on_body(surface: Surface, outline: Outline, mirrored: bool = False) -> Surfa
     return replace(surface, outline=places)
 
 
-RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the slave; others are none
+RANK = {Kind.NODE: 0, Kind.CIRCLE: 1, Kind.ARC: 2, Kind.CHAIN: 3}  # the lower is the node side; others are none
 NO_SLAVE = 4
 
 
@@ -182,6 +182,6 @@ def can_touch(a: Surface, b: Surface) -> bool:
     return min(ranks) < NO_SLAVE and max(ranks) > RANK[Kind.NODE]
 
 
-def is_slave_of(slave: Surface, master: Surface) -> bool:
-    """Whether ``slave`` has material points that may touch others, and ``master`` features to be touched."""
-    return slave.kind in RANK and master.kind is not Kind.NODE
+def can_be_node_side(node_side: Surface, other: Surface) -> bool:
+    """Whether ``node_side`` has material points that may touch others, and ``other`` features to be touched."""
+    return node_side.kind in RANK and other.kind is not Kind.NODE

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_point, contact_rows
 from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
@@ -72,7 +72,7 @@ def with_axial_loads(result: Result) -> Result:
     return replace(result, warnings=tuple(warnings), found_wrong=tuple(wrong))
 
 
-def _beams(compiled: Compiled, actual: bool) -> list[tuple[int, Axis]]:
+def _beams(compiled: CompiledScene, actual: bool) -> list[tuple[int, Axis]]:
     """Beams that bend, with the actual axial force or without."""
     modes = np.diff(compiled.model.bodies.dof) - N_RIGID
     axes = enumerate(compiled.layout.axes)
@@ -89,7 +89,7 @@ def _told(name: str, axis: Axis, worst: Worst) -> str:
     )
 
 
-def _too_steep(result: Result, compiled: Compiled, b: int, axis: Axis) -> str:
+def _too_steep(result: Result, compiled: CompiledScene, b: int, axis: Axis) -> str:
     """Why a beam that counts with its axial force is not to be trusted; empty if its slopes are small."""
     dof = compiled.model.bodies.dof
     steepest = np.abs(result.q[:, dof[b] + N_RIGID : dof[b + 1]] @ axis.slope.T).max(axis=1, initial=0.0)
@@ -103,7 +103,7 @@ def _too_steep(result: Result, compiled: Compiled, b: int, axis: Axis) -> str:
     )
 
 
-def _worst(result: Result, compiled: Compiled, beams: list[tuple[int, Axis]]) -> list[Worst]:
+def _worst(result: Result, compiled: CompiledScene, beams: list[tuple[int, Axis]]) -> list[Worst]:
     """Of each beam, over the instants looked at: the largest, or the median in a run that strikes all the time."""
     if not beams:
         return []
@@ -130,7 +130,7 @@ def _worst(result: Result, compiled: Compiled, beams: list[tuple[int, Axis]]) ->
     return worst
 
 
-def _instants(result: Result, compiled: Compiled, beams: list[int]) -> tuple[IntArray, bool]:
+def _instants(result: Result, compiled: CompiledScene, beams: list[int]) -> tuple[IntArray, bool]:
     """Indices of the stored instants to look at, evenly spread; whether they are those without collisions.
 
     A collision lasts until the slowest vibration of a beam is over. Where hardly an instant is left, all are.
@@ -141,7 +141,7 @@ def _instants(result: Result, compiled: Compiled, beams: list[int]) -> tuple[Int
     lasts = float(slowest[beams].max())
     calm = np.ones(len(times), dtype=bool)
     for law, name in enumerate(result.contact_names):
-        pushes = _short(result, law, lasts) if name in result.by_law else _strikes(result, law)
+        pushes = _short(result, law, lasts) if name in result.compliant else _strikes(result, law)
         for first, last in pushes:
             calm[(times >= times[first]) & (times <= times[last] + lasts)] = False
     lasting = bool(calm.mean() >= ENOUGH)
@@ -188,7 +188,7 @@ def _uncounted(
 class _Forces:
     """Accelerations of a scene, and what pulls at its beams, at stored instants."""
 
-    def __init__(self, compiled: Compiled, beams: list[int]) -> None:
+    def __init__(self, compiled: CompiledScene, beams: list[int]) -> None:
         self._compiled = compiled
         self._beams = beams
         self._model: Any = pack(compiled.model)
@@ -243,7 +243,7 @@ class _Forces:
 
     def _press(self, result: Result, k: int, q: FloatArray, force: FloatArray, pulls: dict[int, Pulls]) -> None:
         """Add the contact forces that were stored, on the pairs that touch there."""
-        spots = result.spots
+        spots = result.contact_points
         pressing = np.flatnonzero((spots.record == k) & (spots.force[:, 0] > 0.0))
         if not len(pressing):
             return
@@ -311,14 +311,14 @@ class _Forces:
         return out
 
 
-def _stretching(compiled: Compiled, b: int) -> IntArray:
+def _stretching(compiled: CompiledScene, b: int) -> IntArray:
     """Coordinates of a beam that do not bend it."""
     axis, first = compiled.layout.axes[b], int(compiled.model.bodies.dof[b]) + N_RIGID
     assert axis is not None
     return first + np.flatnonzero(~axis.slope.any(axis=0))
 
 
-def _single(compiled: Compiled, beams: list[int]) -> list[tuple[int, float, Loads]]:
+def _single(compiled: CompiledScene, beams: list[int]) -> list[tuple[int, float, Loads]]:
     """Each force on a beam by itself: the beam, the station [m], and loads that are this one only."""
     loads, points = compiled.model.loads, compiled.model.points
     found = []

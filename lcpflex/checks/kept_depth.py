@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.applied_forces import spring_forces
 from lcpflex.dynamics.mass_matrix import mass_matrix, null_space
@@ -40,7 +40,7 @@ def kept_depths(result: Result) -> tuple[str, ...]:
     if compiled is None or not np.isfinite(result.q[-1:]).all():
         return ()
     lasting = result.force[-max(2, int(LASTING * len(result.times))) :, :, 0].min(axis=0) > 0.0
-    deep = lasting & (result.gap[-1] < 0.0) & ~np.isin(result.contact_names, result.by_law)
+    deep = lasting & (result.gap[-1] < 0.0) & ~np.isin(result.contact_names, result.compliant)
     if not deep.any():
         return ()
     off = _forces_off(compiled, result.q[-1].copy(), np.flatnonzero(deep))
@@ -57,7 +57,7 @@ def kept_depths(result: Result) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _forces_off(compiled: Compiled, q: FloatArray, deep: IntArray) -> dict[int, float]:
+def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[int, float]:
     """By how much the forces of the contacts ``deep`` [N] would change if all came up to the gap 0, by contact."""
     model = pack(compiled.model)
     table, found = near(model, q, 0.0)

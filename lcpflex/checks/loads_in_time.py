@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.applied_forces import FORCE, TORQUE
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix
 from lcpflex.dynamics.start import violation
@@ -58,7 +58,7 @@ def unseen_loads(result: Result, step: float) -> tuple[str, ...]:
 class _Scales:
     """What is large or small in a run."""
 
-    def __init__(self, result: Result, compiled: Compiled) -> None:
+    def __init__(self, result: Result, compiled: CompiledScene) -> None:
         model = compiled.model
         dof = model.bodies.dof[:-1]
         self.size = compiled.size
@@ -118,7 +118,7 @@ def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:
     return rows
 
 
-def _place(compiled: Compiled, p: int) -> str:
+def _place(compiled: CompiledScene, p: int) -> str:
     """What a material point is called."""
     b = int(compiled.model.points.body[p])
     if b < 0:
@@ -127,7 +127,7 @@ def _place(compiled: Compiled, p: int) -> str:
     return f"{compiled.layout.bodies[b]}.{names[0]}" if names else compiled.layout.bodies[b]
 
 
-def _profiles(compiled: Compiled, duration: float) -> Profiles:
+def _profiles(compiled: CompiledScene, duration: float) -> Profiles:
     """Instants and values of each function of time that is no harmonic."""
     signals, found = compiled.model.signals, {}
     start = compiled.state(0.0, compiled.q, compiled.u)
@@ -184,7 +184,7 @@ class _BentSteps:
         return float((gone[self.last] - gone[self.first] - straight).sum())
 
 
-def _forces(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
+def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
     """Forces and torques that go on within a step."""
     model, found = compiled.model, []
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
@@ -253,7 +253,7 @@ def _turns(omega: float, step: float) -> str:
     )
 
 
-def _drives(compiled: Compiled, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
+def _drives(compiled: CompiledScene, step: float, scales: _Scales, profiles: Profiles) -> list[str]:
     """Drives that turn back within a step."""
     model, found = compiled.model, []
     owner = np.repeat(np.arange(len(model.joints.point)), np.diff(model.joints.row))
@@ -286,7 +286,7 @@ def _unseen_path(times: FloatArray, values: FloatArray, step: float, duration: f
     )
 
 
-def _springs(result: Result, compiled: Compiled, step: float, scales: _Scales) -> list[str]:
+def _springs(result: Result, compiled: CompiledScene, step: float, scales: _Scales) -> list[str]:
     """Springs that swing faster than steps can follow, and do swing."""
     model, found = pack(compiled.model), []
     for k, kind in enumerate(model.loads.spring_kind.tolist()):

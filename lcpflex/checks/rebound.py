@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.contact.near import near, normal_row
 from lcpflex.dynamics.mass_matrix import held_inverse, mass_matrix, slowest_vibrations
 from lcpflex.dynamics.start import violation
@@ -55,7 +55,7 @@ def rebounds(result: Result) -> tuple[str, ...]:
         return ()
     restitution, struck = compiled.model.contacts.restitution, []
     for law, name in enumerate(result.contact_names):
-        if restitution[law] > 0.0 and name not in result.by_law and result.impulse[-1:, law, 0].any():
+        if restitution[law] > 0.0 and name not in result.compliant and result.impulse[-1:, law, 0].any():
             collision = _hardest(result, compiled, law)
             if collision is not None:
                 struck.append((law, collision))
@@ -86,7 +86,7 @@ def _came(result: Result, law: int, collision: Collision, masses: Masses) -> str
     return f"; its hardest collision ({collision.impulse:.3g} N s) was that of rigid bodies with e = {apparent:.2g}"
 
 
-def _hardest(result: Result, compiled: Compiled, law: int) -> Collision | None:
+def _hardest(result: Result, compiled: CompiledScene, law: int) -> Collision | None:
     """The collision of a contact with most impulse; None between rigid bodies, and before the first instant."""
     c = compiled.model.contacts
     own = c.pass_law == law
@@ -105,7 +105,7 @@ def _hardest(result: Result, compiled: Compiled, law: int) -> Collision | None:
     return max(found, key=lambda one: one.impulse, default=None)  # none of a run that begins with its impact
 
 
-def _masses(result: Result, compiled: Compiled, law: int, collision: Collision) -> Masses | None:
+def _masses(result: Result, compiled: CompiledScene, law: int, collision: Collision) -> Masses | None:
     """At the begin of a collision; None where nothing is near."""
     q, u = result.q[collision.first].copy(), result.u[collision.first]
     model = pack(compiled.model)

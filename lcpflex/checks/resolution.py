@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from lcpflex.checks.resolution_rules import PAIRS, PER_WAVELENGTH, element_size, excited_frequency
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result
@@ -54,7 +54,11 @@ def _few_pairs(result: Result, law: int, name: str) -> str:
     pairs = int(history.pairs[history.force[:, 0] >= NEAR_PEAK * history.peak_force].max())
     if pairs == 0 or pairs >= PAIRS:
         return ""
-    choice = "" if slaves else ", and choose that surface as the slave of the contact: nodes share a force more evenly"
+    choice = (
+        ""
+        if slaves
+        else ", and choose that surface as the node side of the contact (node_side=): nodes share a force more evenly"
+    )
     return (
         f"contact {name!r}: {pairs} pair{'' if pairs == 1 else 's'} of touching points carried its peak force of "
         f"{history.peak_force:.4g} N, expected at least {PAIRS}: make the elements of "
@@ -62,7 +66,7 @@ def _few_pairs(result: Result, law: int, name: str) -> str:
     )
 
 
-def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> str:
+def _long_elements(compiled: CompiledScene, name: str, b: int, duration: float) -> str:
     """Where the mesh of body b has elements longer than a twentieth of the shortest wave."""
     mesh = compiled.layout.resolutions[b]
     assert mesh is not None
@@ -78,7 +82,7 @@ def _long_elements(compiled: Compiled, name: str, b: int, duration: float) -> st
     )
 
 
-def _few_modes(result: Result, compiled: Compiled, name: str, b: int, duration: float) -> str:
+def _few_modes(result: Result, compiled: CompiledScene, name: str, b: int, duration: float) -> str:
     """Where body b deforms, but its free modes that have mass end below what was excited."""
     bodies = compiled.model.bodies
     first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
@@ -116,19 +120,19 @@ def _push(times: FloatArray, impulse: FloatArray) -> float:
     return float(times[end] - times[start]) if ended and end - start >= INSTANTS else 0.0
 
 
-def _surfaces(compiled: Compiled, law: int) -> IntArray:
+def _surfaces(compiled: CompiledScene, law: int) -> IntArray:
     """The surfaces of a contact."""
     contacts = compiled.model.contacts
     of_law = contacts.pass_law == law
     return np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]])
 
 
-def _bodies(compiled: Compiled, surfaces: IntArray) -> list[int]:
+def _bodies(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
     """The bodies that surfaces belong to, but for the ground."""
     return [int(b) for b in np.unique(compiled.model.contacts.surface_body[surfaces]) if b >= 0]
 
 
-def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
+def _meshed_slaves(compiled: CompiledScene, law: int) -> list[str]:
     """Names of meshed bodies of which several nodes may touch in a contact."""
     contacts, layout = compiled.model.contacts, compiled.layout
     slaves = contacts.pass_slave[contacts.pass_law == law]
@@ -136,7 +140,7 @@ def _meshed_slaves(compiled: Compiled, law: int) -> list[str]:
     return [repr(layout.bodies[b]) for b in _owners(compiled, several)]
 
 
-def _masters_of_discs(compiled: Compiled, law: int) -> list[str]:
+def _masters_of_discs(compiled: CompiledScene, law: int) -> list[str]:
     """Names of meshed bodies of which a disc or arc may touch several segments in a contact."""
     contacts, layout = compiled.model.contacts, compiled.layout
     of_law = contacts.pass_law == law
@@ -146,7 +150,7 @@ def _masters_of_discs(compiled: Compiled, law: int) -> list[str]:
     return [repr(layout.bodies[b]) for b in _owners(compiled, touched)]
 
 
-def _owners(compiled: Compiled, surfaces: IntArray) -> list[int]:
+def _owners(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
     """The meshed bodies that surfaces belong to."""
     known = compiled.layout.resolutions
     return [b for b in _bodies(compiled, surfaces) if known and known[b]]

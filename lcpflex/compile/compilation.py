@@ -10,7 +10,7 @@ import numpy as np
 
 from lcpflex.compile.assembly import Assembly
 from lcpflex.compile.bodies import compile_bodies, drawn_shapes, scene_size
-from lcpflex.compile.compiled_scene import Compiled, Layout
+from lcpflex.compile.compiled_scene import CompiledScene, Layout
 from lcpflex.compile.consistency import (
     consistent_start,
     refuse_no_body,
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
 __all__ = ["compiled_scene"]
 
 
-def compiled_scene(scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool) -> Compiled:
+def compiled_scene(
+    scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool
+) -> CompiledScene:
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
     reduced, said = reduced_scene(scene, gives_way)
     parts = reduced.parts()
@@ -51,7 +53,7 @@ def compiled_parts(
     materials: Materials | None,
     project: bool,
     indents: Callable[[str], bool] | None,
-) -> Compiled:
+) -> CompiledScene:
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
     placed, joints, loads, contacts, rules, surfaces = parts
     refuse_no_body(placed)
@@ -93,7 +95,7 @@ def compiled_parts(
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
         refuse_penetration(model, q.copy(), tuple(declared), hard, size)
     laws = tuple(c.law for c in declared.values())
-    return Compiled(
+    return CompiledScene(
         model,
         layout,
         frozen(q),

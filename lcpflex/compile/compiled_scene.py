@@ -15,7 +15,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis, Model, refrozen
 from lcpflex.steppers.system import System
 
-__all__ = ["Compiled", "Layout"]
+__all__ = ["CompiledScene", "Layout"]
 
 MARGIN = 0.2  # gaps are measured up to this part of the size of the scene
 
@@ -36,7 +36,7 @@ class Layout:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Compiled:
+class CompiledScene:
     """A scene as flat read-only arrays with its initial state; it does not change with the scene any more."""
 
     model: Model
@@ -80,9 +80,9 @@ class Compiled:
         )
 
 
-def _compiled_again(*values: Any) -> Compiled:
+def _compiled_again(*values: Any) -> CompiledScene:
     """A copy, or what is unpickled: its arrays are read-only again, and functions are where they are now."""
-    again = Compiled(*values)
+    again = CompiledScene(*values)
     signals = again.model.signals
     if again.functions:
         signals = signals._replace(address=np.array([function.address for function in again.functions]))

@@ -27,11 +27,11 @@ def compile_surfaces(
     surfaces: Sequence[tuple[int, Surface]],
     declared: Sequence[tuple[int, int, float, float, float]],
     points: PointTable,
-    slave_of: Mapping[int, int] = MappingProxyType({}),
+    node_side_of: Mapping[int, int] = MappingProxyType({}),
 ) -> Contacts:
     """Flat arrays of ``surfaces`` (body index, surface) and ``declared`` contacts (surface a, surface b, mu, e_N, e_T).
 
-    Registers their material points in ``points``. ``slave_of``: by number of contact, the surface chosen as its slave.
+    Registers their material points in ``points``. ``node_side_of``: by number of contact, the one that was chosen.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def compile_surfaces(
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
     spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
     surface_block, block_start, circles, heights = blocks_of(features, feature_start)
-    passes = [(*w, law) for law, d in enumerate(declared) for w in _passes(surfaces, d[0], d[1], slave_of.get(law))]
+    passes = [(*w, law) for law, d in enumerate(declared) for w in _passes(surfaces, d[0], d[1], node_side_of.get(law))]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
     return Contacts(
@@ -84,8 +84,8 @@ def compile_surfaces(
     )
 
 
-def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, slave: int | None) -> list[tuple[int, int]]:
-    """(slave surface, feature surface) pairs of one declared contact; one only where a ``slave`` is chosen."""
+def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, node_side: int | None) -> list[tuple[int, int]]:
+    """(slave surface, feature surface) pairs of one declared contact; one only where a ``node_side`` is chosen."""
     if surfaces[a][0] == surfaces[b][0]:
         raise ModelError(f"contact: surfaces {a} and {b} belong to the same body, expected two bodies")
     first, second = surfaces[a][1], surfaces[b][1]
@@ -93,8 +93,8 @@ def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, slave: int 
         raise ModelError(
             f"contact: a {first.kind.value} and a {second.kind.value} were given, which cannot touch each other"
         )
-    if slave is not None:
-        return [(slave, a + b - slave)]
+    if node_side is not None:
+        return [(node_side, a + b - node_side)]
     if first.kind is Kind.CHAIN and second.kind is Kind.CHAIN:
         return [(a, b), (b, a)]
     return [(a, b) if RANK.get(first.kind, NO_SLAVE) <= RANK.get(second.kind, NO_SLAVE) else (b, a)]

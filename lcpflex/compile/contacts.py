@@ -28,5 +28,5 @@ def compile_contacts(
             for c in declared.values()
         ],
         assembly.points,
-        {law: number[c.slave.label] for law, c in enumerate(declared.values()) if c.slave is not None},
+        {law: number[c.node_side.label] for law, c in enumerate(declared.values()) if c.node_side is not None},
     )

@@ -12,7 +12,7 @@ from typing import ClassVar, TypeAlias
 
 from lcpflex.basics.options import keep_flag
 
-__all__ = ["ENERGETIC", "NEWTON", "POISSON", "Energetic", "ImpactLaw", "Newton", "Poisson"]
+__all__ = ["ENERGETIC", "NEWTON", "POISSON", "Stronge", "ImpactLaw", "Newton", "Poisson"]
 
 NEWTON, POISSON, ENERGETIC = 0, 1, 2  # the same for kernels
 
@@ -52,7 +52,7 @@ class Poisson:
 
 
 @dataclass(frozen=True, slots=True)
-class Energetic:
+class Stronge:
     """The work of the normal impulse: in restitution it gives back e_N^2 of what compression took (Stronge 1990).
 
     The velocities are integrated over the normal impulse p of one contact, through slip, stick and reversed slip, each
@@ -72,4 +72,4 @@ class Energetic:
         keep_flag(self, "sequential")
 
 
-ImpactLaw: TypeAlias = Newton | Poisson | Energetic
+ImpactLaw: TypeAlias = Newton | Poisson | Stronge

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
         SmoothedCoulomb,
         Threlfall,
     )
-    from lcpflex.force_laws.user_law import OwnLaw
+    from lcpflex.force_laws.user_law import UserLaw
 
 __all__ = [
     "Ambrosio",
@@ -63,7 +63,7 @@ __all__ = [
     "Liu",
     "LuGre",
     "Material",
-    "OwnLaw",
+    "UserLaw",
     "Pereira",
     "PermanentIndentation",
     "Persson",
@@ -80,4 +80,4 @@ __all__ = [
     "restitution_of",
 ]
 
-__getattr__, __dir__ = attach(__name__, "lcpflex.laws")
+__getattr__, __dir__ = attach(__name__, "lcpflex.laws", {"OwnLaw": "UserLaw"})

@@ -20,19 +20,19 @@ from lcpflex.force_laws.user_call import own_forces
 from lcpflex.jit.callback import OwnFunction
 from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["OwnLaw"]
+__all__ = ["UserLaw"]
 
 TRIAL = (1e-6, 0.0, 1.0)  # indentation [m], rate and impact speed [m/s]
 REACHED = 1e-6  # relative: an inverse is one if the force comes out again
 
 
 @dataclass(frozen=True, slots=True, init=False)
-class OwnLaw(ElasticFace):
+class UserLaw(ElasticFace):
     """Normal force by a function of the user's: lambda_N = max(0, F(delta, deltadot, v_0)).
 
     ``function(indentation, rate, impact_speed, parameters) -> float``, in SI units: delta > 0 [m], deltadot [m/s]
     positive while it grows, the speed v_0 >= ``guard_speed`` at the touch [m/s], and an array of floats. Friction and a
-    damping of the library go with it as with any elastic law, as ``ContactLaw(OwnLaw(f), friction=LuGre())``; under a
+    damping of the library go with it as with any elastic law, as ``ContactLaw(UserLaw(f), friction=LuGre())``; under a
     ``PermanentIndentation`` only its elastic part counts.
 
     The function is compiled with numba where that is possible, or has been by the user (``numba.njit``): then the run
@@ -161,8 +161,8 @@ class OwnLaw(ElasticFace):
             raise ModelError(f"function: {shown(self.function)} was given, {words}")
 
 
-def _again(function: Callable[..., float], values: tuple[float, ...], guard_speed: float, compiled: bool) -> OwnLaw:
-    return OwnLaw(function, values, guard_speed=guard_speed, compiled=compiled)
+def _again(function: Callable[..., float], values: tuple[float, ...], guard_speed: float, compiled: bool) -> UserLaw:
+    return UserLaw(function, values, guard_speed=guard_speed, compiled=compiled)
 
 
 def _try(function: Any, parameters: tuple[float, ...]) -> None:

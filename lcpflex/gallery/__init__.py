@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lcpflex.dynamics.impact_laws import Energetic, Poisson
+from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.mechanisms import bars, coaxial, flexible, rigid, stops, user_systems
 from lcpflex.gallery.mechanisms.bars import bar_with_foot, elastic_bar, prestressed_bar, two_bars
@@ -99,7 +99,7 @@ def warmup_cases() -> tuple[Case, ...]:
         ("stick_slip", 1e-2, EventDriven()),
         ("oblique_bounce", 1e-2, EventDriven()),
         ("oblique_bounce", 1e-2, EventDriven(impact=Poisson())),
-        ("oblique_bounce", 1e-2, EventDriven(impact=Energetic())),
+        ("oblique_bounce", 1e-2, EventDriven(impact=Stronge())),
         ("double_pendulum", 1e-3, MoreauJean(step=1e-4, adaptive=control)),
         ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4)),
         ("double_pendulum", 1e-3, GeneralizedAlpha(step=1e-4, adaptive=control)),

@@ -1,7 +1,7 @@
 """Results on disk: one npz file, readable by any program that reads zip and npy, never unpickled.
 
 Every array of the result stands in the file under its dotted name: ``times``, ``q``, ``energies.kinetic``,
-``spots.place``, ``compiled.model.bodies.mass``. Everything else is in the entry ``structure``, a JSON text in which
+``contact_points.place``, ``compiled.model.bodies.mass``. All else is in the entry ``structure``, a JSON text in which
 
     {"array": name}                    is the array of that name in the file,
     {"tuple": [...]}                   a tuple,
@@ -36,6 +36,9 @@ __all__ = ["read", "write"]
 DAMAGED = (
     ValueError, KeyError, TypeError, AttributeError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error
 )  # fmt: skip
+RENAMED = {  # classes and fields of the first format
+    "Compiled": "CompiledScene", "ContactSpots": "ContactPoints", "by_law": "compliant", "spots": "contact_points"
+}  # fmt: skip
 EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 2"
 READ = ("lcpflex result 1", FORMAT)
@@ -135,8 +138,8 @@ def _decode(node: Any, arrays: Mapping[str, npt.NDArray[Any]]) -> Any:
         return tuple(_decode(item, arrays) for item in node["tuple"])
     if "map" in node:
         return {_decode(key, arrays): _decode(value, arrays) for key, value in node["map"]}
-    fields = {key: _decode(value, arrays) for key, value in node["fields"].items()}
+    fields = {RENAMED.get(key, key): _decode(value, arrays) for key, value in node["fields"].items()}
     module, _, name = node["value"].rpartition(".")
     if module not in ("", "result", "energy", "scene", "model"):
         raise ValueError(f"no value class {node['value']!r}")
-    return _class(name)(**CHANGED.get(node["value"], dict)(fields))
+    return _class(RENAMED.get(name, name))(**CHANGED.get(node["value"], dict)(fields))

@@ -14,7 +14,7 @@ from lcpflex.results.places import world_places
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
 
@@ -29,7 +29,7 @@ _MARGIN = 0.12  # of the picture, around what moves
 _NEAR = 1.0  # an endless ground surface is shown if it is nearer to what moves than that is large
 
 
-def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
+def view_of(result: Result, compiled: CompiledScene, records: IntArray) -> View:
     """The part of the plane that the bodies sweep in the given records, with the finite ground surfaces near it."""
     points = compiled.model.points
     drawn = [ids for body, ids, _ in compiled.layout.outlines if body >= 0]
@@ -60,7 +60,7 @@ def view_of(result: Result, compiled: Compiled, records: IntArray) -> View:
     )
 
 
-def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
+def draw_bodies(ax: Axes, compiled: CompiledScene, q: FloatArray) -> None:
     """Deformed outlines, with their holes left open, and discs of all bodies at the configuration q (ndof,)."""
     model = compiled.model
     for ids, thin in _stars(compiled):
@@ -87,7 +87,7 @@ def draw_bodies(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
             ax.plot([x, spoke[0]], [y, spoke[1]], color=_BODY, linewidth=0.8)
 
 
-def _draw_star(ax: Axes, compiled: Compiled, q: FloatArray, ends: list[IntArray], thin: bool) -> None:
+def _draw_star(ax: Axes, compiled: CompiledScene, q: FloatArray, ends: list[IntArray], thin: bool) -> None:
     """Lines to the means of groups of material points of a body: from its origin, or from their middle where thick."""
     model = compiled.model
     places = np.array([world_places(model, q, ids).mean(axis=0) for ids in ends])
@@ -97,7 +97,7 @@ def _draw_star(ax: Axes, compiled: Compiled, q: FloatArray, ends: list[IntArray]
         ax.plot(*np.array([middle, end]).T, color=_BODY, linewidth=0.8 if thin else 2.0)
 
 
-def _stars(compiled: Compiled) -> list[tuple[list[IntArray], bool]]:
+def _stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
     """What bodies without an outline are drawn as: groups of points that lines end at, and whether those are thin.
 
     A body of points alone is a star to them, which is a rod where there are two. One of discs and surfaces shows these,
@@ -117,13 +117,13 @@ def _stars(compiled: Compiled) -> list[tuple[list[IntArray], bool]]:
     return [([np.asarray(ids) for ids in ends], thin) for ends, thin in found if len(ends) > 1 or not thin]
 
 
-def _features(compiled: Compiled, surface: int) -> IntArray:
+def _features(compiled: CompiledScene, surface: int) -> IntArray:
     """Material points of the features of a surface, (k, 2)."""
     contacts = compiled.model.contacts
     return contacts.feature_point[contacts.feature_start[surface] : contacts.feature_start[surface + 1]]
 
 
-def _surfaces_of_bodies(compiled: Compiled) -> dict[int, list[int]]:
+def _surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:
     """Surfaces of each body that are not part of its outline or one of its discs."""
     contacts, points = compiled.model.contacts, compiled.model.points
     shapes: dict[int, list[FloatArray]] = {}
@@ -140,7 +140,7 @@ def _surfaces_of_bodies(compiled: Compiled) -> dict[int, list[int]]:
     return found
 
 
-def _added_discs(compiled: Compiled) -> list[float]:
+def _added_discs(compiled: CompiledScene) -> list[float]:
     """Radii of whole discs that were put on bodies without a shape of their own [m]."""
     contacts = compiled.model.contacts
     owners = [surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces]
@@ -149,7 +149,7 @@ def _added_discs(compiled: Compiled) -> list[float]:
     return [float(abs(contacts.feature_radius[f])) for f in whole if contacts.feature_sense[f] > 0]
 
 
-def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> None:
+def draw_surfaces(ax: Axes, compiled: CompiledScene, q: FloatArray, view: View) -> None:
     """Ground surfaces and those that were put on bodies; half-planes of the ground are filled up to the edge."""
     contacts, model = compiled.model.contacts, compiled.model
     added = {surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces}
@@ -167,7 +167,7 @@ def draw_surfaces(ax: Axes, compiled: Compiled, q: FloatArray, view: View) -> No
             _draw_sides(ax, ends, view, body < 0)
 
 
-def _draw_arc(ax: Axes, compiled: Compiled, q: FloatArray, f: int, body: int, added: bool) -> None:
+def _draw_arc(ax: Axes, compiled: CompiledScene, q: FloatArray, f: int, body: int, added: bool) -> None:
     """A piece of a circle; whole discs of bodies are drawn as their outlines."""
     contacts = compiled.model.contacts
     radius, hole = abs(contacts.feature_radius[f]), contacts.feature_sense[f] < 0
@@ -196,7 +196,7 @@ def _draw_sides(ax: Axes, ends: FloatArray, view: View, on_ground: bool) -> None
         ax.add_patch(libs.Polygon(ends[:, 0], facecolor=_BODY, alpha=0.2, edgecolor="none"))
 
 
-def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
+def draw_joints(ax: Axes, compiled: CompiledScene, q: FloatArray) -> None:
     """Hinges as circles, other joints as squares, rods as lines, linear springs as dotted lines."""
     model = compiled.model
     for first, last, points in zip(model.joints.row, model.joints.row[1:], model.joints.point, strict=False):
@@ -212,7 +212,7 @@ def draw_joints(ax: Axes, compiled: Compiled, q: FloatArray) -> None:
             ax.plot(xy[:, 0], xy[:, 1], color=_JOINT, linewidth=1.6, linestyle=":", zorder=3)
 
 
-def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:
+def _ground_boxes(compiled: CompiledScene) -> list[tuple[FloatArray, FloatArray]]:
     """Bounding boxes (low, high) of the finite ground surfaces."""
     contacts = compiled.model.contacts
     boxes = []
@@ -225,7 +225,7 @@ def _ground_boxes(compiled: Compiled) -> list[tuple[FloatArray, FloatArray]]:
     return boxes
 
 
-def _feet_on_half_planes(compiled: Compiled, place: FloatArray) -> list[FloatArray]:
+def _feet_on_half_planes(compiled: CompiledScene, place: FloatArray) -> list[FloatArray]:
     """The place of each endless ground surface that is nearest to ``place``."""
     contacts = compiled.model.contacts
     feet = []
@@ -237,7 +237,7 @@ def _feet_on_half_planes(compiled: Compiled, place: FloatArray) -> list[FloatArr
     return feet
 
 
-def _angle_of(compiled: Compiled, q: FloatArray, body: int) -> float:
+def _angle_of(compiled: CompiledScene, q: FloatArray, body: int) -> float:
     return 0.0 if body < 0 else float(q[compiled.model.bodies.dof[body] + 2])
 
 

@@ -12,7 +12,7 @@ from lcpflex.results.summary import with_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.drawing import View
     from lcpflex.results.result import Result
@@ -34,12 +34,12 @@ def usual_force(result: Result) -> float:
 
     Impacts are as large as steps are short: a scale that shows them hides all others.
     """
-    forces = np.linalg.norm(result.spots.force, axis=1)
+    forces = np.linalg.norm(result.contact_points.force, axis=1)
     forces = forces[forces > 0.0]
     return float(np.median(forces)) if forces.size else 0.0
 
 
-def arrow_tips(result: Result, compiled: Compiled, record: int, view: View, scale: float) -> FloatArray:
+def arrow_tips(result: Result, compiled: CompiledScene, record: int, view: View, scale: float) -> FloatArray:
     """Where the arrows of a record end, (k, 2) [m]."""
     if scale <= 0.0:
         return np.zeros((0, 2))
@@ -47,7 +47,7 @@ def arrow_tips(result: Result, compiled: Compiled, record: int, view: View, scal
     return np.array([tip for _, tip, _, _ in arrows]).reshape(-1, 2)
 
 
-def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
+def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, view: View, scale: float) -> None:
     """An arrow for each contact force of the record, and a key; ``scale`` [N] is the force of the usual length.
 
     It is the force on the body where that touches the ground; where two bodies touch, on the one added later.
@@ -66,10 +66,10 @@ def draw_forces(ax: Axes, result: Result, compiled: Compiled, record: int, view:
 
 
 def _arrows(
-    result: Result, compiled: Compiled, record: int, length: float, scale: float
+    result: Result, compiled: CompiledScene, record: int, length: float, scale: float
 ) -> list[tuple[FloatArray, FloatArray, float, bool]]:
     """Foot, tip, force [N] of each arrow, and whether it is shorter than the force asks for."""
-    spots, found = result.spots, []
+    spots, found = result.contact_points, []
     for k in np.flatnonzero(spots.record == record):
         normal = spots.normal[k] * _towards_later(result, compiled, int(k))
         tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
@@ -81,19 +81,19 @@ def _arrows(
     return found
 
 
-def _arrow_length(result: Result, compiled: Compiled, view: View) -> float:
+def _arrow_length(result: Result, compiled: CompiledScene, view: View) -> float:
     """Length of the arrow of the usual force [m]: that of the bodies that touch, where this can be seen."""
     picture = max(view[1] - view[0], view[3] - view[2])
     extents = _extents(compiled)
     contacts = compiled.model.contacts
-    touching = np.isin(contacts.pass_law, result.spots.contact)
+    touching = np.isin(contacts.pass_law, result.contact_points.contact)
     sides = contacts.surface_body[[*contacts.pass_slave[touching], *contacts.pass_feature[touching]]]
     sizes = [extents[body] for body in np.unique(sides) if body in extents]
     wanted = _BODY_SHARE * min(sizes, default=picture)
     return float(np.clip(wanted, _SHORTEST * picture, _ARROW * picture))
 
 
-def _extents(compiled: Compiled) -> dict[int, float]:
+def _extents(compiled: CompiledScene) -> dict[int, float]:
     """Mean extent [m], the root of width times height, of each body that has a shape."""
     points = compiled.model.points
     found: dict[int, float] = {}
@@ -123,25 +123,29 @@ def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
     ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
 
 
-def _towards_later(result: Result, compiled: Compiled, spot: int) -> float:
+def _towards_later(result: Result, compiled: CompiledScene, spot: int) -> float:
     """1 where the normal of a spot points to the later of the two bodies, -1 where to the earlier or the ground.
 
     Chains test their nodes against each other both ways, so that now the one body has the feature, now the other; there
     the solid side of the earlier one decides.
     """
     contacts = compiled.model.contacts
-    passes = np.flatnonzero(contacts.pass_law == result.spots.contact[spot])
+    passes = np.flatnonzero(contacts.pass_law == result.contact_points.contact[spot])
     slaves = contacts.surface_body[contacts.pass_slave[passes]]
     features = contacts.surface_body[contacts.pass_feature[passes]]
     later = slaves > features
     if later.all() or not later.any():
         return 1.0 if later.all() else -1.0
     earlier = int(contacts.pass_feature[passes[np.argmax(later)]])
-    q, normal = result.q[result.spots.record[spot]], result.spots.normal[spot]
-    return 1.0 if float(normal @ _outward(compiled, q, earlier, result.spots.place[spot], normal)) >= 0.0 else -1.0
+    q, normal = result.q[result.contact_points.record[spot]], result.contact_points.normal[spot]
+    return (
+        1.0
+        if float(normal @ _outward(compiled, q, earlier, result.contact_points.place[spot], normal)) >= 0.0
+        else -1.0
+    )
 
 
-def _outward(compiled: Compiled, q: FloatArray, surface: int, place: FloatArray, normal: FloatArray) -> FloatArray:
+def _outward(compiled: CompiledScene, q: FloatArray, surface: int, place: FloatArray, normal: FloatArray) -> FloatArray:
     """Outward normal of a surface at a place; at a corner that of the side which is rather across ``normal``."""
     contacts = compiled.model.contacts
     distances, directions = [], []

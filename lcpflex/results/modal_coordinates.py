@@ -12,7 +12,7 @@ from lcpflex.model.planar import N_RIGID
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["ModalCoordinates", "modal_coordinates"]
@@ -55,7 +55,7 @@ class ModalCoordinates:
         return f"{text}{higher}; residual in columns {first} to {last}"
 
 
-def modal_coordinates(compiled: Compiled, b: int) -> ModalCoordinates:
+def modal_coordinates(compiled: CompiledScene, b: int) -> ModalCoordinates:
     """Those of body b."""
     bodies = compiled.model.bodies
     first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])

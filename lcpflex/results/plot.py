@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.result import Result
 
 __all__ = ["animate", "draw"]
@@ -148,7 +148,7 @@ def _passing(axes: Axes) -> Iterator[Callable[[], list[Artist]]]:
         artist.remove()
 
 
-def _draw_record(ax: Axes, result: Result, compiled: Compiled, record: int, view: View, scale: float) -> None:
+def _draw_record(ax: Axes, result: Result, compiled: CompiledScene, record: int, view: View, scale: float) -> None:
     """One instant into ``ax``; ``scale`` [N] is the force whose arrow has the usual length."""
     q = result.q[record]
     draw_surfaces(ax, compiled, q, view)
@@ -174,7 +174,7 @@ def _set_out(ax: Axes, view: View) -> None:
     ax.set_ylabel("y [m]")
 
 
-def _scene_of(result: Result) -> Compiled:
+def _scene_of(result: Result) -> CompiledScene:
     if result.compiled is None:
         raise ModelError("result: a system of the user's own has no shapes to draw; expected the result of a Scene")
     return result.compiled

@@ -11,6 +11,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, numbers
+from lcpflex.basics.renamed import renamed_property
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
 
     StateArray = NDArray[np.int8]
 
@@ -39,7 +40,7 @@ __all__ = [
     "SLIP",
     "STICK",
     "ContactHistory",
-    "ContactSpots",
+    "ContactPoints",
     "Event",
     "ModalCoordinates",
     "Result",
@@ -60,7 +61,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactSpots:
+class ContactPoints:
     """Every touching point at every stored instant, k rows in order of time."""
 
     record: IntArray  # (k,) index of the stored instant
@@ -139,10 +140,10 @@ class Result:
     impulse: FloatArray  # (m, nc, 2) accumulated since the start, impacts included [N s]
     state: StateArray  # (m, nc) OPEN, STICK, SLIP or CREEP
     gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin, see below
-    spots: ContactSpots
+    contact_points: ContactPoints
     energies: Energies
     residual: FloatArray  # (m,) largest natural-map residual of the contact problems since the previous instant
-    penetration: FloatArray  # (m,) largest penetration since the previous instant [m], see ``all_by_law``
+    penetration: FloatArray  # (m,) largest penetration since the previous instant [m], see ``all_compliant``
     joint_drift: FloatArray  # (m,) largest violation of a joint since the previous instant [m] or [rad]
     size: IntArray  # (m,) unknowns of the largest contact problem since the previous instant
     events: tuple[Event, ...]
@@ -154,9 +155,9 @@ class Result:
     compile_time: float  # [s] spent on compiling kernels or loading them from the cache
     stepper: str
     duration: float  # [s] asked for
-    compiled: Compiled | None = None  # what the scene was compiled to; None for a system of the user's own
+    compiled: CompiledScene | None = None  # what the scene was compiled to; None for a system of the user's own
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
-    by_law: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
+    compliant: tuple[str, ...] = ()  # those of them whose force is a continuous law of the indentation
     notes: tuple[str, ...] = ()  # how the stepper fared, where that is no reason to doubt
     python_calls: int = 0  # of Python functions of time, which keep the loop from being compiled
     python_time: float = 0.0  # [s] of wall_time spent in them
@@ -182,13 +183,17 @@ class Result:
         if self.energies.kinetic.shape != (m,):
             raise ModelError(f"energies: shape {self.energies.kinetic.shape}; expected {(m,)}")
 
+    spots = renamed_property("spots", "contact_points")
+    by_law = renamed_property("by_law", "compliant")
+    all_by_law = renamed_property("all_by_law", "all_compliant")
+
     @property
-    def all_by_law(self) -> bool:
+    def all_compliant(self) -> bool:
         """Whether every contact is a continuous force: ``penetration`` is then the indentation that its law asks for.
 
-        Else it is that of the set-valued contacts alone, which should have none.
+        Else it is that of the rigid contacts alone, which should have none.
         """
-        return bool(self.contact_names) and set(self.contact_names) <= set(self.by_law)
+        return bool(self.contact_names) and set(self.contact_names) <= set(self.compliant)
 
     def contact(self, name: str) -> ContactHistory:
         """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name."""
@@ -196,8 +201,8 @@ class Result:
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         k = self.contact_names.index(name)
         first = min((event.time for event in self.events if event.contact == name), default=float("inf"))
-        pressed = (self.spots.contact == k) & (self.spots.force[:, 0] > 0.0)
-        pairs = np.bincount(self.spots.record[pressed], minlength=len(self.times))
+        pressed = (self.contact_points.contact == k) & (self.contact_points.force[:, 0] > 0.0)
+        pairs = np.bincount(self.contact_points.record[pressed], minlength=len(self.times))
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
         crept = self.crept[k] if self.crept else 0.0
         return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept)

@@ -58,7 +58,7 @@ def doubts(result: Result) -> tuple[str, ...]:
     size = scene_size(result)
     if size is not None:
         values = {"penetration": result.penetration, "joint drift": result.joint_drift}
-        if result.all_by_law:
+        if result.all_compliant:
             del values["penetration"]
         # half a step of approach, which the stated error of the steps counts
         stepped = min(2.0 * (result.place_error or 0.0), STEPPED * size)
@@ -72,9 +72,9 @@ def doubts(result: Result) -> tuple[str, ...]:
 
 def lost_in_contacts(result: Result) -> str:
     """What ``energies.impact`` is to be called: the damping of contacts by law takes more time than an impact."""
-    if result.all_by_law:
+    if result.all_compliant:
         return "lost in contacts"
-    return "lost in impacts, contacts" if result.by_law else "lost in impacts"
+    return "lost in impacts, contacts" if result.compliant else "lost in impacts"
 
 
 def _run(result: Result) -> str:
@@ -123,7 +123,7 @@ def _contacts(result: Result) -> str:
     lines = ["Contacts", *(_contact(h) for h in touched[:LISTED])]
     if len(touched) > LISTED:
         lines.append(f"  and {len(touched) - LISTED} more with smaller impulses")
-    lost = result.energies.impact[-1] > 0.0 and not result.all_by_law
+    lost = result.energies.impact[-1] > 0.0 and not result.all_compliant
     if lost and not any(event.kind == "impact" for event in result.events):
         lines.append("  peak forces count an impact, which takes no time, as its impulse over one step")
     if len(touched) < len(histories):
@@ -176,9 +176,9 @@ def _energy(result: Result) -> str:
 
 
 def _accuracy(result: Result) -> str:
-    indentation = _largest(result.penetration if result.all_by_law else _indentation(result))
-    by_law = f"largest indentation {with_unit(indentation, 'm')}; " if result.by_law else ""
-    others = "" if result.all_by_law else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
+    indentation = _largest(result.penetration if result.all_compliant else _indentation(result))
+    by_law = f"largest indentation {with_unit(indentation, 'm')}; " if result.compliant else ""
+    others = "" if result.all_compliant else f"largest penetration {with_unit(_largest(result.penetration), 'm')}; "
     return (
         "Accuracy\n"
         f"  {by_law}{others}"
@@ -205,7 +205,7 @@ def _steps(result: Result) -> str:
 
 def _indentation(result: Result) -> FloatArray:
     """Indentations of the contacts by law at the stored instants [m], all in one array."""
-    indented = result.gap[:, np.isin(result.contact_names, result.by_law)]
+    indented = result.gap[:, np.isin(result.contact_names, result.compliant)]
     return np.asarray(-indented[indented < 0.0])
 
 

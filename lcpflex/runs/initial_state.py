@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.setup import Stepper
     from lcpflex.scene.user_system import UserSystem
 
@@ -29,8 +29,8 @@ REMEMBERED = {
 
 
 def started_from(
-    source: Compiled | UserSystem, initial: Result, stepper: Stepper
-) -> tuple[Compiled | UserSystem, tuple[str, ...]]:
+    source: CompiledScene | UserSystem, initial: Result, stepper: Stepper
+) -> tuple[CompiledScene | UserSystem, tuple[str, ...]]:
     """``source`` at the last state of ``initial``, and notes of what is not carried over.
 
     Raises ModelError for what is no result, holds no instant, or is of other coordinates.
@@ -48,7 +48,7 @@ def started_from(
             f"initial: a Result with the coordinates {_listed(theirs)} was given, expected those of the scene, "
             f"{_listed(ours)}"
         )
-    if isinstance(source, Compiled):
+    if isinstance(source, CompiledScene):
         q.setflags(write=False)
         u.setflags(write=False)
     return replace(source, q=q, u=u), tuple(_notes(source, initial, stepper))

@@ -7,7 +7,7 @@ from dataclasses import is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.arguments import optional_flag
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.dynamics.time_structure import with_signals
 from lcpflex.errors import ModelError, shown
 from lcpflex.runs.checkpoint import Checkpoint, Checkpoints, given_again, read
@@ -18,7 +18,7 @@ from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.problem_log import RecordProblems
     from lcpflex.results.result import Result
     from lcpflex.scene.scene import Scene
@@ -134,7 +134,7 @@ def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper
         if "scene" in kept.structure["missing"]:
             raise given_again(kept.structure["missing"], kept.path, "scene")
         found = kept.thawed("scene")
-        if not isinstance(found, Compiled):
+        if not isinstance(found, CompiledScene):
             raise kept.damaged(ValueError("other entries than expected"))
         return found
     given = compiled_for(scene, stepper, options.project)
@@ -149,13 +149,13 @@ def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper
             raise ModelError(f"scene: other functions were given than the run began with: {', '.join(others)[:120]}")
     if isinstance(given, UserSystem):
         return given
-    stored: Compiled = kept.thawed("scene")
+    stored: CompiledScene = kept.thawed("scene")
     model = with_signals(stored.model, address=given.model.signals.address)
     parts = {name: getattr(given, name) for name in ("callbacks", "functions", "materials", "laws")}
     return replace(stored, model=model, **parts)  # the arrays to the last bit: a scene reduced anew may differ there
 
 
-def _at_start(given: Compiled | UserSystem, kept: Checkpoint) -> Any:
+def _at_start(given: CompiledScene | UserSystem, kept: Checkpoint) -> Any:
     """``given`` from the state that the run began from, which may be that of a result."""
     stored = kept.thawed("scene") if isinstance(kept.structure["scene"], dict) else None
     if stored is None or not kept.thawed("options").notes:

@@ -16,7 +16,7 @@ from lcpflex.solvers.quadratic_program import QuadraticProgram
 from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.run import Records
@@ -71,12 +71,12 @@ class Setup:
     options: Options
     stepper: Stepper
     system: System
-    source: Compiled | UserSystem
+    source: CompiledScene | UserSystem
     names: tuple[str, ...]  # of the declared contacts
     recorder: Recorder | None
 
     @property
-    def compiled(self) -> Compiled | None:
+    def compiled(self) -> CompiledScene | None:
         """What the scene was compiled to; None for a user's own system."""
         return None if isinstance(self.source, UserSystem) else self.source
 
@@ -87,7 +87,7 @@ class Setup:
         return run
 
 
-def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> Compiled | UserSystem:
+def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> CompiledScene | UserSystem:
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
     if isinstance(scene, UserSystem):
         return scene
@@ -97,7 +97,7 @@ def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> 
 
 
 def set_up(
-    source: Compiled | UserSystem, stepper: Stepper, options: Options, record_problems: RecordProblems | None
+    source: CompiledScene | UserSystem, stepper: Stepper, options: Options, record_problems: RecordProblems | None
 ) -> Setup:
     """Everything that a run needs, of a compiled scene or of a user's own system."""
     if isinstance(source, UserSystem):

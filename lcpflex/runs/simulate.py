@@ -21,7 +21,7 @@ from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
 from lcpflex.results.energy_balance import GROWTH, Energies, EnergyGrowth, created, energy_warnings
 from lcpflex.results.problem_log import Recorder, RecordProblems
-from lcpflex.results.result import ContactSpots, Event, Result
+from lcpflex.results.result import ContactPoints, Event, Result
 from lcpflex.results.stated_error import stated_errors
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import started_from
@@ -31,7 +31,7 @@ from lcpflex.steppers.law_run import friction_warnings
 from lcpflex.steppers.user_functions import advance
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
@@ -233,7 +233,7 @@ def _advance_all(
 def _collect(
     run: Run,
     system: System,
-    compiled: Compiled | None,
+    compiled: CompiledScene | None,
     names: tuple[str, ...],
     options: Options,
     stepper: Stepper,
@@ -264,7 +264,7 @@ def _collect(
         impulse=data["impulse"],
         state=state,
         gap=data["gap"],
-        spots=ContactSpots(
+        contact_points=ContactPoints(
             record=spots[:, 0].astype(np.int64),
             contact=spots[:, 1].astype(np.int64),
             place=spots[:, 2:4],
@@ -296,7 +296,7 @@ def _collect(
         duration=options.duration,
         compiled=compiled,
         contact_names=names,
-        by_law=run.records.by_law,
+        compliant=run.records.by_law,
         crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),

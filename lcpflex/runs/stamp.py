@@ -21,7 +21,7 @@ from lcpflex.runs.object_tree import Arrays, Unkept, freeze
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.setup import Setup, Stepper
 __all__ = ["described", "difference", "functions_of", "made", "same_arrays", "stepper_node"]
 
@@ -60,7 +60,7 @@ def _sources() -> str:
     return digest.hexdigest()[:16]
 
 
-def scene_node(source: Compiled | UserSystem, arrays: Arrays) -> tuple[Any, str]:
+def scene_node(source: CompiledScene | UserSystem, arrays: Arrays) -> tuple[Any, str]:
     """The scene as data, but for its functions; and why it has to be given again, empty where it has not."""
     if isinstance(source, UserSystem):
         numbers = {name: getattr(source, name) for name in OWN_NUMBERS}
@@ -90,7 +90,7 @@ def stepper_node(stepper: Stepper, arrays: Arrays) -> tuple[Any, str]:
     return node, ""
 
 
-def functions_of(source: Compiled | UserSystem) -> dict[str, str]:
+def functions_of(source: CompiledScene | UserSystem) -> dict[str, str]:
     """The code of the functions of a scene, as hashes, by what they are called."""
     if isinstance(source, UserSystem):
         named = {name: getattr(source, name) for name in type(source).__dataclass_fields__ if not name.startswith("_")}

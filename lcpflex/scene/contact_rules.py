@@ -10,7 +10,7 @@ from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
-from lcpflex.scene.placed_surface import PlacedSurface, can_touch, check_own, is_slave_of
+from lcpflex.scene.placed_surface import PlacedSurface, can_be_node_side, can_touch, check_own
 
 __all__ = ["by_rules", "contact_between", "rule_of"]
 
@@ -57,7 +57,7 @@ def contact_between(
     friction: float,
     restitution: float,
     tangential_restitution: float,
-    slave: PlacedSurface | None,
+    node_side: PlacedSurface | None,
     law: Law | None,
 ) -> DeclaredContact:
     """What :meth:`lcpflex.scene.scene.Scene.contact` declares beside the ``contacts`` of the scene; or ModelError."""
@@ -82,8 +82,8 @@ def contact_between(
         if {a.label, b.label} == {surface.label for surface in declared.pair}:
             raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them")
     numbers = _numbers(friction, restitution, tangential_restitution, law)
-    _check_slave(slave, a, b)
-    return DeclaredContact((a, b), *numbers, slave, law)
+    _check_node_side(node_side, a, b)
+    return DeclaredContact((a, b), *numbers, node_side, law)
 
 
 def rule_of(
@@ -107,19 +107,19 @@ def rule_of(
     return ContactRule(*numbers, tuple((x, y) for x, y in exclude), law)
 
 
-def _check_slave(slave: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface) -> None:
-    """Raise ModelError for a slave that is neither a nor b, or that cannot be the slave of the other one."""
-    if slave is None:
+def _check_node_side(node_side: PlacedSurface | None, a: PlacedSurface, b: PlacedSurface) -> None:
+    """Raise ModelError for a node side that is neither a nor b, or that cannot be that of the other one."""
+    if node_side is None:
         return
-    chosen = slave.label if isinstance(slave, PlacedSurface) and slave.scene is a.scene else ""
+    chosen = node_side.label if isinstance(node_side, PlacedSurface) and node_side.scene is a.scene else ""
     if chosen not in (a.label, b.label):
-        given = repr(slave.label) if isinstance(slave, PlacedSurface) else shown(slave)
-        raise ModelError(f"slave: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
-    master = b if chosen == a.label else a
-    if not is_slave_of(slave, master):
+        given = repr(node_side.label) if isinstance(node_side, PlacedSurface) else shown(node_side)
+        raise ModelError(f"node_side: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
+    other = b if chosen == a.label else a
+    if not can_be_node_side(node_side, other):
         raise ModelError(
-            f"slave: {slave.label!r} (a {slave.shape.kind.value}) was given for {master.label!r} (a "
-            f"{master.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"
+            f"node_side: {node_side.label!r} (a {node_side.shape.kind.value}) was given for {other.label!r} (a "
+            f"{other.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"
         )
 
 

@@ -22,7 +22,7 @@ class DeclaredContact:
     friction: float
     restitution: float
     tangential_restitution: float
-    slave: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
+    node_side: PlacedSurface | None = None  # the one of the pair whose points alone touch the other; None: by the kinds
     law: Law | None = None  # continuous contact force; None: complementarity
 
 

@@ -14,7 +14,7 @@ from lcpflex.errors import ModelError, shown
 if TYPE_CHECKING:
     from lcpflex.scene.handles import Placed
 
-__all__ = ["PlacedSurface", "can_touch", "check_own", "is_slave_of", "listed"]
+__all__ = ["PlacedSurface", "can_touch", "check_own", "can_be_node_side", "listed"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,9 +34,9 @@ def can_touch(a: PlacedSurface, b: PlacedSurface) -> bool:
     return shapes.can_touch(a.shape, b.shape)
 
 
-def is_slave_of(slave: PlacedSurface, master: PlacedSurface) -> bool:
-    """Whether ``slave`` has material points that may touch others, and ``master`` something to be touched."""
-    return shapes.is_slave_of(slave.shape, master.shape)
+def can_be_node_side(node_side: PlacedSurface, other: PlacedSurface) -> bool:
+    """Whether ``node_side`` has material points that may touch others, and ``other`` something to be touched."""
+    return shapes.can_be_node_side(node_side.shape, other.shape)
 
 
 def listed(names: Sequence[str]) -> str:

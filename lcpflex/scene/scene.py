@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import absent, flag, told_by
+from lcpflex.basics.renamed import renamed_keyword
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
 from lcpflex.force_laws.law import Law
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
-    from lcpflex.scene.compiling import Compiled, ReductionOrder
+    from lcpflex.scene.compiling import CompiledScene, ReductionOrder
 
 __all__ = ["Scene"]
 
@@ -177,6 +178,7 @@ class Scene:
         check_own(self, "load", load.P)
         self._loads.append(load)
 
+    @renamed_keyword(slave="node_side")
     def contact(
         self,
         a: PlacedSurface,
@@ -186,33 +188,33 @@ class Scene:
         tangential_restitution: float = 0.0,
         name: str | None = None,
         *,
-        slave: PlacedSurface | None = None,
+        node_side: PlacedSurface | None = None,
         law: Law | None = None,
     ) -> str:
         """Declare that two surfaces may touch; returns the name of the contact (contact1, contact2, ... if omitted).
 
         friction: Coulomb's mu >= 0; restitution: Newton's e_N in [0, 1]; tangential_restitution: e_T in [0, 1].
 
-        ``slave``, one of a and b, makes its points touch the segments and arcs of the other, and no more: one pass.
-        By default what is a disc, node or solid arc is the slave; of two chains each is the slave of the other: two
+        ``node_side``, one of a and b, makes its points touch the segments and arcs of the other, and no more: one pass.
+        By default a disc, node or solid arc is the node side; of two chains each is the node side of the other: two
         passes. They carry a uniform pressure exactly through any two meshes and let no node of either into the other,
         with about twice the unknowns; where nodes meet nodes, each force is shared by two pairs in a way that nothing
-        determines. One pass lets nodes of the master into the slave between its nodes, and the pressure is uneven where
-        the meshes do not match: let the finer one be the slave (measured with 8 and 5 elements pressed together: the
-        blocks are 0.04 % too short, with the coarser one as slave 1.3 %).
+        determines. One pass lets nodes of the surface side in between those of the node side; the pressure is uneven
+        where the meshes do not match: let the finer one be the node side (measured with 8 and 5 elements pressed
+        together: the blocks are 0.04 % too short, with the coarser one as node side 1.3 %).
 
-        A disc that strikes a mesh finer than the patch where they touch: let the mesh be the slave. As the slave, the
+        A disc that strikes a mesh finer than the patch where they touch: let the mesh be the node side. Else the
         disc passes from segment to segment of the bent mesh, each time with a small jump of energy that no shorter step
         removes (measured with elements of a third of the patch's half width and massless boundary: 1 % of the energy is
-        unexplained for a while, 0.002 % with the mesh as slave). On a mesh coarser than the patch, the disc would sink
-        in between nodes: let it be the slave, as it is by default.
+        unexplained for a while, 0.002 % with the mesh as node side). On a mesh coarser than the patch, the disc would
+        sink in between nodes: let it be the node side, as it is by default.
 
-        ``law``: a continuous contact force, ``ContactLaw(...)`` or ``Penalty(...)``, beside the set-valued law of the
+        ``law``: a continuous contact force, ``ContactLaw(...)`` or ``Penalty(...)``, beside the rigid contact of the
         others; it knows no restitution: a rebound follows from its damping. Steppers: ``EventDriven``, ``MoreauJean``,
         and ``Smooth``, whose own ``laws`` go before it.
         """
         declared = contact_between(
-            self, self._contacts, a, b, friction, restitution, tangential_restitution, slave, law
+            self, self._contacts, a, b, friction, restitution, tangential_restitution, node_side, law
         )
         name = _name("contact", name, list(self._contacts))
         self._contacts[name] = declared
@@ -288,8 +290,8 @@ class Scene:
         Left out are pairs of bodies with a joint between them, pairs declared with :meth:`contact`, and the pairs in
         ``exclude``, of bodies (with all their surfaces), surfaces, or ``scene.ground``; and pairs of kinds between
         which there is no contact, such as two holes. Contacts are named after their surfaces, such as
-        "box1.outline/ground.half_plane1". It holds for what is added later, too. Slaves follow from the kinds, two
-        chains are slaves of each other: where a choice of slave is wanted, declare the pair with :meth:`contact`.
+        "box1.outline/ground.half_plane1". It holds for what is added later, too. Node sides follow from the kinds, two
+        chains are node sides of each other: where a choice is wanted, declare the pair with :meth:`contact`.
         """
         self._rules.append(rule_of(self, friction, restitution, tangential_restitution, exclude, law))
 
@@ -309,7 +311,7 @@ class Scene:
         """
         return exchanged(self, bodies)
 
-    def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> Compiled:
+    def compile(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> CompiledScene:
         """Check the scene as a whole and compile it; the scene is not changed.
 
         With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
@@ -318,7 +320,7 @@ class Scene:
         Warns
         -----
         ModelWarning
-            Where a body with modes gives way too little at a joint, load or contact: see ``Compiled.warnings``.
+            Where a body with modes gives way too little at a joint, load or contact: see ``CompiledScene.warnings``.
         """
         if indents is not None and (isinstance(indents, type) or not callable(indents)):
             raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
@@ -329,7 +331,7 @@ class Scene:
 
     def compiled(
         self, project: bool = False, indents: Callable[[str], bool] | None = None, gives_way: bool = False
-    ) -> Compiled:
+    ) -> CompiledScene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.

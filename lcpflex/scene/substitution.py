@@ -99,8 +99,8 @@ class _Again:
         for name, contact in parts.contacts.items():
             a, b = (self._surface(surface) for surface in contact.pair)
             numbers = (contact.friction, contact.restitution, contact.tangential_restitution)
-            slave = None if contact.slave is None else self._surface(contact.slave)
-            self._new.contact(a, b, *numbers, name=name, slave=slave, law=contact.law)
+            node_side = None if contact.node_side is None else self._surface(contact.node_side)
+            self._new.contact(a, b, *numbers, name=name, node_side=node_side, law=contact.law)
         for rule in parts.rules:
             self._new.contact_all(
                 rule.friction, rule.restitution, rule.tangential_restitution,

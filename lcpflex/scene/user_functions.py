@@ -60,7 +60,7 @@ def _of_joint(name: str, joint: Joint) -> Iterator[tuple[str, Any]]:
 
 def _of_law(holder: str, law: Law | None) -> Iterator[tuple[str, Any]]:
     elastic = getattr(law, "elastic", law)
-    if isinstance(elastic, force_laws.OwnLaw):
+    if isinstance(elastic, force_laws.UserLaw):
         yield holder, elastic.function
 
 

@@ -20,7 +20,7 @@ from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.lcp.lemke import Lemke
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status
-from lcpflex.solvers.user_solver import OwnSolver, as_solver, own_part
+from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
 from lcpflex.steppers.wedged import Wedged, parts
 
 __all__ = [
@@ -73,7 +73,7 @@ class PythonSolve:
 
     def __init__(self, solver: LcpSolver) -> None:
         self._solver = as_solver(solver)
-        self._with_contacts = not isinstance(self._solver, OwnSolver) or self._solver.takes == "problem"
+        self._with_contacts = not isinstance(self._solver, UserSolver) or self._solver.takes == "problem"
         self._last: Solution | None = None
 
     def __call__(self, work: Workspace) -> int:
@@ -109,7 +109,7 @@ class Rescue:
 
     @property
     def solver(self) -> LcpSolver:
-        """The solver of the run; one of the user's as an OwnSolver with the tolerance of the run."""
+        """The solver of the run; one of the user's as an UserSolver with the tolerance of the run."""
         solver: LcpSolver = self._solver
         return solver
 

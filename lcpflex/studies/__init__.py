@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lcpflex.studies.convergence.points import WorkPoint, WorkPrecision
     from lcpflex.studies.convergence.work_precision import work_precision
     from lcpflex.studies.criteria import Criteria
-    from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
+    from lcpflex.studies.model_order.report import FidelityRun, NextLevel, RightSize
     from lcpflex.studies.model_order.right_size import right_size
     from lcpflex.studies.outcome import Outcome, Verdict
     from lcpflex.studies.outputs import Output
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Criteria",
     "FidelityRun",
-    "NextRung",
+    "NextLevel",
     "Outcome",
     "Output",
     "RightSize",
@@ -47,4 +47,4 @@ __all__ = [
     "work_precision",
 ]
 
-__getattr__, __dir__ = attach(__name__)
+__getattr__, __dir__ = attach(__name__, renamed={"NextRung": "NextLevel"})

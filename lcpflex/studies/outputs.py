@@ -17,7 +17,7 @@ from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.result import Result
 
 __all__ = [
@@ -342,7 +342,7 @@ def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, float]]])
     ]
 
 
-def two_places(compiled: Compiled, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, float]]]:
+def two_places(compiled: CompiledScene, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, float]]]:
     """Undeformed places [m], two for each body, that between them see it translate, turn and bend.
 
     Of bodies in ``ends`` they are the ends of what is known of them even if they are rigid.
@@ -350,7 +350,7 @@ def two_places(compiled: Compiled, ends: Sequence[str] = ()) -> list[tuple[str, 
     return [(body, place) for body in compiled.layout.bodies for place in _two_of(compiled, body, body in ends)]
 
 
-def _two_of(compiled: Compiled, body: str, ends: bool) -> list[tuple[float, float]]:
+def _two_of(compiled: CompiledScene, body: str, ends: bool) -> list[tuple[float, float]]:
     model = compiled.model
     b = compiled.layout.bodies.index(body)
     own = model.points.place[model.points.body == b]

@@ -26,8 +26,8 @@ def has_impacts(result: Result) -> bool:
 
     The mean force of that interval is then several times those of its neighbours, and grows as it gets shorter.
     """
-    names = np.array([name not in result.by_law for name in result.contact_names], dtype=bool)
-    if any(event.kind == "impact" and event.contact not in result.by_law for event in result.events):
+    names = np.array([name not in result.compliant for name in result.contact_names], dtype=bool)
+    if any(event.kind == "impact" and event.contact not in result.compliant for event in result.events):
         return True
     spans = np.diff(result.times)
     growth = np.diff(result.impulse[:, names, 0], axis=0)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from lcpflex.compile.compiled_scene import Compiled
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.scene.scene import Scene
 
 __all__ = ["Vibrations", "small_vibrations"]
@@ -113,7 +113,7 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
 class _Turning:
     """The mechanics of a scene as seen from turning axes."""
 
-    def __init__(self, compiled: Compiled, spin: float) -> None:
+    def __init__(self, compiled: CompiledScene, spin: float) -> None:
         self._compiled = compiled
         self._model = pack(compiled.model)
         self._spin = spin
@@ -191,7 +191,7 @@ def _stiffness(turning: _Turning, q: FloatArray, reaction: FloatArray) -> FloatA
     return _jacobian(lambda x: turning.residual(x, still, reaction), q, turning.scale)
 
 
-def _scale(compiled: Compiled) -> FloatArray:
+def _scale(compiled: CompiledScene) -> FloatArray:
     """(ndof,) what is a large change of each coordinate: the extent of a body, a radian, a mode that moves so far."""
     bodies, points = compiled.model.bodies, compiled.model.points
     scale = np.full(len(compiled.q), compiled.size)

@@ -165,7 +165,7 @@ def cross_check(
     ----------
     solvers
         By name, or one, or a sequence of them; all of :func:`all_solvers` if left out. Callables become
-        :class:`OwnSolver`: a function of (M, q) or of (problem) that returns z.
+        :class:`UserSolver`: a function of (M, q) or of (problem) that returns z.
     repeats
         Solves of which the median time counts, after one that may compile.
     tolerance

@@ -243,5 +243,5 @@ def test_heap_of_discs_and_boxes_keeps_its_laws(seed: int) -> None:
     assert result.energies.relative_remainder < 1e-7
     lost = result.energies.friction + result.energies.impact  # tangential impulses alone may do work in an impact
     assert np.diff(lost).min() > -1e-8
-    assert result.spots.force[:, 0].min() > -1e-6
-    assert (np.abs(result.spots.force[:, 1]) <= 0.4 * result.spots.force[:, 0] + 1e-6).all()
+    assert result.contact_points.force[:, 0].min() > -1e-6
+    assert (np.abs(result.contact_points.force[:, 1]) <= 0.4 * result.contact_points.force[:, 0] + 1e-6).all()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
 
 LONGEST = 1e-3
 
@@ -26,7 +26,7 @@ def test_compiled_driver_is_ten_times_faster(
         {
             "compiled driver": lambda: seconds_per_step(1.9, Newton(), lf.Lemke()),
             "compiled driver, Poisson": lambda: seconds_per_step(1.9, Poisson(), lf.Lemke()),
-            "compiled driver, Stronge": lambda: seconds_per_step(1.9, Energetic(), lf.Lemke()),
+            "compiled driver, Stronge": lambda: seconds_per_step(1.9, Stronge(), lf.Lemke()),
             "Python driver": lambda: seconds_per_step(0.05, Newton(), delegate),
         }
     )

@@ -9,7 +9,7 @@ import lcpflex as lf
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.user_law import UserLaw
 from lcpflex.steppers.smooth.stepper import Smooth, Verlet
 
 K, E = 1e6, 0.6
@@ -31,8 +31,8 @@ def test_compiled_own_law_costs_little_more_than_one_of_the_library(
 ) -> None:
     damping = HysteresisDamping(E)
     built_in = ContactLaw(PowerLaw(K), damping)
-    own = ContactLaw(OwnLaw(hunt_crossley, (K, damping.eta)))
-    python = ContactLaw(OwnLaw(hunt_crossley, (K, damping.eta), compiled=False))
+    own = ContactLaw(UserLaw(hunt_crossley, (K, damping.eta)))
+    python = ContactLaw(UserLaw(hunt_crossley, (K, damping.eta), compiled=False))
     scene = resting_strip()
     medians = interleave(
         {

@@ -31,7 +31,7 @@ def _solver_classes():
 # Those that are made of another solver.
 WRAPPERS = {
     "TimeLimit": (lcpflex.solvers.Auto(), 60.0),
-    "OwnSolver": (lambda problem: lcpflex.solvers.Auto().solve(problem),),
+    "UserSolver": (lambda problem: lcpflex.solvers.Auto().solve(problem),),
 }
 
 

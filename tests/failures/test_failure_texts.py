@@ -8,7 +8,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, Poisson
+from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.runs.simulate import _closed, _growth_cause
 from tests.scenes import floor_of
 
@@ -31,7 +31,7 @@ def ball(restitution: float, friction: float, modes: bool = False) -> lf.Scene:
         (0.5, 0.3, lf.MoreauJean(1e-3), "Newton's restitution with friction"),
         (0.5, 0.3, lf.EventDriven(), "Newton's restitution with friction"),
         (0.5, 0.3, lf.EventDriven(impact=Poisson()), "tighter tolerances"),
-        (0.5, 0.3, lf.EventDriven(impact=Energetic()), "tighter tolerances"),
+        (0.5, 0.3, lf.EventDriven(impact=Stronge()), "tighter tolerances"),
         (0.0, 0.3, lf.MoreauJean(1e-3), "a shorter step"),
         (0.5, 0.0, lf.GeneralizedAlpha(1e-3), "a shorter step"),
         (0.0, 0.0, lf.MoreauJean(1e-3, adaptive=lf.AdaptiveStep()), "tighter tolerances"),

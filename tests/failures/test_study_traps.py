@@ -264,7 +264,7 @@ def test_a_sound_choice_keeps_its_promise(good: RightSize) -> None:
 
 
 @pytest.mark.parametrize(("step", "tolerance"), [(0.03, 0.02), (2e-3, 1e-4)])
-def test_no_rung_is_promised_where_the_step_decides(step: float, tolerance: float) -> None:
+def test_no_level_is_promised_where_the_step_decides(step: float, tolerance: float) -> None:
     found = sized(tolerance=tolerance, step=step)
     assert not found.within
     assert max(found.step_error, found.reference_step_error) > tolerance or not found.proved
@@ -311,12 +311,12 @@ def test_vibrations_shorter_than_two_steps_promise_nothing() -> None:
 
 
 def test_a_note_that_richer_bodies_were_off_takes_the_promise_back() -> None:
-    ladders = of_scene(wall)
+    fidelities = of_scene(wall)
     step = lf.MoreauJean(step=1e-3)
-    search = Search(ladders, comparable(ladders, "motion"), 0.0, 1.5, lambda scene: step, 60.0)
-    for rung in (0, 2, 3, ladders.top[0]):
-        search.run((rung,))
-    search.reference = ladders.top
+    search = Search(fidelities, comparable(fidelities, "motion"), 0.0, 1.5, lambda scene: step, 60.0)
+    for level in (0, 2, 3, fidelities.top[0]):
+        search.run((level,))
+    search.reference = fidelities.top
     search.tolerance = search.estimate((3,)) * 0.99
     (reason,) = contradictions(search, (2,))
     assert "by chance" in reason
@@ -326,10 +326,12 @@ def test_a_note_that_richer_bodies_were_off_takes_the_promise_back() -> None:
 
 
 def test_rich_bodies_that_cannot_be_trusted_take_the_promise_back() -> None:
-    ladders = of_scene(wall)
-    search = Search(ladders, comparable(ladders, "motion"), 0.05, 1.5, lambda scene: lf.MoreauJean(step=1e-3), 60.0)
-    for rung in (0, 2):
-        search.run((rung,))
+    fidelities = of_scene(wall)
+    search = Search(
+        fidelities, comparable(fidelities, "motion"), 0.05, 1.5, lambda scene: lf.MoreauJean(step=1e-3), 60.0
+    )
+    for level in (0, 2):
+        search.run((level,))
     search.reference = (2,)
     search.untrusted = True
     search.notes = ["bar: full mesh cannot be trusted: contact impulses created energy"]

@@ -117,9 +117,9 @@ def check_depth(result: lf.Result, walls: bool, allowed: float) -> None:
 def check_contacts(result: lf.Result, penetration: float) -> None:
     """No pulling, Coulomb's cone at every point, no penetration, impulses that only grow along normals."""
     assert result.compiled is not None
-    limit = result.compiled.model.contacts.friction[result.spots.contact] * result.spots.force[:, 0]
-    assert result.spots.force.size == 0 or result.spots.force[:, 0].min() >= -1e-9
-    assert (np.abs(result.spots.force[:, 1]) <= limit * (1.0 + 1e-9) + 1e-9).all()
+    limit = result.compiled.model.contacts.friction[result.contact_points.contact] * result.contact_points.force[:, 0]
+    assert result.contact_points.force.size == 0 or result.contact_points.force[:, 0].min() >= -1e-9
+    assert (np.abs(result.contact_points.force[:, 1]) <= limit * (1.0 + 1e-9) + 1e-9).all()
     assert np.diff(result.impulse[:, :, 0], axis=0).min() > -1e-5  # mean of a force that is released within a step
     assert result.penetration.max() < penetration
 

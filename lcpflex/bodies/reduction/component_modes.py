@@ -9,9 +9,9 @@ that can move rigidly leaves k - r elastic coordinates, r = 3, or 1 of an axisym
 frequencies are those of the full mesh or above them, mass and inertia are exact.
 
 ``model`` is anything with ``finite_elements()``: Matrices, Continuum, SolidOfRevolution. Nodes are chosen by the name
-of a set, by several names, or by their numbers. The same input gives the same bits. Every body carries the ladder of
-its mesh, :attr:`lcpflex.bodies.body.Body.ladder`, with the same damping and stiffening. The "boundary nodes" of it are
-those chosen here, or else the points and smaller named sets of the mesh, up to 150 nodes.
+of a set, by several names, or by their numbers. The same input gives the same bits. Every body carries the levels of
+its mesh, :attr:`lcpflex.bodies.body.Body.fidelity_levels`, with the same damping and stiffening. The "boundary nodes"
+of it are those chosen here, or else the points and smaller named sets of the mesh, up to 150 nodes.
 
 Errors of all: a mesh in pieces, with mechanisms, an indefinite matrix, nodes that the mesh does not have, more modes
 than it has, more than fits in memory, and a damping that does not fit raise :class:`lcpflex.errors.ModelError`.

@@ -1,4 +1,4 @@
-"""The ladder of fidelities of a body that is known by its modes: rigid, 1, 2, 4, ... of them, the full mesh."""
+"""The choice of fidelity levels of a body that is known by its modes: rigid, 1, 2, 4, ... of them, the full mesh."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Rung
+from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.bodies.reduction.damping import Damping, Rayleigh
 
-__all__ = ["ModeLadder", "counted"]
+__all__ = ["ModeLevels", "counted"]
 
-NEAR = 1.4  # the last rung below the full mesh has fewer modes than that by this factor: else it is hardly cheaper
+NEAR = 1.4  # the last level below the full mesh has fewer modes than that by this factor: else it is hardly cheaper
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ModeLadder:
-    """Gives the rungs rigid, then 1, 2, 4, ... and all ``available`` free modes.
+class ModeLevels:
+    """Gives the levels rigid, then 1, 2, 4, ... and all ``available`` free modes.
 
     Attributes
     ----------
     available : number of modes of the mesh
     reduce : makes the body with so many free modes, that damping, and its residual modes or none of them
-    damping : of the body that is given. Where it is a ratio for each of its modes, the ladder ends with these: of the
+    damping : of the body that is given. Where it is a ratio for each of its modes, the levels end with these: of the
         damping of others nothing is known.
-    residual : number of residual modes that every rung between rigid and the full mesh has besides
+    residual : number of residual modes that every level between rigid and the full mesh has besides
     """
 
     available: int
@@ -35,8 +35,8 @@ class ModeLadder:
     damping: Damping
     residual: int = 0
 
-    def __call__(self) -> tuple[Rung, ...]:
-        """The rungs."""
+    def __call__(self) -> tuple[FidelityLevel, ...]:
+        """The levels."""
         ratios = self._ratios()
         known = self.available if ratios is None else len(ratios)
         counts = [0]
@@ -44,7 +44,7 @@ class ModeLadder:
         while NEAR * (step + self.residual) < known:
             counts.append(step)
             step *= 2
-        return tuple(self._rung(modes) for modes in dict.fromkeys([*counts, known]))
+        return tuple(self._level(modes) for modes in dict.fromkeys([*counts, known]))
 
     def _ratios(self) -> np.ndarray[Any, Any] | None:
         """One damping ratio for each mode, if it was given so."""
@@ -52,15 +52,15 @@ class ModeLadder:
             return None
         return np.asarray(self.damping, dtype=float)
 
-    def _rung(self, modes: int) -> Rung:
+    def _level(self, modes: int) -> FidelityLevel:
         between = 0 < modes < self.available
         name = counted(modes, self.residual) if between else "full mesh" if modes else "rigid"
-        return Rung(name, modes + self.residual if between else modes, partial(self._body, modes, between))
+        return FidelityLevel(name, modes + self.residual if between else modes, partial(self._body, modes, between))
 
     def _body(self, modes: int, between: bool) -> Body:
         ratios = self._ratios()
         own = self.damping if ratios is None else ratios[:modes]
-        return replace(self.reduce(modes, own, between), ladder=self)
+        return replace(self.reduce(modes, own, between), fidelity_levels=self)
 
 
 def counted(modes: int, residual: int) -> str:

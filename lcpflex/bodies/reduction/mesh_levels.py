@@ -1,4 +1,4 @@
-"""A meshed body and its ladder: the same mesh at every fidelity, from rigid to all of its nodes."""
+"""A meshed body and its fidelity levels: the same mesh at every fidelity, from rigid to all of its nodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.body import Body, Rung
+from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.fem.stiffness_error import warn_if_too_stiff
@@ -25,8 +25,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 
 __all__ = ["Held", "reduced"]
 
-NEAR = 1.4  # rungs have fewer modes than the full mesh by this factor: else they are hardly cheaper
-MOST_MODES = 128  # of the rungs between rigid and the boundary nodes
+NEAR = 1.4  # levels have fewer modes than the full mesh by this factor: else they are hardly cheaper
+MOST_MODES = 128  # of the levels between rigid and the boundary nodes
 KEPT = 32  # free-free modes besides the static response of the boundary nodes
 MOST_NODES = 150  # of the boundary: two columns each
 
@@ -41,11 +41,11 @@ def reduced(
     held: Held | None = None,
     residual_from: int | None = None,
 ) -> Body:
-    """The body of a mesh in the basis that is made of it, with its ladder.
+    """The body of a mesh in the basis that is made of it, with its levels.
 
     Parameters
     ----------
-    nodes : those that the ladder takes for the boundary; None for those of small named sets
+    nodes : those that the levels take for the boundary; None for those of small named sets
     columns : number of free modes, where it is known before the basis is made: to refuse wrong dampings early
     held : the interfaces of which the columns behind these are the residual modes
     residual_from : where the residual modes begin, of a basis that has some without it
@@ -63,7 +63,7 @@ def reduced(
     return replace(
         body,
         statics=MeshStatics(stiffened),
-        ladder=partial(_ladder, stiffened, damping, stiffening, nodes, held, residual),
+        fidelity_levels=partial(_levels, stiffened, damping, stiffening, nodes, held, residual),
     )
 
 
@@ -79,37 +79,37 @@ class Held(NamedTuple):
         return Residual(modes, min(modes, self.of_contacts), self.damping)
 
 
-def _ladder(
+def _levels(
     mesh: FiniteElements,
     damping: Damping | None,
     stiffening: Stiffening | None,
     nodes: IntArray | None,
     held: Held | None = None,
     residual: Residual = NO_RESIDUAL,
-) -> tuple[Rung, ...]:
+) -> tuple[FidelityLevel, ...]:
     """Rigid, 1, 2, 4, ... free-interface modes, the static response of the boundary nodes, and the full mesh.
 
-    With interfaces, each rung between rigid and the boundary nodes has their residual modes besides.
+    With interfaces, each level between rigid and the boundary nodes has their residual modes besides.
 
-    With a damping ratio for each mode the ladder ends with as many: of the damping of others nothing is known.
+    With a damping ratio for each mode the levels end with as many: of the damping of others nothing is known.
     """
-    free = cache(lambda: FreeMesh.of(mesh))  # one factor for all rungs
-    rungs: list[Rung] = []
-    again = partial(_ladder, mesh, damping, stiffening, nodes, held, residual)
+    free = cache(lambda: FreeMesh.of(mesh))  # one factor for all levels
+    levels: list[FidelityLevel] = []
+    again = partial(_levels, mesh, damping, stiffening, nodes, held, residual)
 
-    def rung(name: str, modes: int, basis: Callable[[], Basis], extra: Residual = NO_RESIDUAL) -> None:
+    def level(name: str, modes: int, basis: Callable[[], Basis], extra: Residual = NO_RESIDUAL) -> None:
         def make() -> Body:
             own = damping[: modes - extra.modes] if isinstance(damping, np.ndarray) else damping
             body = body_of(mesh, *basis(), own, stiffening, extra)
-            return replace(body, statics=MeshStatics(mesh), ladder=again)
+            return replace(body, statics=MeshStatics(mesh), fidelity_levels=again)
 
-        rungs.append(Rung(name, modes, make))
+        levels.append(FidelityLevel(name, modes, make))
 
     def some(n: int) -> None:
         if held is None or not n + residual.modes < most:
-            rung(counted(n, 0), n, partial(_modes, free, n))
+            level(counted(n, 0), n, partial(_modes, free, n))
         else:
-            rung(
+            level(
                 counted(n, residual.modes),
                 n + residual.modes,
                 lambda: interface_basis(free(), held.loads, n),
@@ -121,18 +121,18 @@ def _ladder(
     if not (damping is None or isinstance(damping, Rayleigh) or np.ndim(damping) == 0):
         damping = np.asarray(damping, dtype=np.float64)
         known = len(damping)
-    rung("rigid", 0, partial(_modes, free, 0))
+    level("rigid", 0, partial(_modes, free, 0))
     for n in _powers(min(known, most)):
         some(n)
     if known < most:
         some(known)
-        return tuple({rung.modes: rung for rung in rungs}.values())
+        return tuple({level.modes: level for level in levels}.values())
     rows = rows_of(mesh, _boundary(mesh) if nodes is None else nodes)
     if 0 < len(rows) <= 2 * MOST_NODES and NEAR * (len(rows) + KEPT) < most:
-        rung("boundary nodes", KEPT + len(rows), lambda: residual_basis(free(), rows, KEPT))
+        level("boundary nodes", KEPT + len(rows), lambda: residual_basis(free(), rows, KEPT))
     if len(mesh.dofs) <= FULL_LIMIT:
-        rung("full mesh", most, partial(_modes, free, most))
-    return tuple(rungs)
+        level("full mesh", most, partial(_modes, free, most))
+    return tuple(levels)
 
 
 def _modes(free: Callable[[], FreeMesh], count: int) -> Basis:

@@ -76,7 +76,7 @@ def meshed_sphere_on_rod(finest: float = 5e-5, speed: float = 0.3, modes: int = 
     for body, place in ((rod, LENGTH), (ball, -2.0 * RADIUS)):
         scene.join(Prismatic(body.point("far"), scene.ground.at(place, 0.0), axis=(1.0, 0.0)))
     tip = ball.surface("tip")
-    scene.contact(tip, rod.surface("tip"), name="ball", slave=tip)
+    scene.contact(tip, rod.surface("tip"), name="ball", node_side=tip)
     return scene
 
 

@@ -119,7 +119,7 @@ def pendulum_and_rod(
     struck = scene.add(reduce(rod_with_crown() if rod is None else rod, ["tip"]), name="rod")
     scene.join(Revolute(swinging.point("hinge"), scene.ground.at(*hinge), name="hinge"))
     tip = struck.surface("tip")
-    scene.contact(tip, swinging.surface("face"), name="strike", slave=tip)
+    scene.contact(tip, swinging.surface("face"), name="strike", node_side=tip)
     return scene
 
 
@@ -168,7 +168,7 @@ def pendulum_on_hemisphere(
     scene.join(Revolute(falling.point("hinge"), scene.ground.at(0.0, 0.0), name="hinge"))
     bump = scene.ground.circle(center=(x, y - radius - 0.1 * GAP), radius=radius)
     patch = falling.surface("patch")
-    scene.contact(patch, bump, name="hemisphere", slave=patch)
+    scene.contact(patch, bump, name="hemisphere", node_side=patch)
     return scene
 
 

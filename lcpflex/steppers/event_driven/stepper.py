@@ -150,7 +150,7 @@ class EventDrivenRun:
             elif status == RunStatus.HIT_TOGETHER:
                 return (
                     f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
-                    "close together here: use Energetic(sequential=True), Poisson() or Newton()"
+                    "close together here: use Stronge(sequential=True), Poisson() or Newton()"
                 )
             elif status == RunStatus.CALM:
                 self._thresholds.fall()
@@ -270,7 +270,7 @@ class EventDriven:
         impacts of a bouncing body; a thousandth of it is the slip below which a contact may stick. None: 1e-6 of the
         speed of the scene, the larger of sqrt(gravity size) / pi and the fastest initial speed of a body.
     impact
-        :class:`Newton`, :class:`Poisson` or :class:`Energetic`: the meaning of the restitution of the contacts.
+        :class:`Newton`, :class:`Poisson` or :class:`Stronge`: the meaning of the restitution of the contacts.
     most_events
         Events a second of simulated time, over the last 1000, beyond which the velocity threshold, or the slip below
         which a contact may stick, rises for a while to end them, with a warning. If none of at most a hundredth of the
@@ -278,7 +278,7 @@ class EventDriven:
         its size (a second, where these are 1 m/s and 1 m); 1e7 in a run without gravity or initial motion.
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
-        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        see :class:`lcpflex.solvers.UserSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
         Largest natural-map residual accepted.
 
@@ -308,7 +308,7 @@ class EventDriven:
         if self.first_step is not None:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
-            raise ModelError(f"impact: {shown(self.impact)} was given, expected Newton(), Poisson() or Energetic()")
+            raise ModelError(f"impact: {shown(self.impact)} was given, expected Newton(), Poisson() or Stronge()")
         as_solver(self.solver)
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:

@@ -253,7 +253,7 @@ class MasslessBoundary:
         None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
-        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        see :class:`lcpflex.solvers.UserSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     compliance
         Elastic laws of contacts that give way by themselves besides what their bodies do, by the name of the declared
         contact: ``{"ball": Hertz.sphere_on_plane(...)}``. Their energy counts as elastic, and indentations as

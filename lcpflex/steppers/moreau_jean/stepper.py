@@ -207,7 +207,7 @@ class MoreauJean:
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
-        see :class:`lcpflex.solvers.OwnSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+        see :class:`lcpflex.solvers.UserSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
 
     Raises
     ------

@@ -62,8 +62,8 @@ def chart(study: RightSize) -> Figure:
     ax.grid(True, which="major", linewidth=0.4, alpha=0.6)
     ax.text(0.01, study.tolerance, f" tolerance {100.0 * study.tolerance:.2g} %", transform=ax.get_yaxis_transform(),
             va="bottom", fontsize="small", color="#3B7A3B")  # fmt: skip
-    bodies = " / ".join(study.runs[0].rungs)
-    plus = ", free+residual" if any("+" in _short(rung) for run in study.runs for rung in run.rungs.values()) else ""
+    bodies = " / ".join(study.runs[0].levels)
+    plus = ", free+residual" if any("+" in _short(level) for run in study.runs for level in run.levels.values()) else ""
     ax.legend(loc="upper right", fontsize="small", title=f"labels: modes of {bodies}{plus}", title_fontsize="small")
     for axis in (ax.xaxis.set_major_formatter, ax.xaxis.set_minor_formatter):
         axis(libs.LogFormatter(minor_thresholds=(2.0, 0.5)))
@@ -80,13 +80,13 @@ def _range(study: RightSize, sound: list[FidelityRun]) -> tuple[float, float]:
 
 
 def _name(ax: Axes, study: RightSize, sound: list[FidelityRun], low: float) -> None:
-    """Rungs over the worst error of each run, but where names would lie on each other; the chosen one is marked."""
+    """Levels over the worst error of each run, but where names would lie on each other; the chosen one is marked."""
     named: list[tuple[float, float, int]] = []
     for run in sorted(sound, key=lambda one: (not one.chosen, not one.full, one.coordinates)):
         at = (1e3 * run.wall_time, max(run.estimate, low))
         if run.chosen:
             ax.plot(*at, "o", markersize=17.0, markerfacecolor="none", markeredgecolor="#000000", zorder=4.0)
-        text = " / ".join(_short(rung) for rung in run.rungs.values())
+        text = " / ".join(_short(level) for level in run.levels.values())
         if _hidden(ax, at, text, named):
             continue
         ax.annotate(
@@ -109,10 +109,10 @@ def _hidden(ax: Axes, at: tuple[float, float], text: str, named: list[tuple[floa
     return False
 
 
-def _short(rung: str) -> str:
-    if " free and " in rung:
-        return rung.removesuffix(" residual modes").replace(" free and ", "+")
-    return rung.removesuffix(" modes").removesuffix(" mode").removesuffix(" mesh")
+def _short(level: str) -> str:
+    if " free and " in level:
+        return level.removesuffix(" residual modes").replace(" free and ", "+")
+    return level.removesuffix(" modes").removesuffix(" mode").removesuffix(" mesh")
 
 
 def _wrapped(text: str) -> list[str]:

@@ -5,11 +5,11 @@ differ from the full mesh F; what the reference lacks itself is extrapolated. Wi
 
     |x_N - x_F| ~ C (z_N^-p - z_F^-p)   so that   d_N ~ C (z_N^-p - z_V^-p),   e_V = C (z_V^-p - z_F^-p)
 
-p is the slope that fits the rungs below V best, within bounds: an impact without restitution loses 1/(2 N + 1) of the
+p is the slope that fits the levels below V best, within bounds: an impact without restitution loses 1/(2 N + 1) of the
 energy of a free bar (p = 1). That holds where the differences fall regularly. Where they do not, contacts that come and
-go make every rung a little different from the next, and so V from F: then e_V is as large as the differences of the two
-richest rungs below V, their geometric mean, and does not fall. The estimate of a scene is d + e_V: a difference to one
-far richer scene, not to the next rung, so that a symmetric mode which changes nothing proves nothing.
+go make every level a little different from the next, and so V from F: then e_V is as large as the differences of the
+two richest levels below V, their geometric mean, and does not fall. The estimate of a scene is d + e_V: a difference to
+one far richer scene, not to the next level, so that a symmetric mode which changes nothing proves nothing.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ __all__ = ["Sample", "Trend", "cost_of", "lacking", "left_at", "trend_of"]
 SLOWEST, FASTEST, USUAL = 0.5, 3.0, 1.0  # rates p that are believed, and that of an impact
 SLOPES = np.linspace(SLOWEST, FASTEST, 26)
 NOTHING = 1e-13  # differences below this are rounding
-REGULAR = 0.55  # largest ratio of the differences of rungs in succession that still is convergence: p = 1/2 has 0.41
+REGULAR = 0.55  # largest ratio of the differences of levels in succession that still is convergence: p = 1/2 has 0.41
 DOUBT = 0.5  # part of the last difference that e_V is never below, where it is
-LATEST = 3  # rungs that tell how large the error still is: the first ones are not on the way yet
+LATEST = 3  # levels that tell how large the error still is: the first ones are not on the way yet
 
 
 class Sample(NamedTuple):
-    """A rung below the reference: its number of modes and its difference to it."""
+    """A level below the reference: its number of modes and its difference to it."""
 
     modes: float
     difference: float
@@ -45,7 +45,7 @@ class Trend(NamedTuple):
 
     rate: float
     factor: float
-    samples: int  # rungs that it comes from
+    samples: int  # levels that it comes from
 
 
 def trend_of(samples: Sequence[Sample], reference: float) -> Trend:

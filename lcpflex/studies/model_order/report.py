@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from lcpflex.basics.renamed import renamed_property
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import writable_path
 from lcpflex.results.summary import with_unit
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
     from lcpflex.scene.scene import Scene
 
-__all__ = ["FidelityRun", "NextRung", "RightSize"]
+__all__ = ["FidelityRun", "NextLevel", "RightSize"]
 
 NOTABLE = 0.1  # part of the tolerance from which on the error of the step is told with the choice
 SHOWN = 60  # characters of a reason in a table
@@ -32,8 +33,8 @@ class FidelityRun:
 
     Attributes
     ----------
-    rungs
-        By name of the body, the name of its rung.
+    levels
+        By name of the body, the name of its level.
     coordinates, steps, wall_time
         Of the run; [s], without compilation.
     errors
@@ -46,7 +47,7 @@ class FidelityRun:
         Why it cannot be trusted; empty if it can.
     """
 
-    rungs: Mapping[str, str]
+    levels: Mapping[str, str]
     coordinates: int
     steps: int
     wall_time: float
@@ -57,6 +58,8 @@ class FidelityRun:
     full: bool = False
     failure: str = ""
 
+    rungs = renamed_property("rungs", "levels")
+
     @property
     def estimate(self) -> float:
         """The largest error; NaN where none is known."""
@@ -64,13 +67,15 @@ class FidelityRun:
 
 
 @dataclass(frozen=True, slots=True)
-class NextRung:
-    """One rung more for a body: its cost relative to what was chosen, and the error; predicted, or ``measured``."""
+class NextLevel:
+    """One level more for a body: its cost relative to what was chosen, and the error; predicted, or ``measured``."""
 
-    rung: str
+    level: str
     cost: float
     error: float
     measured: bool
+
+    rung = renamed_property("rung", "level")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,14 +91,14 @@ class RightSize:
         Whether it is proved to be within the tolerance of the full mesh run with the same step.
     tolerance
         That was asked for.
-    rungs
-        By name of the body, the name of its rung.
+    levels
+        By name of the body, the name of its level.
     errors
         By output, estimated difference to the full mesh, relative to the scale of the output.
     runs
         All that was run, by number of coordinates.
     next
-        What one rung more would cost and change, for each body.
+        What one level more would cost and change, for each body.
     reference
         The bodies of the run that all others are compared with.
     stepper, duration
@@ -101,7 +106,7 @@ class RightSize:
     spent
         Wall time of all runs [s].
     full, full_was_run
-        Wall time of a run of the full mesh [s], measured or predicted; NaN where a ladder does not reach it.
+        Wall time of a run of the full mesh [s], measured or predicted; NaN where the levels do not reach it.
     step_error, reference_step_error
         Change of the outputs with half the step, which no choice of bodies can take away: of the choice, and of the run
         that all others are compared with; NaN where it was not run.
@@ -123,10 +128,10 @@ class RightSize:
     scene: Scene | None
     proved: bool
     tolerance: float
-    rungs: Mapping[str, str]
+    levels: Mapping[str, str]
     errors: Mapping[str, float]
     runs: tuple[FidelityRun, ...]
-    next: tuple[NextRung, ...]
+    next: tuple[NextLevel, ...]
     reference: Mapping[str, str]
     stepper: Any
     duration: float
@@ -142,10 +147,12 @@ class RightSize:
     notes: tuple[str, ...] = field(default=())
     complete: bool = True
 
+    rungs = renamed_property("rungs", "levels")
+
     @property
     def chosen(self) -> FidelityRun | None:
         """The run of the scene that is returned; None where there is none."""
-        return next((run for run in self.runs if dict(run.rungs) == dict(self.rungs)), None)
+        return next((run for run in self.runs if dict(run.levels) == dict(self.levels)), None)
 
     @property
     def speedup(self) -> float:
@@ -167,7 +174,7 @@ class RightSize:
         if self.reference_step_error > self.tolerance and not (self.chosen is not None and self.chosen.reference):
             reasons.insert(0, self._step_reason(_listed(self.reference), self.reference_step_error))
         if self.step_error > self.tolerance:
-            reasons.insert(0, self._step_reason(_listed(self.rungs), self.step_error))
+            reasons.insert(0, self._step_reason(_listed(self.levels), self.step_error))
         return reasons
 
     def _step_reason(self, bodies: str, error: float) -> str:
@@ -200,17 +207,17 @@ class RightSize:
         assert self.chosen is not None
         if self.chosen.full:
             return f"nothing less that was run is within {_percent(self.tolerance)} of the full mesh."
-        return f"{_listed(self.rungs)} differ from the full mesh by {self._listed()}, estimated."
+        return f"{_listed(self.levels)} differ from the full mesh by {self._listed()}, estimated."
 
     def _verdict(self) -> str:
         if self.chosen is None:
             why = self.notes[-1] if self.notes else "interrupted before there was anything to compare"
             return f"Nothing can be said: {why}."
-        bodies = _advice(self.rungs)
+        bodies = _advice(self.levels)
         errors = ", ".join(f"{name} within {_percent(error)}" for name, error in self.errors.items())
         if not self.proved:
             return (
-                f"No rung is proved to be within {_percent(self.tolerance)} of the full mesh: the best that was run, "
+                f"No level is proved to be within {_percent(self.tolerance)} of the full mesh: the best that was run, "
                 f"{bodies[0].lower() + bodies[1:]}, has estimated errors of {self._listed()}."
             )
         if self.chosen.full and self.exhausted:
@@ -231,21 +238,21 @@ class RightSize:
         richest = next((run for run in self.runs if run.reference), None)
         assert self.chosen is not None
         if not math.isfinite(self.full) and richest is not None:
-            return f"{_plain(richest.wall_time / self.chosen.wall_time)} times cheaper than {_listed(richest.rungs)}"
+            return f"{_plain(richest.wall_time / self.chosen.wall_time)} times cheaper than {_listed(richest.levels)}"
         if self.speedup < 1.2:
             return "at about the same cost"
         return f"{about}{_plain(self.speedup)} times cheaper"
 
     def table(self) -> str:
-        """Markdown: every run, then the next rungs, how the errors were found and what the step adds."""
-        bodies = tuple(self.runs[0].rungs)
+        """Markdown: every run, then the next levels, how the errors were found and what the step adds."""
+        bodies = tuple(self.runs[0].levels)
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
         head = [*bodies, "coordinates", "wall time", *(f"error: {name}" for name in outputs), "remark"]
         text = [_markdown(head, [_row(run, bodies, outputs) for run in self.runs])]
         if self.next:
-            rows = [[one.rung, f"{one.cost:.2g}", _percent(one.error), "measured" if one.measured else "predicted"]
+            rows = [[one.level, f"{one.cost:.2g}", _percent(one.error), "measured" if one.measured else "predicted"]
                     for one in self.next]  # fmt: skip
-            text.append(_markdown(["one rung more", "times the cost", "error", "which is"], rows))
+            text.append(_markdown(["one level more", "times the cost", "error", "which is"], rows))
         text.append(self._told())
         return "\n\n".join(text)
 
@@ -281,7 +288,7 @@ class RightSize:
 
     def _half_steps(self) -> list[tuple[float, str]]:
         """What half the step changed, and of which bodies."""
-        found = [(self.step_error, _listed(self.rungs))]
+        found = [(self.step_error, _listed(self.levels))]
         if self.chosen is None or not self.chosen.reference:
             found.append((self.reference_step_error, _listed(self.reference)))
         return [(error, bodies) for error, bodies in found if math.isfinite(error)]
@@ -289,7 +296,7 @@ class RightSize:
     def csv(self, path: str | os.PathLike[str]) -> None:
         """Write every run to a CSV file. Raises ModelError where it cannot be written."""
         target = writable_path("path", path)
-        bodies = tuple(self.runs[0].rungs)
+        bodies = tuple(self.runs[0].levels)
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
         columns = ("coordinates", "steps", "wall_time")
         marks = ("within", "chosen", "reference", "full", "failure")
@@ -298,7 +305,7 @@ class RightSize:
             writer.writerow([*bodies, *columns, *(f"error of {name}" for name in outputs), *marks])
             for run in self.runs:
                 writer.writerow(
-                    [run.rungs[name] for name in bodies]
+                    [run.levels[name] for name in bodies]
                     + [getattr(run, name) for name in columns]
                     + [run.errors.get(name, "") for name in outputs]
                     + [getattr(run, name) for name in marks]
@@ -319,7 +326,7 @@ def _row(run: FidelityRun, bodies: Sequence[str], outputs: Sequence[str]) -> lis
         marks = [f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"]
     errors = [_percent(run.errors[name]) if name in run.errors else "-" for name in outputs]
     wall = with_unit(run.wall_time, "s") if math.isfinite(run.wall_time) else "-"
-    return [*(run.rungs[name] for name in bodies), str(run.coordinates), wall, *errors, ", ".join(marks)]
+    return [*(run.levels[name] for name in bodies), str(run.coordinates), wall, *errors, ", ".join(marks)]
 
 
 def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -339,14 +346,14 @@ def _plain(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def _listed(rungs: Mapping[str, str]) -> str:
-    return ", ".join(f"{rung} for the {name}" for name, rung in rungs.items())
+def _listed(levels: Mapping[str, str]) -> str:
+    return ", ".join(f"{level} for the {name}" for name, level in levels.items())
 
 
-def _advice(rungs: Mapping[str, str]) -> str:
+def _advice(levels: Mapping[str, str]) -> str:
     """ "4 modes for the pendulum, the rod may be rigid"."""
-    flexible = {name: rung for name, rung in rungs.items() if rung != "rigid"}
-    rigid = [name for name, rung in rungs.items() if rung == "rigid"]
+    flexible = {name: level for name, level in levels.items() if level != "rigid"}
+    rigid = [name for name, level in levels.items() if level == "rigid"]
     parts = [_listed(flexible)] if flexible else []
     if rigid:
         few, last = [f"the {name}" for name in rigid[:-1]], f"the {rigid[-1]}"

@@ -21,8 +21,8 @@ from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.studies.given_functions import is_stepper
 from lcpflex.studies.model_order.estimate import left_at, trend_of
-from lcpflex.studies.model_order.report import FidelityRun, NextRung, RightSize
-from lcpflex.studies.model_order.scenes import FULL, Ladders, State, comparable, of_scene
+from lcpflex.studies.model_order.report import FidelityRun, NextLevel, RightSize
+from lcpflex.studies.model_order.scenes import FULL, Fidelities, State, comparable, of_scene
 from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.model_order.steps import HalfSteps, half_steps
 from lcpflex.studies.model_order.verdict import contradictions, remedy
@@ -52,15 +52,15 @@ def right_size(
 ) -> RightSize:
     """Find the cheapest fidelity of each body at which the outputs of a scene are within a tolerance of the full mesh.
 
-    Every body that has a ladder (made by ``reduce`` of a beam, bar or mesh) starts rigid. One run far up the ladder is
-    what all others are compared with; its own error is extrapolated with the rate that the rungs below it show. Then
+    Every body that has fidelity levels (made by ``reduce`` of a beam, bar or mesh) starts rigid. One run far up is what
+    all others are compared with; its own error is extrapolated with the rate that the levels below it show. Then
     the bodies climb: only those whose refinement changes the outputs, each until the estimate is within the tolerance.
     The full mesh itself is that run where this is expected to take no longer than the three rich runs which it takes to
     do without; else it is run only where nothing below is proved to be good enough. For one to three bodies all runs
     together took as long as two to five of the full mesh, and with half the step as four to eight
     (``tests/unit/studies/test_right_size_scenes.py``).
 
-    All rungs are run with the same step, so that their differences measure the model and not the step. What the step
+    All levels are run with the same step, so that their differences measure the model and not the step. What the step
     does is measured by one more run with half of it, of the scene that was found, and one of that which all others are
     compared with. Nothing is promised where one of these changes by more than the tolerance, where richer bodies were
     off, where rich ones cannot be trusted, or where an output is zero; what was not run is said.
@@ -78,7 +78,7 @@ def right_size(
     duration
         Time to simulate [s]; that of the case by default.
     stepper
-        One for all rungs, or a function of the scene that makes one (for explicit schemes, whose step has to fall with
+        One for all levels, or a function of the scene that makes one (for explicit schemes, whose step has to fall with
         the highest mode; then the step differs and its error is part of what is measured). Where rich bodies cannot be
         trusted with it, one with which they can is looked for and named. By default the one of the case; without one,
         or if the result with rich bodies warns, ``GeneralizedAlpha``, which damps modes too fast for its step, with
@@ -96,7 +96,7 @@ def right_size(
     Returns
     -------
     RightSize
-        The scene, the table of runs, what the next rungs would cost and change, a chart, and advice in words. After
+        The scene, the table of runs, what the next levels would cost and change, a chart, and advice in words. After
         Ctrl-C with what was measured before, marked incomplete.
 
     Raises
@@ -104,7 +104,7 @@ def right_size(
     KeyboardInterrupt
         After Ctrl-C before anything was measured.
     ModelError
-        For arguments out of range, and a scene none of whose bodies has a ladder.
+        For arguments out of range, and a scene none of whose bodies has fidelity levels.
     """
     tolerance = in_range("tolerance", tolerance, 0.0, 1.0, open_ends=True)
     limit = in_range("limit", limit, 0.0, math.inf, open_ends=True)
@@ -113,9 +113,9 @@ def right_size(
     if span is None:
         raise ModelError("duration: not given, and the scene does not say; expected a number of seconds > 0")
     span = positive("duration", span)
-    ladders = of_scene(scene)
-    used = comparable(ladders, outputs)
-    attempts, own = _attempts(ladders, span, getattr(scene, "stepper", None), stepper)
+    fidelities = of_scene(scene)
+    used = comparable(fidelities, outputs)
+    attempts, own = _attempts(fidelities, span, getattr(scene, "stepper", None), stepper)
     bar: Any = libs.tqdm(
         unit="run", leave=False,
         delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
@@ -126,16 +126,16 @@ def right_size(
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             quick = QUICK * limit / SHORTER if k >= own and not last else None
-            search = Search(ladders, used, tolerance, span, make, limit, verify, not last, quick, bar.update)
-            others = [] if stepper is None else _defaults(ladders, span)
+            search = Search(fidelities, used, tolerance, span, make, limit, verify, not last, quick, bar.update)
+            others = [] if stepper is None else _defaults(fidelities, span)
             found, halves, better, complete = _measured(search, others)
             spent += search.spent
-            used_step = brief(make(ladders.scene))
+            used_step = brief(make(fidelities.scene))
             if last or not complete:
                 break
             if search.untrusted:
                 given_up += [f"{used_step} was given up: {note}" for note in search.notes]
-            elif k >= own and halves.largest > tolerance and SHORTER * search.cost(ladders.top) < QUICK * limit:
+            elif k >= own and halves.largest > tolerance and SHORTER * search.cost(fidelities.top) < QUICK * limit:
                 given_up.append(
                     f"{used_step} was given up: half the step changes the outputs by {100.0 * halves.largest:.2g} %"
                 )
@@ -161,17 +161,17 @@ def _measured(search: Search, others: Sequence[Callable[[Any], Any]]) -> tuple[S
         return found, halves, None, False
 
 
-def _attempts(ladders: Ladders, duration: float, own: Any, given: Any) -> tuple[list[Callable[[Any], Any]], int]:
+def _attempts(fidelities: Fidelities, duration: float, own: Any, given: Any) -> tuple[list[Callable[[Any], Any]], int]:
     """Steppers to be tried in turn, and how many of them others have chosen: that of the user alone, or of a case."""
     if given is not None:
         return [_stepper(given)], 1
     chosen = [] if own is None else [_stepper(own)]
-    return [*chosen, *_defaults(ladders, duration)], len(chosen)
+    return [*chosen, *_defaults(fidelities, duration)], len(chosen)
 
 
-def _defaults(ladders: Ladders, duration: float) -> list[Callable[[Any], Any]]:
+def _defaults(fidelities: Fidelities, duration: float) -> list[Callable[[Any], Any]]:
     """Steppers to be tried, from long to short steps."""
-    periods = [2.0 * math.pi / float(rungs[1].make().frequencies().min()) for rungs in ladders.rungs]
+    periods = [2.0 * math.pi / float(levels[1].make().frequencies().min()) for levels in fidelities.levels]
     longest = min(duration / STEPS, min(periods) / A_PERIOD)
     steps = dict.fromkeys(max(longest / SHORTER**k, duration / MOST) for k in range(ATTEMPTS))
     return [_stepper(GeneralizedAlpha(step=step)) for step in steps]
@@ -203,23 +203,23 @@ def _stepper(given: Any) -> Callable[[Any], Any]:
 
 
 def _report(search: Search, found: State | None, halves: HalfSteps, spent: float, complete: bool) -> RightSize:
-    ladders = search.ladders
+    fidelities = search.fidelities
     runs = tuple(
-        _run(search, state, found) for state in sorted(search.trials, key=lambda s: (ladders.coordinates(s), s))
+        _run(search, state, found) for state in sorted(search.trials, key=lambda s: (fidelities.coordinates(s), s))
     )
     best = search.best() if found is None and search.reference is not None else found
-    top = ladders.top
-    whole = all(ladders.whole(b) for b in range(len(top)))
+    top = fidelities.top
+    whole = all(fidelities.whole(b) for b in range(len(top)))
     return RightSize(
-        scene=None if best is None else ladders.at(best),
+        scene=None if best is None else fidelities.at(best),
         proved=found is not None,
         tolerance=search.tolerance,
-        rungs={} if best is None else ladders.labels(best),
+        levels={} if best is None else fidelities.labels(best),
         errors={} if best is None else search.errors(best),
         runs=runs,
         next=() if best is None else tuple(_next(search, best)),
-        reference={} if search.reference is None else ladders.labels(search.reference),
-        stepper=search.stepper_of(ladders.scene),
+        reference={} if search.reference is None else fidelities.labels(search.reference),
+        stepper=search.stepper_of(fidelities.scene),
         duration=search.duration,
         spent=spent,
         full=search.cost(top) if whole else math.nan,
@@ -238,31 +238,31 @@ def _run(search: Search, state: State, found: State | None) -> FidelityRun:
     one = search.trials[state]
     errors = search.errors(state)
     return FidelityRun(
-        rungs=search.ladders.labels(state),
-        coordinates=search.ladders.coordinates(state),
+        levels=search.fidelities.labels(state),
+        coordinates=search.fidelities.coordinates(state),
         steps=one.steps,
         wall_time=one.wall_time,
         errors=errors,
         within=search.good(state),
         chosen=state == found,
         reference=state == search.reference,
-        full=all(rung == FULL for rung in search.ladders.labels(state).values()),
+        full=all(level == FULL for level in search.fidelities.labels(state).values()),
         failure=one.failure,
     )
 
 
-def _next(search: Search, state: State) -> list[NextRung]:
-    """What one rung more of each body, and the full mesh, would cost and change; measured where they were run."""
-    ladders = search.ladders
+def _next(search: Search, state: State) -> list[NextLevel]:
+    """What one level more of each body, and the full mesh, would cost and change; measured where they were run."""
+    fidelities = search.fidelities
     found = []
-    for b, name in enumerate(ladders.names):
-        if state[b] < ladders.top[b]:
+    for b, name in enumerate(fidelities.names):
+        if state[b] < fidelities.top[b]:
             richer = (*state[:b], state[b] + 1, *state[b + 1 :])
             run = search.sound(richer)
             cost = search.cost(richer) / search.cost(state)
             found.append(
-                NextRung(
-                    f"{name}: {ladders.rungs[b][state[b] + 1].name}",
+                NextLevel(
+                    f"{name}: {fidelities.levels[b][state[b] + 1].name}",
                     cost if run else max(cost, 1.0),
                     search.estimate(richer) if run else _expected(search, state, richer, b),
                     run,
@@ -272,10 +272,10 @@ def _next(search: Search, state: State) -> list[NextRung]:
 
 
 def _expected(search: Search, state: State, richer: State, body: int) -> float:
-    """The error with one rung more, where it was not run: by the trend of the body if that changes anything."""
+    """The error with one level more, where it was not run: by the trend of the body if that changes anything."""
     if body not in search.needing:
         return search.estimate(state)
-    now, then = search.ladders.modes(state)[body], search.ladders.modes(richer)[body]
+    now, then = search.fidelities.modes(state)[body], search.fidelities.modes(richer)[body]
     worst = 0.0
     for output in search.used():
         samples, size, full = search.samples(output)

@@ -1,4 +1,4 @@
-"""One scene at many fidelities: which bodies have a ladder, and the scene with each of them on one of its rungs."""
+"""One scene at many fidelities: which bodies have fidelity levels, and the scene with each of them on one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.basics.arguments import raised, sequence_of
-from lcpflex.bodies.body import Body, Rung
+from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.errors import LcpflexError, ModelError, shown
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.substitution import settled
@@ -27,16 +27,16 @@ from lcpflex.studies.outputs import (
 if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
-__all__ = ["FULL", "Ladders", "State", "as_rich", "comparable", "known_outputs", "of_scene", "told", "with_rung"]
+__all__ = ["FULL", "Fidelities", "State", "as_rich", "comparable", "known_outputs", "of_scene", "told", "with_level"]
 
-State: TypeAlias = tuple[int, ...]  # rung of each body that has a ladder
+State: TypeAlias = tuple[int, ...]  # level of each body that has several
 MOTION = "motion"
 FULL = "full mesh"
 
 
-def with_rung(state: State, body: int, rung: int) -> State:
-    """The state with another rung of one body."""
-    return (*state[:body], rung, *state[body + 1 :])
+def with_level(state: State, body: int, level: int) -> State:
+    """The state with another level of one body."""
+    return (*state[:body], level, *state[body + 1 :])
 
 
 def as_rich(a: State, b: State) -> bool:
@@ -45,65 +45,65 @@ def as_rich(a: State, b: State) -> bool:
 
 
 def told(labels: dict[str, str]) -> str:
-    """Names of rungs by body, as a text."""
-    return ", ".join(f"{name}: {rung}" for name, rung in labels.items())
+    """Names of levels by body, as a text."""
+    return ", ".join(f"{name}: {level}" for name, level in labels.items())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ladders:
-    """A scene whose bodies ``names`` can be had on the rungs ``rungs``; the others stay as they are."""
+class Fidelities:
+    """A scene whose bodies ``names`` can be had on the levels ``levels``; the others stay as they are."""
 
     scene: Scene
     names: tuple[str, ...]
-    rungs: tuple[tuple[Rung, ...], ...]
-    rigid: int  # coordinates of all bodies without their modes, modes of bodies without a ladder included
+    levels: tuple[tuple[FidelityLevel, ...], ...]
+    rigid: int  # coordinates of all bodies without their modes, modes of bodies without levels included
     _made: dict[tuple[int, int], Body] = field(default_factory=dict, repr=False)
 
     @property
     def bottom(self) -> State:
-        """Every body on its first rung."""
+        """Every body on its first level."""
         return (0,) * len(self.names)
 
     @property
     def top(self) -> State:
-        """Every body on its last rung: as its full mesh, where the ladder reaches that."""
-        return tuple(len(rungs) - 1 for rungs in self.rungs)
+        """Every body on its last level: as its full mesh, where its levels reach that."""
+        return tuple(len(levels) - 1 for levels in self.levels)
 
     def whole(self, body: int) -> bool:
-        """Whether the ladder of a body ends with its full mesh; that of a very large one does not."""
-        return self.rungs[body][-1].name == FULL
+        """Whether the levels of a body end with its full mesh; those of a very large one do not."""
+        return self.levels[body][-1].name == FULL
 
     def full_modes(self) -> tuple[float, ...]:
-        """Number of modes of the full mesh of each body, infinite where the ladder does not reach it."""
-        return tuple(r[-1].modes if self.whole(b) else math.inf for b, r in enumerate(self.rungs))
+        """Number of modes of the full mesh of each body, infinite where its levels do not reach it."""
+        return tuple(r[-1].modes if self.whole(b) else math.inf for b, r in enumerate(self.levels))
 
     def modes(self, state: State) -> tuple[int, ...]:
         """Number of modes of each body."""
-        return tuple(rungs[k].modes for rungs, k in zip(self.rungs, state, strict=True))
+        return tuple(levels[k].modes for levels, k in zip(self.levels, state, strict=True))
 
     def coordinates(self, state: State) -> int:
         """Number of coordinates of the scene."""
         return self.rigid + sum(self.modes(state))
 
     def labels(self, state: State) -> dict[str, str]:
-        """Name of the rung of each body."""
-        return {name: rungs[k].name for name, rungs, k in zip(self.names, self.rungs, state, strict=True)}
+        """Name of the level of each body."""
+        return {name: levels[k].name for name, levels, k in zip(self.names, self.levels, state, strict=True)}
 
     def at(self, state: State) -> Scene:
-        """The scene with its bodies on these rungs; a body is made once.
+        """The scene with its bodies on these levels; a body is made once.
 
         What a poor body cannot follow of an initial deformation may part it from its joints: then it is moved back.
         """
         bodies: dict[str, Body] = {}
-        for b, (name, rung) in enumerate(zip(self.names, state, strict=True)):
-            if (b, rung) not in self._made:
-                self._made[b, rung] = self.rungs[b][rung].make()
-            bodies[name] = self._made[b, rung]
+        for b, (name, level) in enumerate(zip(self.names, state, strict=True)):
+            if (b, level) not in self._made:
+                self._made[b, level] = self.levels[b][level].make()
+            bodies[name] = self._made[b, level]
         return settled(self.scene.with_bodies(bodies))
 
 
-def of_scene(scene: Any) -> Ladders:
-    """The ladders of the bodies of a scene, of the function that makes it, or of a Case. Raises ModelError."""
+def of_scene(scene: Any) -> Fidelities:
+    """The fidelities of the bodies of a scene, of the function that makes it, or of a Case. Raises ModelError."""
     build = getattr(scene, "build", scene)
     try:
         made = build() if callable(build) else build
@@ -118,15 +118,19 @@ def of_scene(scene: Any) -> Ladders:
         raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
     made = made.reduced()
     placed = made.parts().placed
-    found = {one.name: one.source.ladder() for one in placed if one.source is not None and one.source.ladder}
-    found = {name: rungs for name, rungs in found.items() if len(rungs) > 1}
+    found = {
+        one.name: one.source.fidelity_levels()
+        for one in placed
+        if one.source is not None and one.source.fidelity_levels
+    }
+    found = {name: levels for name, levels in found.items() if len(levels) > 1}
     if not found:
         raise ModelError(
-            "scene: none of its bodies has a ladder of fidelities, expected at least one that was reduced from a mesh, "
+            "scene: none of its bodies has fidelity levels, expected at least one that was reduced from a mesh, "
             "such as Beam(...).reduce()"
         )
     fixed = sum(one.source.modes for one in placed if one.source is not None and one.name not in found)
-    return Ladders(made, tuple(found), tuple(found.values()), 3 * len(placed) + fixed)
+    return Fidelities(made, tuple(found), tuple(found.values()), 3 * len(placed) + fixed)
 
 
 def known_outputs() -> tuple[str, ...]:
@@ -134,9 +138,9 @@ def known_outputs() -> tuple[str, ...]:
     return (MOTION, *(output.name for output in standard_outputs()))
 
 
-def comparable(ladders: Ladders, outputs: Any) -> tuple[Output, ...]:
-    """The outputs, those of motion at the same undeformed places of every rung. Raises ModelError."""
-    places = two_places(ladders.scene.compiled(project=True), ladders.names)
+def comparable(fidelities: Fidelities, outputs: Any) -> tuple[Output, ...]:
+    """The outputs, those of motion at the same undeformed places of every level. Raises ModelError."""
+    places = two_places(fidelities.scene.compiled(project=True), fidelities.names)
     if outputs is None:
         outputs = (MOTION, "impulses")
     if isinstance(outputs, (str, Output)) or callable(outputs):

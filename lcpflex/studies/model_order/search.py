@@ -1,4 +1,4 @@
-"""The climb: which rungs of a scene are run, and which of them is the cheapest that is good enough."""
+"""The climb: which levels of a scene are run, and which of them is the cheapest that is good enough."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking
-from lcpflex.studies.model_order.scenes import Ladders, State, as_rich, told, with_rung
+from lcpflex.studies.model_order.scenes import Fidelities, State, as_rich, told, with_level
 from lcpflex.studies.outputs import Output, error_between, is_nothing
 from lcpflex.studies.trial import Conditions, Trial, refined, trial
 
@@ -18,7 +18,7 @@ __all__ = ["Search"]
 INSTANTS = 2000  # at which outputs are compared
 UNTRUSTED = "cannot be trusted"
 MIDDLE = 8  # modes of the run that tells early what a richer one costs
-FAR = 8.0  # multiples of the tolerance from which on a rung is skipped
+FAR = 8.0  # multiples of the tolerance from which on a level is skipped
 ALIKE = 0.5  # bodies whose shares in the error are that much alike climb together
 PATIENT = 2  # rich runs that fail before one is taken that is known not to
 WITNESSES = 2
@@ -35,7 +35,7 @@ EQUAL = 1.2  # ratio of wall times that says nothing
 class Search:
     """Runs made so far, by state, and what they say about each other."""
 
-    ladders: Ladders
+    fidelities: Fidelities
     outputs: tuple[Output, ...]
     tolerance: float
     duration: float
@@ -60,7 +60,7 @@ class Search:
     def run(self, state: State) -> Trial:
         """The run of a state; each is made once."""
         if state not in self.trials:
-            found = self.trial(state, self.stepper_of(self.ladders.at(state)))
+            found = self.trial(state, self.stepper_of(self.fidelities.at(state)))
             self.trials[state] = found
             self.done()
         return self.trials[state]
@@ -68,7 +68,7 @@ class Search:
     def trial(self, state: State, stepper: Any) -> Trial:
         """A run of a state with any stepper, which counts as time spent."""
         conditions = Conditions(
-            lambda: self.ladders.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
+            lambda: self.fidelities.at(state), self.duration, self.outputs, INSTANTS, 0, self.limit, EnergyGrowth.WARN
         )
         found = trial(conditions, stepper)
         self.spent += sum(found.times)
@@ -84,7 +84,7 @@ class Search:
         one = self.trials.get(state)
         if one is not None and one.complete:
             return one.wall_time
-        return cost_of(self._measured_costs(), self.ladders.coordinates(state))
+        return cost_of(self._measured_costs(), self.fidelities.coordinates(state))
 
     def used(self) -> tuple[Output, ...]:
         """The outputs that are anything at all in the reference: impulses are not, where nothing touches."""
@@ -143,13 +143,13 @@ class Search:
         """
         assert self.reference is not None
         bodies = self.needing or tuple(range(len(self.reference)))
-        rich, full = self.ladders.modes(self.reference), self.ladders.full_modes()
+        rich, full = self.fidelities.modes(self.reference), self.fidelities.full_modes()
         size = max(rich[b] for b in bodies)
         known: dict[float, float] = {}
         for state in self.trials:
             below = self._below(state, bodies)
             if state != self.reference and below and self.sound(state):
-                own = self.ladders.modes(state)
+                own = self.fidelities.modes(state)
                 modes = min((own[b] + 0.5) / (rich[b] + 0.5) for b in bodies) * (size + 0.5) - 0.5
                 known[modes] = min(known.get(modes, math.inf), self.difference(state, output))
         samples = [Sample(modes, difference) for modes, difference in known.items()]
@@ -159,8 +159,8 @@ class Search:
     def _below(self, state: State, bodies: tuple[int, ...]) -> bool:
         """Whether a state has fewer modes than the reference in all these bodies, but for full meshes."""
         assert self.reference is not None
-        full = self.ladders.full_modes()
-        rich = self.ladders.modes(self.reference)
+        full = self.fidelities.full_modes()
+        rich = self.fidelities.modes(self.reference)
         return all(state[b] < self.reference[b] or rich[b] == full[b] for b in bodies)
 
     def good(self, state: State) -> bool:
@@ -173,12 +173,12 @@ class Search:
 
     def find(self) -> State | None:
         """The cheapest state within the tolerance, None if no run is proved to be."""
-        self.run(self.ladders.bottom)
-        top = self.ladders.top
-        richest = tuple(max(k - 1, min(k, 1)) if self.ladders.whole(b) else k for b, k in enumerate(top))
+        self.run(self.fidelities.bottom)
+        top = self.fidelities.top
+        richest = tuple(max(k - 1, min(k, 1)) if self.fidelities.whole(b) else k for b, k in enumerate(top))
         self.middle = middle = tuple(
-            min(limit, max(k for k, rung in enumerate(rungs) if rung.modes <= MIDDLE))
-            for rungs, limit in zip(self.ladders.rungs, richest, strict=True)
+            min(limit, max(k for k, level in enumerate(levels) if level.modes <= MIDDLE))
+            for levels, limit in zip(self.fidelities.levels, richest, strict=True)
         )
         self.run(middle)
         if self.quick is not None and self.cost(top) < self.quick and self.sound(middle):
@@ -202,13 +202,13 @@ class Search:
 
         It does with explicit schemes, whose steps fall with the highest mode.
         """
-        top = self.ladders.top
-        if not self.verify or not all(self.ladders.whole(b) for b in range(len(top))):
+        top = self.fidelities.top
+        if not self.verify or not all(self.fidelities.whole(b) for b in range(len(top))):
             return False
-        few, more = (self.trials[state].steps for state in (self.ladders.bottom, self.middle))
+        few, more = (self.trials[state].steps for state in (self.fidelities.bottom, self.middle))
         if more > STEADY * few > 0:
             return False
-        lower = [tuple(max(rung - k, 0) for rung in state) for k in range(WITNESSES + 1)]
+        lower = [tuple(max(level - k, 0) for level in state) for k in range(WITNESSES + 1)]
         cheap = self.usual_cost(top) <= sum(self.usual_cost(one) for one in lower)
         return cheap and self.cost(top) <= self.limit
 
@@ -223,7 +223,7 @@ class Search:
                 return
             known = [one for one in self.trials if self.sound(one) and any(one)]
             if failed == PATIENT and known:  # a reason that all rich ones share, such as too long a step
-                state = max(known, key=self.ladders.coordinates)
+                state = max(known, key=self.fidelities.coordinates)
             else:
                 state = self._lowered(state)
 
@@ -232,20 +232,20 @@ class Search:
         assert self.reference is not None
         self.needing = tuple(self.changes) or tuple(range(len(self.reference)))
         state = self.reference
-        if state == self.ladders.top and all(self.ladders.whole(b) for b in range(len(state))):
+        if state == self.fidelities.top and all(self.fidelities.whole(b) for b in range(len(state))):
             return  # it lacks nothing
         for _ in range(WITNESSES):
-            state = tuple(max(rung - 1, 0) if b in self.needing else rung for b, rung in enumerate(state))
+            state = tuple(max(level - 1, 0) if b in self.needing else level for b, level in enumerate(state))
             self.run(state)
 
     def _full_reference(self) -> bool:
-        cost = self.cost(self.ladders.top)
+        cost = self.cost(self.fidelities.top)
         if not self.verify:
             return False
         if cost > self.limit:
             self.notes.append(f"the full mesh was not run: about {cost:.2g} s, limit {self.limit:g} s")
             return False
-        return self._sound_reference(self.ladders.top)
+        return self._sound_reference(self.fidelities.top)
 
     def _sound_reference(self, state: State) -> bool:
         one = self.run(state)
@@ -254,14 +254,14 @@ class Search:
             return True
         self.untrusted = True
         if not any(UNTRUSTED in note for note in self.notes):  # the richest tells, the table has the others
-            self.notes.append(f"{told(self.ladders.labels(state))} {UNTRUSTED}: {one.failure}")
+            self.notes.append(f"{told(self.fidelities.labels(state))} {UNTRUSTED}: {one.failure}")
         return False
 
     def _lowered(self, state: State) -> State:
-        """One rung less for the body with most modes."""
-        modes = self.ladders.modes(state)
+        """One level less for the body with most modes."""
+        modes = self.fidelities.modes(state)
         b = max((b for b in range(len(state)) if state[b]), key=lambda b: modes[b])
-        return with_rung(state, b, state[b] - 1)
+        return with_level(state, b, state[b] - 1)
 
     def _screened(self, middle: State) -> dict[int, float]:
         """The bodies that change the outputs when they alone are rigid and the others rich, and by how much."""
@@ -269,12 +269,12 @@ class Search:
         count = len(self.reference)
         if count == 1:
             return {0: 1.0}
-        exact = self.reference == self.ladders.top and self.verify
+        exact = self.reference == self.fidelities.top and self.verify
         background = middle if self.sound(middle) and (count > 2 or exact) else self.reference
         share = self.tolerance / (2.0 * count)
         found = {}
         for b in range(count):
-            alone = with_rung(background, b, 0)
+            alone = with_level(background, b, 0)
             self.run(alone)
             change = math.inf
             if self.sound(alone):
@@ -285,7 +285,7 @@ class Search:
 
     def _climb(self) -> State | None:
         """The first state on the way up that is good; None if there is none."""
-        state = self.ladders.bottom
+        state = self.fidelities.bottom
         changes = self.changes
         self.needing = tuple(changes) or tuple(range(len(state)))
         while not self.good(state):
@@ -321,7 +321,7 @@ class Search:
     def exceeds(self, budget: float, cost: float) -> bool:
         """Whether ``cost``, with all that was run, is more than so many runs of the full mesh."""
         spent = sum(self.usual_cost(one) for one in self.trials)
-        return spent + cost > budget * self.usual_cost(self.ladders.top)
+        return spent + cost > budget * self.usual_cost(self.fidelities.top)
 
     def _spent_up(self) -> State | None:
         """The cheapest of what is known to be good, without looking for something cheaper."""
@@ -329,29 +329,29 @@ class Search:
         if not good:
             return None
         self.exhausted = True
-        return min(good, key=self.ladders.coordinates)
+        return min(good, key=self.fidelities.coordinates)
 
     def _raised(self, state: State, changes: dict[int, float]) -> State | None:
-        """The next state: one rung more, or two while the error is large, for what is most to blame for it.
+        """The next state: one level more, or two while the error is large, for what is most to blame for it.
 
         The error of each body is taken to fall as that of an impact does, from what it changes as a rigid one.
         """
         assert self.reference is not None
         far = self.sound(state) and self.estimate(state) > FAR * self.tolerance
-        modes = self.ladders.modes(state)
+        modes = self.fidelities.modes(state)
         blame = {b: changes[b] / (modes[b] + 0.5) for b in self.needing if state[b] < self.reference[b]}
         higher = state
         for b, share in blame.items():
             if share >= ALIKE * max(blame.values()):
                 step = 2 if far and state[b] + 2 < self.reference[b] else 1
-                higher = with_rung(higher, b, state[b] + step)
+                higher = with_level(higher, b, state[b] + step)
         return higher if blame else None
 
     def _descend(self, state: State) -> State:
-        """Rungs that were skipped on the way, while they are good, too."""
-        for b in sorted(self.needing, key=lambda b: -self.ladders.modes(state)[b]):
+        """Levels that were skipped on the way, while they are good, too."""
+        for b in sorted(self.needing, key=lambda b: -self.fidelities.modes(state)[b]):
             while state[b]:
-                lower = with_rung(state, b, state[b] - 1)
+                lower = with_level(state, b, state[b] - 1)
                 if lower not in self.trials:
                     if self._in_vain(lower) or self._over_budget(lower):
                         break
@@ -367,27 +367,27 @@ class Search:
         good = [s for s in self.trials if self.good(s) and not any(s[b] for b in others)] or [found]
         costs = {state: self.usual_cost(state) for state in good}  # single runs are timed too badly to compare
         near = [state for state in good if costs[state] <= EQUAL * min(costs.values())]
-        return min(near, key=lambda s: (self.ladders.coordinates(s), self.estimate(s)))
+        return min(near, key=lambda s: (self.fidelities.coordinates(s), self.estimate(s)))
 
     def usual_cost(self, state: State) -> float:
         """What runs of that size take by all that were timed [s]; without the clock where that is too noisy."""
-        coordinates = self.ladders.coordinates(state)
+        coordinates = self.fidelities.coordinates(state)
         return USUAL + coordinates if self.spent < SHORT else cost_of(self._measured_costs(), coordinates)
 
     def _measured_costs(self) -> list[tuple[int, float]]:
-        return [(self.ladders.coordinates(s), t.wall_time) for s, t in self.trials.items() if t.complete]
+        return [(self.fidelities.coordinates(s), t.wall_time) for s, t in self.trials.items() if t.complete]
 
     def best(self) -> State | None:
         """Where nothing is proved: the smallest state with an estimate within the tolerance, or the least wrong."""
         known = [state for state in self.trials if self.errors(state)]
         near = [state for state in known if self.estimate(state) <= self.tolerance]
         if near:
-            return min(near, key=self.ladders.coordinates)
-        return min(known, key=lambda s: (self.estimate(s), self.ladders.coordinates(s)), default=None)
+            return min(near, key=self.fidelities.coordinates)
+        return min(known, key=lambda s: (self.estimate(s), self.fidelities.coordinates(s)), default=None)
 
     def half_step(self, state: State, outputs: tuple[Output, ...]) -> float:
         """Change of the outputs with half the step; NaN where there is none, or one of the runs cannot be trusted."""
-        finer = refined(self.stepper_of(self.ladders.at(state)), 2.0)
+        finer = refined(self.stepper_of(self.fidelities.at(state)), 2.0)
         if finer is None:
             return math.nan
         run = self.trial(state, finer)

@@ -13,7 +13,7 @@ from lcpflex.studies.model_order.search import Search
 from lcpflex.studies.trial import fineness
 
 if TYPE_CHECKING:
-    from lcpflex.studies.model_order.scenes import Ladders
+    from lcpflex.studies.model_order.scenes import Fidelities
 
 __all__ = ["HalfSteps", "half_steps", "undersampled"]
 
@@ -48,7 +48,7 @@ class HalfSteps:
 def half_steps(search: Search, state: State) -> HalfSteps:
     """Run half the step with the choice, and with what it is compared with: a promise needs both."""
     assert search.reference is not None
-    if fineness(search.stepper_of(search.ladders.at(state))) is None:
+    if fineness(search.stepper_of(search.fidelities.at(state))) is None:
         return HalfSteps(missing="half the step was not run: the stepper has neither a step nor a tolerance")
     own, reference = math.nan, math.nan
     missing = []
@@ -59,11 +59,11 @@ def half_steps(search: Search, state: State) -> HalfSteps:
     if search.reference == state:
         reference = own
     elif why := _dear(search, search.reference):
-        missing.append(f"with {told(search.ladders.labels(search.reference))} ({why})")
+        missing.append(f"with {told(search.fidelities.labels(search.reference))} ({why})")
     else:
         reference = search.half_step(search.reference, search.used())
         if not math.isfinite(reference):
-            missing.append(f"to its end with {told(search.ladders.labels(search.reference))}")
+            missing.append(f"to its end with {told(search.fidelities.labels(search.reference))}")
     if not math.isfinite(own) and not missing:
         missing.append("to its end with the choice")
     return HalfSteps(own, reference, f"half the step was not run {' and '.join(missing)}" if missing else "")
@@ -79,17 +79,17 @@ def _dear(search: Search, state: State) -> str:
     return ""
 
 
-def undersampled(ladders: Ladders, stepper_of: Callable[[Any], Any]) -> str:
+def undersampled(fidelities: Fidelities, stepper_of: Callable[[Any], Any]) -> str:
     """Of bodies whose slowest vibration a fixed step cannot show, in words; empty where there is none.
 
     Half such a step shows no more of it: that two runs agree says nothing.
     """
-    stepper = stepper_of(ladders.scene)
+    stepper = stepper_of(fidelities.scene)
     found = fineness(stepper)
     if found is None or found[0] != "step":
         return ""
-    for name, rungs in zip(ladders.names, ladders.rungs, strict=True):
-        period = 2.0 * math.pi / float(rungs[1].make().frequencies().min())
+    for name, levels in zip(fidelities.names, fidelities.levels, strict=True):
+        period = 2.0 * math.pi / float(levels[1].make().frequencies().min())
         if period < A_PERIOD * found[1]:
             return (
                 f"the slowest vibration of {name!r} has a period of {with_unit(period, 's')}, less than {A_PERIOD:g} "

@@ -22,10 +22,10 @@ def remedy(search: Search, makers: Sequence[Callable[[Any], Any]]) -> Any:
     failed = [s for s, one in trials.items() if one.failure and one.steps and TOO_LATE not in one.failure]
     if not search.untrusted or not failed:
         return None
-    state = max(failed, key=search.ladders.coordinates)
+    state = max(failed, key=search.fidelities.coordinates)
     each = trials[state].wall_time / trials[state].steps
     for make in makers:
-        stepper = make(search.ladders.at(state))
+        stepper = make(search.fidelities.at(state))
         if each * search.duration / stepper.step > search.limit:
             return None
         if not search.trial(state, stepper).failure:
@@ -55,11 +55,11 @@ def contradictions(search: Search, found: State | None) -> list[str]:
         reasons += [note for note in search.notes if UNTRUSTED in note]
     if lost := [name for name in search.nothing() if _expected(search, name)]:
         reasons.append(f"{' and '.join(lost)}: zero in every run, of which nothing can be said")
-    if unseen := undersampled(search.ladders, search.stepper_of):
+    if unseen := undersampled(search.fidelities, search.stepper_of):
         reasons.append(unseen)
     return reasons
 
 
 def _expected(search: Search, name: str) -> bool:
     """Whether an output that is zero should not be: not those of contacts where none is declared."""
-    return bool(search.ladders.scene.compiled(project=True).layout.contacts) or name not in OF_CONTACTS
+    return bool(search.fidelities.scene.compiled(project=True).layout.contacts) or name not in OF_CONTACTS

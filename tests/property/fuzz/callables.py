@@ -19,7 +19,7 @@ OUTPUTS = {
     "Replay",
     "CrossCheck",
     "FidelityRun",
-    "NextRung",
+    "NextLevel",
     "RightSize",
     "StabilityMap",
     "Vibrations",

@@ -38,7 +38,7 @@ def law_faces() -> list[Face]:
         "PowerLaw": lambda: laws.PowerLaw(1e9),
         "Hertz": lambda: laws.Hertz(0.01, 1e11, 0.01),
         **{name: lambda name=name: getattr(laws, name)(pair()) for name in pair_laws},
-        "OwnLaw": lambda: laws.OwnLaw(lambda d, v, v0, p: 1e6 * d, compiled=False),
+        "UserLaw": lambda: laws.UserLaw(lambda d, v, v0, p: 1e6 * d, compiled=False),
     }
     out = [
         Face("Material", laws.Material, lambda: {"youngs_modulus": 2e11, "poissons_ratio": 0.3}),
@@ -107,7 +107,7 @@ def law_faces() -> list[Face]:
         ),
         Face("LuGre.steady_force", laws.LuGre.steady_force, lambda: dict(rubbing), laws.LuGre),
         Face("Persson.force_at_angle", laws.Persson.force_at_angle, lambda: {"eps": 0.5}, elastic["Persson"]),
-        Face("OwnLaw", laws.OwnLaw, lambda: {"function": lambda d, v, v0, p: 1e6 * d, "compiled": False}),
+        Face("UserLaw", laws.UserLaw, lambda: {"function": lambda d, v, v0, p: 1e6 * d, "compiled": False}),
         Face(
             "fit_power_law",
             laws.fit_power_law,

@@ -233,7 +233,7 @@ def run_faces() -> list[Face]:
         "Verlet": {"step": 1e-3},
         "Newton": {},
         "Poisson": {},
-        "Energetic": {},
+        "Stronge": {},
         "Penalty": {"stiffness": 1e5},
         "Smooth": {"law": lf.Penalty(1e5)},
         "RecordProblems": {"path": "problems.npz"},

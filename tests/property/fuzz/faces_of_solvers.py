@@ -28,8 +28,8 @@ def _own(M: Any, q: Any) -> Any:
     return np.maximum(-q, 0.0)
 
 
-def _owned() -> solvers.OwnSolver:
-    return solvers.OwnSolver(_own)
+def _owned() -> solvers.UserSolver:
+    return solvers.UserSolver(_own)
 
 
 def _timed() -> solvers.TimeLimit:
@@ -77,9 +77,9 @@ def solver_faces() -> list[Face]:
         *(Face(name, getattr(solvers, name), lambda: {"path": "unused"}) for name in LOADERS),
         Face("save_fclib", solvers.save_fclib, lambda: {"path": "problem.hdf5", "problem": contact()}),
         Face("Replay.plot", solvers.Replay.plot, dict, _replayed),
-        Face("OwnSolver", solvers.OwnSolver, lambda: {"function": _own}),
-        Face("OwnSolver.solve", solvers.OwnSolver.solve, lambda: {"problem": lcp()}, _owned),
-        Face("OwnSolver.refuses", solvers.OwnSolver.refuses, lambda: {"problem": lcp()}, _owned),
+        Face("UserSolver", solvers.UserSolver, lambda: {"function": _own}),
+        Face("UserSolver.solve", solvers.UserSolver.solve, lambda: {"problem": lcp()}, _owned),
+        Face("UserSolver.refuses", solvers.UserSolver.refuses, lambda: {"problem": lcp()}, _owned),
         Face("TimeLimit", solvers.TimeLimit, lambda: {"solver": solvers.Lemke(), "seconds": 1.0}),
         Face("TimeLimit.solve", solvers.TimeLimit.solve, lambda: {"problem": lcp()}, _timed),
         Face("TimeLimit.refuses", solvers.TimeLimit.refuses, lambda: {"problem": lcp()}, _timed),

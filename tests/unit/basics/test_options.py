@@ -40,7 +40,7 @@ PLAIN: dict[str, Callable[[], Any]] = {
     "Verlet": lambda: lf.Verlet(1.0),
     "Newton": lambda: lf.Newton(True),
     "Poisson": lambda: lf.Poisson(True),
-    "Energetic": lambda: lf.Energetic(True),
+    "Stronge": lambda: lf.Stronge(True),
     "Penalty": lambda: lf.Penalty(1024.0, 2.0, 1.0, 1.0),
     "Ambrosio": lambda: lf.laws.Ambrosio(0.0, 1.0),
     "SmoothedCoulomb": lambda: lf.laws.SmoothedCoulomb(1.0),
@@ -130,7 +130,7 @@ def test_numbers_are_kept_as_one_type(name: str) -> None:
         ("sequential", lambda wrong: lf.Newton(wrong)),
         ("lenient", lambda wrong: lf.laws.PowerLaw(1.0, lenient=wrong)),
         ("follower", lambda wrong: lf.Force(points()[0], (0.0, 0.0), wrong)),
-        ("compiled", lambda wrong: lf.laws.OwnLaw(abs_of, compiled=wrong)),
+        ("compiled", lambda wrong: lf.laws.UserLaw(abs_of, compiled=wrong)),
     ],
 )
 def test_what_is_neither_true_nor_false_is_refused(field: str, make: Callable[[Any], Any], wrong: Any) -> None:

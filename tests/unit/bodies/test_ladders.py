@@ -1,4 +1,4 @@
-"""A ladder leads from the rigid body to the full mesh, all of them the same body."""
+"""Fidelity levels lead from the rigid body to the full mesh, all of them the same body."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ BAR = lf.Bar(length=0.5, area=1e-4, elements=12, **STEEL)
     ],
 )
 def test_rungs(body: lf.Body, names: list[str]) -> None:
-    rungs = body.ladder()
-    assert [rung.name for rung in rungs] == names
-    for rung in rungs:
-        made = rung.make()
-        assert made.modes == rung.modes
+    levels = body.fidelity_levels()
+    assert [level.name for level in levels] == names
+    for level in levels:
+        made = level.make()
+        assert made.modes == level.modes
         assert (made.mass, made.inertia) == (body.mass, body.inertia)
-        shared = min(rung.modes, body.modes)
+        shared = min(level.modes, body.modes)
         np.testing.assert_allclose(made.stiffness[:shared], body.stiffness[:shared], rtol=1e-9)
         np.testing.assert_allclose(made.damping[:shared], body.damping[:shared], rtol=1e-9)
-        assert [one.name for one in made.ladder()][:3] == names[:3]
+        assert [one.name for one in made.fidelity_levels()][:3] == names[:3]
 
 
 def test_the_top_has_all_modes_and_the_damping_that_was_given() -> None:
-    top = BEAM.reduce(2, damping=0.05).ladder()[-1].make()
+    top = BEAM.reduce(2, damping=0.05).fidelity_levels()[-1].make()
     assert top.modes == 30
     np.testing.assert_allclose(top.damping, 0.1 * top.frequencies())
 
 
-def test_a_rigid_body_that_was_made_so_has_no_ladder() -> None:
-    assert lf.Box(1.0, 1.0, mass=1.0).ladder is None
+def test_a_rigid_body_that_was_made_so_has_no_levels() -> None:
+    assert lf.Box(1.0, 1.0, mass=1.0).fidelity_levels is None

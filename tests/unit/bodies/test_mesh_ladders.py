@@ -1,4 +1,4 @@
-"""The ladder of a meshed body, and reductions of random small meshes."""
+"""The levels of a meshed body, and reductions of random small meshes."""
 
 from __future__ import annotations
 
@@ -29,55 +29,55 @@ def plate(nx: int = 20, ny: int = 6) -> Continuum:
 
 
 def names(body: lf.Body) -> list[str]:
-    assert body.ladder is not None
-    return [rung.name for rung in body.ladder()]
+    assert body.fidelity_levels is not None
+    return [level.name for level in body.fidelity_levels()]
 
 
 @pytest.mark.slow
-def test_rungs_lead_from_rigid_to_the_full_mesh() -> None:
+def test_levels_lead_from_rigid_to_the_full_mesh() -> None:
     model = plate()
     body = residual_compliance(model, "right", 10, damping=lf.Rayleigh(3.0, 1e-6))
-    rungs = body.ladder()
+    levels = body.fidelity_levels()
     powers = [f"{2**k} modes" for k in range(1, 8)]
-    assert [rung.name for rung in rungs] == ["rigid", "1 mode", *powers, "boundary nodes", "full mesh"]
-    for rung in rungs:
-        made = rung.make()
-        assert made.modes == rung.modes
+    assert [level.name for level in levels] == ["rigid", "1 mode", *powers, "boundary nodes", "full mesh"]
+    for level in levels:
+        made = level.make()
+        assert made.modes == level.modes
         assert made.mass == pytest.approx(body.mass, rel=1e-13)
         assert made.damping == pytest.approx(3.0 + 1e-6 * made.stiffness)
         assert names(made) == names(body)
-    assert rungs[-2].modes == 32 + 2 * 7  # seven nodes on the right
-    boundary = rungs[-2].make()
+    assert levels[-2].modes == 32 + 2 * 7  # seven nodes on the right
+    boundary = levels[-2].make()
     assert boundary.stiffness[:32] == pytest.approx(free_interface(model, 32).stiffness, rel=1e-12)
-    assert rungs[-1].make().stiffness == pytest.approx(unreduced(model).stiffness, rel=1e-9)
+    assert levels[-1].make().stiffness == pytest.approx(unreduced(model).stiffness, rel=1e-9)
 
 
 def test_boundary_nodes_of_a_body_without_a_choice_are_those_of_its_named_sets() -> None:
-    rungs = {rung.name: rung for rung in free_interface(plate(), 4).ladder()}
+    levels = {level.name: level for level in free_interface(plate(), 4).fidelity_levels()}
     outline = 2 * (20 + 6)
-    assert rungs["boundary nodes"].modes == 32 + 2 * outline
+    assert levels["boundary nodes"].modes == 32 + 2 * outline
     many = Continuum(meshes.rectangle(1.0, 1.0, 40, 40, order=1), RHO, E, 0.3)  # 160 nodes on the outline, 41 on a side
-    rungs = {rung.name: rung for rung in free_interface(many, 4).ladder()}
-    assert rungs["boundary nodes"].modes == 32 + 2 * (4 * 41 - 4 - 39)  # three sides: a fourth would be too many
+    levels = {level.name: level for level in free_interface(many, 4).fidelity_levels()}
+    assert levels["boundary nodes"].modes == 32 + 2 * (4 * 41 - 4 - 39)  # three sides: a fourth would be too many
 
 
-def test_a_large_mesh_has_no_full_rung() -> None:
+def test_a_large_mesh_has_no_full_level() -> None:
     body = free_interface(plate(100, 30), 1)
     assert names(body)[-1] == "boundary nodes"
     assert "full mesh" not in names(body)
 
 
-def test_ladder_of_a_solid_of_revolution() -> None:
+def test_levels_of_a_solid_of_revolution() -> None:
     model = SolidOfRevolution(meshes.rectangle(1.0, 0.2, 16, 4, order=1), RHO, E, 0.3)
-    for rung in craig_bampton(model, "left").ladder():
-        made = rung.make()
-        assert (made.modes, made.axisymmetric) == (rung.modes, True)
+    for level in craig_bampton(model, "left").fidelity_levels():
+        made = level.make()
+        assert (made.modes, made.axisymmetric) == (level.modes, True)
 
 
-def test_ratios_for_each_mode_end_the_ladder() -> None:
+def test_ratios_for_each_mode_end_the_levels() -> None:
     body = free_interface(plate(), 3, damping=[0.1, 0.2, 0.3])
     assert names(body) == ["rigid", "1 mode", "2 modes", "3 modes"]
-    made = body.ladder()[-1].make()
+    made = body.fidelity_levels()[-1].make()
     assert np.array_equal(made.damping, body.damping)
 
 

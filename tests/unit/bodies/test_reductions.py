@@ -283,7 +283,7 @@ def test_damping_and_stiffening_reach_every_reduction(name: str) -> None:
     assert stiff / loose == pytest.approx(full / full_loose, rel=3e-2 if "plain" in name else 5e-3)
     body = REDUCTIONS[name](plate(), stiffening=pull)
     assert body.geometric is not None
-    assert [rung.make().geometric is not None for rung in body.ladder()[1:3]] == [True, True]
+    assert [level.make().geometric is not None for level in body.fidelity_levels()[1:3]] == [True, True]
 
 
 @pytest.mark.parametrize("name", ["craig_bampton", "sub_regional", "residual_compliance"])

@@ -170,10 +170,10 @@ def test_a_disc_on_a_coarse_mesh_is_said(slave):
     scene = pressed(11)
     disc = scene.add(lf.Disc(radius=0.02, mass=0.1), "disc", position=(0.0205, 0.04), velocity=(0.0, -0.2))
     top = scene.body("block").surface("top")
-    scene.contact(disc.surface(), top, name="disc", slave=top if slave else None)
+    scene.contact(disc.surface(), top, name="disc", node_side=top if slave else None)
     (text,) = (text for text in run(scene).warnings if "'disc'" in text and "at least 9" in text)
     assert "make the elements of 'block'" in text
-    assert ("choose that surface as the slave" in text) is not slave
+    assert ("choose that surface as the node side" in text) is not slave
     flat = pressed(11)
     disc = flat.add(lf.Disc(radius=0.02, mass=0.1), "disc", position=(0.0205, 0.04), velocity=(0.0, -0.2))
     flat.contact(disc.surface(), flat.body("block").half_plane((0.02, 0.02), (0.0, 1.0)), name="disc")

@@ -250,8 +250,8 @@ def test_python_forces_see_the_reduced_body() -> None:
     assert min(runs[0][1]) == min(runs[1][1]) < -1e-4
 
 
-def test_other_bodies_in_its_place_and_ladders() -> None:
-    """Exchanged bodies, and a study of fidelities, whose rungs have the residual modes of the scene."""
+def test_other_bodies_in_its_place_and_levels() -> None:
+    """Exchanged bodies, and a study of fidelities, whose levels have the residual modes of the scene."""
     scene = lf.Scene()
     beam = scene.add(BEAM, name="arm", modes=4, damping=0.01)
     scene.join(lf.Weld(beam.point("left"), scene.ground.at(0.0, 0.0)))
@@ -260,22 +260,22 @@ def test_other_bodies_in_its_place_and_ladders() -> None:
     again = scene.with_bodies({})
     np.testing.assert_array_equal(again.compiled().model.bodies.stiffness, scene.compiled().model.bodies.stiffness)
     body, _ = flexible(scene)
-    assert body.ladder is not None
-    rungs = {rung.name: rung for rung in body.ladder()}
-    assert list(rungs)[:3] == ["rigid", "1 free and 3 residual modes", "2 free and 3 residual modes"]
-    for rung in rungs.values():
-        assert rung.make().modes == rung.modes
-    assert rungs["full mesh"].make().residual_modes == 0
+    assert body.fidelity_levels is not None
+    levels = {level.name: level for level in body.fidelity_levels()}
+    assert list(levels)[:3] == ["rigid", "1 free and 3 residual modes", "2 free and 3 residual modes"]
+    for level in levels.values():
+        assert level.make().modes == level.modes
+    assert levels["full mesh"].make().residual_modes == 0
 
 
-def test_ladders_of_meshes_with_interfaces() -> None:
+def test_levels_of_meshes_with_interfaces() -> None:
     body = PLATE.reduce(3, interfaces=[(0.0, 0.0)])
     assert body.residual_modes == 3
-    assert body.ladder is not None
-    for rung in body.ladder()[:4]:
-        made = rung.make()
-        assert made.modes == rung.modes
-        assert made.residual_modes == (3 if rung.modes else 0)
+    assert body.fidelity_levels is not None
+    for level in body.fidelity_levels()[:4]:
+        made = level.make()
+        assert made.modes == level.modes
+        assert made.residual_modes == (3 if level.modes else 0)
 
 
 def test_initial_deformation_is_that_of_the_free_modes() -> None:
@@ -456,7 +456,7 @@ def test_a_default_reduction_does_not_warn_of_itself() -> None:
 
 
 def test_python_forces_follow_their_bodies_into_studies() -> None:
-    """A function that holds a point of the scene, under every rung of its body."""
+    """A function that holds a point of the scene, under every level of its body."""
 
     def build() -> lf.Scene:
         scene = lf.Scene()

@@ -35,7 +35,7 @@ def two_beams(choice, gap=1e-5, offset=0.07, angle=0.0, friction=0.0):
     lower = scene.add(beam(10), "lower", position=(0.0, 0.0))
     upper = scene.add(beam(7), "upper", position=(offset, 0.02 + gap), angle=angle, velocity=(0.3, -1.0))
     a, b = upper.surface("bottom"), lower.surface("top")
-    scene.contact(a, b, friction, name="contact", slave=chosen(choice, a, b))
+    scene.contact(a, b, friction, name="contact", node_side=chosen(choice, a, b))
     return scene
 
 
@@ -74,7 +74,7 @@ def test_a_choice_among_kinds():
         ball = scene.add(lf.Disc(radius=0.05, mass=1.0), position=(0.25, 0.06))
         lower = scene.add(beam(10))
         pair = {"ball": ball.surface(), "beam": lower.surface("top")}
-        scene.contact(pair["ball"], pair["beam"], slave=pair[choice])
+        scene.contact(pair["ball"], pair["beam"], node_side=pair[choice])
         compiled = scene.compiled()
         table, n = table_of(pack(compiled.model), compiled.q.copy(), 1e-6)
         assert n == 1
@@ -88,20 +88,22 @@ def test_what_cannot_be_a_slave():
     scene = lf.Scene()
     a, b, c = (scene.add(lf.Box(width=1.0, height=1.0, mass=1.0), position=(1.1 * k, 1.0)) for k in range(3))
     floor = floor_of(scene)
-    with pytest.raises(lf.ModelError, match=r"slave: 'body3\.outline' was given, expected one of the two surfaces"):
-        scene.contact(a.surface(), b.surface(), slave=c.surface())
-    with pytest.raises(lf.ModelError, match=r"slave: 'upper' was given, expected one of the two surfaces"):
-        scene.contact(a.surface(), b.surface(), slave="upper")
+    with pytest.raises(lf.ModelError, match=r"node_side: 'body3\.outline' was given, expected one of the two surfaces"):
+        scene.contact(a.surface(), b.surface(), node_side=c.surface())
+    with pytest.raises(lf.ModelError, match=r"node_side: 'upper' was given, expected one of the two surfaces"):
+        scene.contact(a.surface(), b.surface(), node_side="upper")
     with pytest.raises(
-        lf.ModelError, match=r"slave: 'ground.half_plane1' \(a half-plane\) was given .* expected a node"
+        lf.ModelError, match=r"node_side: 'ground.half_plane1' \(a half-plane\) was given .* expected a node"
     ):
-        scene.contact(a.surface(), floor, slave=floor)
-    with pytest.raises(lf.ModelError, match=r"slave: .* \(a chain\) was given .* \(a node\), .* no node for the other"):
-        scene.contact(a.node(0.0, 0.5), b.surface(), slave=b.surface())
+        scene.contact(a.surface(), floor, node_side=floor)
+    with pytest.raises(
+        lf.ModelError, match=r"node_side: .* \(a chain\) was given .* \(a node\), .* no node for the other"
+    ):
+        scene.contact(a.node(0.0, 0.5), b.surface(), node_side=b.surface())
     stranger = lf.Scene().add(lf.Disc(radius=1.0, mass=1.0), "body1").surface()  # of the same name, elsewhere
-    with pytest.raises(lf.ModelError, match=r"slave: 'body1\.outline' was given, expected one of the two surfaces"):
-        scene.contact(a.surface(), b.surface(), slave=stranger)
-    scene.contact(a.surface(), b.surface(), slave=a.surface())  # another handle of the same surface
+    with pytest.raises(lf.ModelError, match=r"node_side: 'body1\.outline' was given, expected one of the two surfaces"):
+        scene.contact(a.surface(), b.surface(), node_side=stranger)
+    scene.contact(a.surface(), b.surface(), node_side=a.surface())  # another handle of the same surface
     assert set(scene.compiled().layout.contacts) == {"contact1"}
 
 
@@ -228,7 +230,7 @@ def pressed_blocks(across, choice):
             scene.load(lf.Force(block.at(SIDE * k / n, far), (0.0, way * share)))
         blocks.append(block)
     upper, lower = blocks[0].surface("bottom"), blocks[1].surface("top")
-    scene.contact(upper, lower, name="contact", slave=chosen(choice, upper, lower))
+    scene.contact(upper, lower, name="contact", node_side=chosen(choice, upper, lower))
     return scene
 
 
@@ -261,7 +263,7 @@ def test_pressing_one_block_on_another(across, choice, least, most):
     assert least <= error < most
     assert uneven < max(20.0 * most, 1e-7)
     assert result.contact("contact").force[-1, 0] == pytest.approx(PRESSURE * SIDE, rel=1e-9)
-    last = result.spots.record == len(result.times) - 1
+    last = result.contact_points.record == len(result.times) - 1
     assert result.contact("contact").pairs[-1] == np.count_nonzero(last)
-    moment = result.spots.place[last, 0] @ result.spots.force[last, 0]
+    moment = result.contact_points.place[last, 0] @ result.contact_points.force[last, 0]
     assert moment == pytest.approx(0.5 * SIDE * PRESSURE * SIDE, rel=1e-7)  # from either side: the middle of the face

@@ -18,7 +18,7 @@ from lcpflex.force_laws.damping.hysteresis import HysteresisDamping
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.friction.laws import LuGre
 from lcpflex.force_laws.normal_kernels import normal_force
-from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.user_law import UserLaw
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 from tests.scenes import disc_on_floor
 
@@ -54,8 +54,8 @@ def test_own_law_is_as_good_as_one_of_the_library(own: Callable[..., float]) -> 
     """Several impacts with friction; two laws of one function beside each other, so that no address is baked in."""
     damping = HysteresisDamping(1.0 if own.__name__ == "hertz" else E)
     built_in = run(ContactLaw(PowerLaw(K), damping))
-    law = OwnLaw(own, (K, damping.eta))
-    other = OwnLaw(own, (2.0 * K, damping.eta))
+    law = UserLaw(own, (K, damping.eta))
+    other = UserLaw(own, (2.0 * K, damping.eta))
     assert law.is_compiled == (own is not as_python)
     result = run(ContactLaw(law))
     assert result.q == pytest.approx(built_in.q, rel=0.0, abs=1e-11)
@@ -66,20 +66,20 @@ def test_own_law_is_as_good_as_one_of_the_library(own: Callable[..., float]) -> 
 
 
 def test_python_and_compiled_law_are_one() -> None:
-    compiled = run(ContactLaw(OwnLaw(hunt_crossley, (K, 0.5))))
-    python = run(ContactLaw(OwnLaw(hunt_crossley, (K, 0.5), compiled=False)))
+    compiled = run(ContactLaw(UserLaw(hunt_crossley, (K, 0.5))))
+    python = run(ContactLaw(UserLaw(hunt_crossley, (K, 0.5), compiled=False)))
     assert python.q == pytest.approx(compiled.q, rel=0.0, abs=1e-10)
 
 
 def test_own_elastic_law_goes_with_damping_and_friction_of_the_library() -> None:
     damping, friction = HysteresisDamping(E), LuGre(1e4, 30.0)
     built_in = run(ContactLaw(PowerLaw(K), damping, friction))
-    result = run(ContactLaw(OwnLaw(hertz, (K,)), damping, friction))
+    result = run(ContactLaw(UserLaw(hertz, (K,)), damping, friction))
     assert result.q == pytest.approx(built_in.q, rel=0.0, abs=1e-9)
 
 
 def test_face() -> None:
-    law, power = OwnLaw(hunt_crossley, [K, 0.5]), PowerLaw(K)
+    law, power = UserLaw(hunt_crossley, [K, 0.5]), PowerLaw(K)
     depth = np.array([[0.0, 1e-6, 1e-4], [1e-3, 1e-2, 0.1]])
     assert law.force(depth) == pytest.approx(power.force(depth), rel=1e-14)
     assert law.energy(depth) == pytest.approx(power.energy(depth), rel=1e-13)
@@ -108,7 +108,7 @@ def beyond_numbers(depth: float, rate: float, speed: float, p: Any) -> float:
 @pytest.mark.parametrize("compiled", [True, False])
 def test_face_where_the_function_fails(compiled: bool) -> None:
     """What it raises comes out, what is no number is told, and the law serves again afterwards."""
-    law, power = OwnLaw(late_root, compiled=compiled), PowerLaw(K)
+    law, power = UserLaw(late_root, compiled=compiled), PowerLaw(K)
     for method in (law.force, law.stiffness, law.energy):
         with pytest.raises(ValueError, match="too deep"):
             method([1e-3, 2e-2, 1e-3])
@@ -116,7 +116,7 @@ def test_face_where_the_function_fails(compiled: bool) -> None:
     with pytest.raises(ValueError, match="too deep"):
         law.indentation(power.force(2e-2))
     assert law.indentation(power.force(9e-3)) == pytest.approx(9e-3, rel=1e-12)
-    law = OwnLaw(beyond_numbers, compiled=compiled)
+    law = UserLaw(beyond_numbers, compiled=compiled)
     for method in (law.force, law.stiffness, law.energy):
         with pytest.raises(lf.ModelError, match=r"^function: .*beyond_numbers.* is not a finite number"):
             method([1e-3, 2e-2])
@@ -128,19 +128,19 @@ def test_face_where_the_function_fails(compiled: bool) -> None:
 
 def test_function_is_not_asked_for_infinite_indentations() -> None:
     """Many raise there, as the sine does."""
-    law = OwnLaw(lambda depth, rate, speed, p: K * depth**1.5 + 0.0 * math.sin(depth), compiled=False)
+    law = UserLaw(lambda depth, rate, speed, p: K * depth**1.5 + 0.0 * math.sin(depth), compiled=False)
     assert law.indentation(PowerLaw(K).force(1e-3)) == pytest.approx(1e-3, rel=1e-12)
 
 
 def test_law_that_saturates_has_no_inverse_beyond() -> None:
-    law = OwnLaw(lambda depth, rate, speed, p: 1e3 * math.tanh(depth / 1e-3))
+    law = UserLaw(lambda depth, rate, speed, p: 1e3 * math.tanh(depth / 1e-3))
     assert law.indentation(1e3 * math.tanh(1.0)) == pytest.approx(1e-3, rel=1e-12)
     with pytest.raises(lf.ModelError, match=r"^force: 1001.0 N was given, expected one that the law has"):
         law.indentation(1001.0)
 
 
 def test_arguments_of_the_force() -> None:
-    law = OwnLaw(hunt_crossley, [K, 0.5])
+    law = UserLaw(hunt_crossley, [K, 0.5])
     for arguments, named in (
         ((-1e-3,), "delta: -0.001"),
         (("deep",), "delta: 'deep'"),
@@ -155,7 +155,7 @@ def test_arguments_of_the_force() -> None:
 
 
 def test_least_impact_speed_is_that_told() -> None:
-    law = OwnLaw(lambda depth, rate, speed, p: speed * depth, guard_speed=0.25)
+    law = UserLaw(lambda depth, rate, speed, p: speed * depth, guard_speed=0.25)
     row = ContactLaw(law, HysteresisDamping(1.0)).row()
     for speed, told in ((0.0, 0.25), (3.0, 3.0)):
         assert law.force(1.0, 0.0, speed) == told
@@ -166,7 +166,7 @@ def test_least_impact_speed_is_that_told() -> None:
 
 def test_law_that_creates_energy_is_told() -> None:
     """It pushes more in parting than in approach."""
-    result = run(ContactLaw(OwnLaw(hunt_crossley, (K, -0.1))))
+    result = run(ContactLaw(UserLaw(hunt_crossley, (K, -0.1))))
     assert any("energy grew" in warning for warning in result.warnings)
 
 
@@ -183,7 +183,7 @@ class Elastic:
     "function", [Elastic(), Elastic().__call__, partial(hertz)], ids=["object", "method", "partial"]
 )
 def test_any_callable_is_a_law(function: Any) -> None:
-    law = OwnLaw(function, (K,))
+    law = UserLaw(function, (K,))
     assert not law.is_compiled
     assert law.force(1e-3) == pytest.approx(PowerLaw(K).force(1e-3), rel=1e-14)
 
@@ -198,10 +198,10 @@ def test_system_of_a_users_own() -> None:
         return lf.simulate(system, 0.01, Smooth(law, integrator=FIXED), record=1e-3)
 
     damping = HysteresisDamping(E)
-    built_in, own = run_user(ContactLaw(PowerLaw(K), damping)), OwnLaw(hunt_crossley, (K, damping.eta))
+    built_in, own = run_user(ContactLaw(PowerLaw(K), damping)), UserLaw(hunt_crossley, (K, damping.eta))
     assert run_user(ContactLaw(own)).q == pytest.approx(built_in.q, rel=0.0, abs=1e-13)
     with pytest.raises(lf.StepError, match="too deep"):
-        run_user(ContactLaw(OwnLaw(deep)))
+        run_user(ContactLaw(UserLaw(deep)))
 
 
 @pytest.mark.parametrize("stepper", [lf.EventDriven(), lf.MoreauJean(1e-5)], ids=lambda s: type(s).__name__)
@@ -215,10 +215,10 @@ def test_beside_complementarity(stepper: Any) -> None:
     damping = HysteresisDamping(E)
     built_in = run_scene(ContactLaw(PowerLaw(K), damping))
     assert built_in.u[-1, 1] > 0.1
-    own = run_scene(ContactLaw(OwnLaw(hunt_crossley, (K, damping.eta))))
+    own = run_scene(ContactLaw(UserLaw(hunt_crossley, (K, damping.eta))))
     assert own.q == pytest.approx(built_in.q, rel=0.0, abs=1e-10)
     with pytest.raises(lf.StepError, match="too deep"):
-        run_scene(ContactLaw(OwnLaw(deep)))
+        run_scene(ContactLaw(UserLaw(deep)))
 
 
 def test_law_with_a_gap_of_its_own() -> None:
@@ -227,7 +227,7 @@ def test_law_with_a_gap_of_its_own() -> None:
     def late(depth: float, rate: float, speed: float, p: Any) -> float:
         return K * max(depth - 1e-3, 0.0) ** 1.5
 
-    result = lf.simulate(ball(), 0.06, Smooth(ContactLaw(OwnLaw(late))), record=0.0)
+    result = lf.simulate(ball(), 0.06, Smooth(ContactLaw(UserLaw(late))), record=0.0)
     depth = result.penetration.max()
     assert K / 2.5 * (depth - 1e-3) ** 2.5 == pytest.approx(0.5 + 9.81 * (0.05 + depth), rel=1e-3)
     assert result.energies.relative_remainder < 0.02
@@ -247,11 +247,11 @@ def dividing(depth: float, rate: float, speed: float, p: Any) -> float:
 @pytest.mark.parametrize("integrator", INTEGRATORS, ids=lambda i: type(i).__name__)
 def test_what_a_law_raises_comes_out(integrator: Any, compiled: bool) -> None:
     with pytest.raises(lf.StepError, match="too deep") as caught:
-        run(ContactLaw(OwnLaw(deep, compiled=compiled)), integrator)
+        run(ContactLaw(UserLaw(deep, compiled=compiled)), integrator)
     assert isinstance(caught.value.__cause__, ValueError)
     assert caught.value.result.times[-1] > 0.0
     with pytest.raises(lf.StepError, match="ZeroDivisionError"):
-        run(ContactLaw(OwnLaw(dividing, compiled=compiled)), integrator)
+        run(ContactLaw(UserLaw(dividing, compiled=compiled)), integrator)
 
 
 def test_interruption_in_a_python_law_interrupts() -> None:
@@ -260,7 +260,7 @@ def test_interruption_in_a_python_law_interrupts() -> None:
             raise KeyboardInterrupt
         return K * depth**1.5
 
-    result = run(ContactLaw(OwnLaw(interrupted, compiled=False)))
+    result = run(ContactLaw(UserLaw(interrupted, compiled=False)))
     assert not result.complete
     assert "interrupted" in result.message
 
@@ -270,7 +270,7 @@ def test_law_that_is_no_number_is_named(integrator: Any) -> None:
     def rooted(depth: float, rate: float, speed: float, p: Any) -> float:
         return math.nan if depth > 1e-5 else K * depth**1.5
 
-    law = OwnLaw(rooted)
+    law = UserLaw(rooted)
     for _ in range(2):  # a law serves again after it has failed
         with pytest.raises(lf.StepError, match=r"'floor': its law at indentation .* is not a finite number") as caught:
             run(ContactLaw(law), integrator)
@@ -293,14 +293,14 @@ def test_law_that_is_no_number_is_named(integrator: Any) -> None:
 )
 def test_no_law(function: Any, expected: str) -> None:
     with pytest.raises(lf.ModelError, match=expected):
-        OwnLaw(function)
+        UserLaw(function)
 
 
 def test_bad_numbers() -> None:
     for arguments in ({"parameters": "12"}, {"parameters": 3.0}, {"parameters": ["x"]}, {"parameters": [math.nan]}):
         with pytest.raises(lf.ModelError, match="parameters"):
-            OwnLaw(hertz, **arguments)  # type: ignore[arg-type]
+            UserLaw(hertz, **arguments)  # type: ignore[arg-type]
     with pytest.raises(lf.ModelError, match="guard_speed"):
-        OwnLaw(hertz, (K,), guard_speed=0.0)
+        UserLaw(hertz, (K,), guard_speed=0.0)
     with pytest.raises(lf.ModelError, match="compiled"):
-        OwnLaw(hertz, (K,), compiled=2)  # type: ignore[arg-type]
+        UserLaw(hertz, (K,), compiled=2)  # type: ignore[arg-type]

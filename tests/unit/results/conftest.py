@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.results.energy_balance import Energies
-from lcpflex.results.result import SLIP, ContactSpots, Event, Result
+from lcpflex.results.result import SLIP, ContactPoints, Event, Result
 
 GRAVITY, MASS, HEIGHT, RESTITUTION = 9.81, 2.0, 0.5, 0.6
 
@@ -37,7 +37,9 @@ def bounce() -> Result:
         impulse=impulse,
         state=np.zeros((101, 1), dtype=np.int8),
         gap=np.where(y < 0.1, y, np.nan)[:, None],
-        spots=ContactSpots(np.zeros(0, np.int64), np.zeros(0, np.int64), none, none, none, np.zeros(0, np.int8)),
+        contact_points=ContactPoints(
+            np.zeros(0, np.int64), np.zeros(0, np.int64), none, none, none, np.zeros(0, np.int8)
+        ),
         energies=Energies.audit(
             0.5 * MASS * v**2, zero, MASS * GRAVITY * y, zero, np.where(down, 0.0, lost), zero, zero
         ),
@@ -91,7 +93,7 @@ def swing() -> Result:
         impulse=force * times[:, None, None],
         state=state,
         gap=gap,
-        spots=ContactSpots(
+        contact_points=ContactPoints(
             record=np.arange(m),
             contact=np.full(m, k),
             place=np.column_stack([q[:, x], np.full(m, -0.9)]),

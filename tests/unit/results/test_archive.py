@@ -156,7 +156,7 @@ def test_a_file_of_the_first_format_is_read() -> None:
     assert (impact.kind, impact.contact) == ("impact", "floor")
     assert impact.time == pytest.approx(np.sqrt(2.0 * 0.01 / 10.0), abs=1e-12)
     assert found.contact("floor").force[4] == pytest.approx([20.0, -0.3 * 20.0], abs=1e-9)
-    assert found.spots.place == pytest.approx(found.point("disc", "center")[4:] - [0.0, 0.1], abs=1e-9)
+    assert found.contact_points.place == pytest.approx(found.point("disc", "center")[4:] - [0.0, 0.1], abs=1e-9)
     assert found.compiled.model.contacts.friction == pytest.approx([0.3])
     found.draw(0.06)
 

@@ -124,11 +124,11 @@ def test_indentation_of_laws_casts_no_doubt(swing: Result) -> None:
     """What contacts by law are indented by is said by that name; beside others, only those must not penetrate."""
     deep = replace(swing, penetration=np.full(41, 0.01), gap=np.full((41, 4), -0.02))
     assert "lost in impacts " in deep.summary()
-    some = replace(deep, by_law=("stop", "roof"))
+    some = replace(deep, compliant=("stop", "roof"))
     assert "penetration of 10 mm" in doubts(some)[0]
     assert "largest indentation 20 mm; largest penetration 10 mm;" in some.summary()
     assert "lost in impacts, contacts " in some.summary()
-    law = replace(deep, by_law=swing.contact_names)
+    law = replace(deep, compliant=swing.contact_names)
     assert doubts(law) == ()
     assert "largest indentation 10 mm; largest joint drift" in law.summary()
     assert "penetration" not in law.summary()

@@ -17,7 +17,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery, meshes
-from lcpflex.compile.compiled_scene import Compiled
+from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from tests.scenes import floor_of
@@ -88,7 +88,7 @@ def full_scene() -> lf.Scene:
     pins = [scene.add(lf.Disc(0.1, mass=1.0), position=at) for at in ((10.0, 6.0), (12.5, 6.0))]
     scene.contact_slot(pins[0].surface(), slot, friction=0.1)
     scene.contact_slot(pins[1].surface(), straight)
-    scene.contact(late.surface(), floor, law=lf.ContactLaw(lf.laws.OwnLaw(law, [1e5])))
+    scene.contact(late.surface(), floor, law=lf.ContactLaw(lf.laws.UserLaw(law, [1e5])))
     scene.contact(beam.circle("right", 0.01), ground.chain([(2.0, 0.0), (0.5, 0.0)]), name="tip")
     scene.contact(beam.node(0.5, 0.0, 0.01), ground.arc((0.5, -1.0), 0.5, 0.0, 3.0))
     scene.contact(rod.circle(rod.point("right"), 0.01), ground.hole((4.0, 2.0), 50.0))
@@ -97,7 +97,7 @@ def full_scene() -> lf.Scene:
 
 
 @cache
-def compiled_scene() -> Compiled:
+def compiled_scene() -> CompiledScene:
     """What it is compiled to."""
     return full_scene().compiled()
 
@@ -157,18 +157,18 @@ def test_a_handle_brings_its_scene(how: str) -> None:
 
 @pytest.mark.parametrize("how", COPIES)
 def test_bodies_of_copies(how: str) -> None:
-    """They answer for places, their rungs and displacement fields as before, and are read-only."""
+    """They answer for places, their levels and displacement fields as before, and are read-only."""
     for name in ("rod", "block", "late", "wheel"):
         body = full_scene().body(name).source
         assert body is not None
         again = COPIES[how](body)
         assert not again.stiffness.flags.writeable
         np.testing.assert_array_equal(again.locate(0.05, 0.0).phi, body.locate(0.05, 0.0).phi)
-        if body.ladder is not None:
-            rungs = again.ladder()
-            assert [rung.name for rung in rungs] == [rung.name for rung in body.ladder()]
-            smaller = rungs[1].make()
-            assert [rung.name for rung in COPIES[how](smaller).ladder()] == [rung.name for rung in rungs]
+        if body.fidelity_levels is not None:
+            levels = again.fidelity_levels()
+            assert [level.name for level in levels] == [level.name for level in body.fidelity_levels()]
+            smaller = levels[1].make()
+            assert [level.name for level in COPIES[how](smaller).fidelity_levels()] == [level.name for level in levels]
         if body.products is not None:
             np.testing.assert_array_equal(again.products(field), body.products(field))
         if body.statics is not None:
@@ -240,9 +240,9 @@ def loaded(**parts: Any) -> lf.Scene:
         scene.join(lf.Distance(center, scene.ground.at(0.0, 3.0), parts["length"], name="rope"))
     if "law" in parts:
         floor = floor_of(scene)
-        scene.contact(disc.surface(), floor, law=lf.ContactLaw(lf.laws.OwnLaw(parts["law"])), name="floor")
+        scene.contact(disc.surface(), floor, law=lf.ContactLaw(lf.laws.UserLaw(parts["law"])), name="floor")
     if "rule" in parts:
-        scene.contact_all(law=lf.ContactLaw(lf.laws.OwnLaw(parts["rule"])))
+        scene.contact_all(law=lf.ContactLaw(lf.laws.UserLaw(parts["rule"])))
     return scene
 
 

@@ -26,11 +26,11 @@ from lcpflex.solvers import (
     Lemke,
     MinMapNewton,
     MixedLcp,
-    OwnSolver,
     PrincipalPivoting,
     Solution,
     Status,
     TimeLimit,
+    UserSolver,
     clock,
     cross_check,
     replay,
@@ -75,7 +75,7 @@ ANSWERS = {
 class TestAnswers:
     @pytest.mark.parametrize("name", ANSWERS)
     def test_what_is_read(self, name):
-        found = OwnSolver(ANSWERS[name]).solve(PROBLEM)
+        found = UserSolver(ANSWERS[name]).solve(PROBLEM)
         assert found.status is Status.SOLVED
         assert found.z == pytest.approx(Z, abs=1e-15)
         assert found.residual == PROBLEM.residual(found.z)
@@ -101,7 +101,7 @@ class TestAnswers:
         ],
     )
     def test_what_is_none(self, returned, words):
-        solver = OwnSolver(lambda M, q: returned, name="mine")
+        solver = UserSolver(lambda M, q: returned, name="mine")
         found = solver.solve(PROBLEM)
         assert found.status is Status.NUMERICAL_FAILURE
         assert found.message.startswith("numerical failure: mine ")
@@ -114,13 +114,13 @@ class TestAnswers:
         def breaks(M, q):
             raise error
 
-        found = OwnSolver(breaks).solve(PROBLEM)
+        found = UserSolver(breaks).solve(PROBLEM)
         assert not found.solved
         assert type(error).__name__ in found.message
         assert len(found.message) < 300
 
     def test_a_problem_without_unknowns_needs_no_call(self):
-        solution = OwnSolver(raises).solve(Lcp(np.zeros((0, 0)), []))
+        solution = UserSolver(raises).solve(Lcp(np.zeros((0, 0)), []))
         assert solution.solved
         assert solution.z.shape == (0,)
         fine = lf.simulate(gallery.bouncing_ball(), 0.1, lf.MoreauJean(step=1e-2, solver=raises))  # it does not touch
@@ -131,30 +131,30 @@ class TestAnswers:
             raise KeyboardInterrupt
 
         with pytest.raises(KeyboardInterrupt):
-            OwnSolver(interrupted).solve(PROBLEM)
+            UserSolver(interrupted).solve(PROBLEM)
 
     def test_a_failure_is_none_even_where_zero_solves(self):
         trivial = Lcp(PROBLEM.M, [1.0, 1.0])
-        assert not OwnSolver(raises).solve(trivial).solved
+        assert not UserSolver(raises).solve(trivial).solved
 
     @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
     def test_a_wrong_point_is_never_solved(self, scale):
         problem = Lcp(scale * PROBLEM.M, scale * PROBLEM.q)
         for z in ([0.0, 0.0], [1.0, 1.0], [-1.0, 2.0], [1 / 3 + 1e-7, 1 / 3]):
-            found = OwnSolver(lambda M, q, z=z: z).solve(problem)
+            found = UserSolver(lambda M, q, z=z: z).solve(problem)
             assert not found.solved
             claimed = Solution(np.array(z), np.zeros(2), Status.SOLVED, 0.0, 1, "claimed")
-            assert not OwnSolver(lambda M, q, it=claimed: it).solve(problem).solved
+            assert not UserSolver(lambda M, q, it=claimed: it).solve(problem).solved
 
     @pytest.mark.parametrize("status", [Status.INFEASIBLE, Status.NO_SOLUTION, Status.NOT_UNIQUE])
     def test_proofs_need_what_proves_them(self, status):
         claimed = Solution(np.zeros(2), np.zeros(2), status, 1.0, 1, "", certificate=np.ones(2))
-        assert OwnSolver(lambda M, q: claimed).solve(PROBLEM).status is Status.NUMERICAL_FAILURE
+        assert UserSolver(lambda M, q: claimed).solve(PROBLEM).status is Status.NUMERICAL_FAILURE
 
     def test_a_proof_that_holds_is_one(self):
         problem = Lcp([[-1.0]], [-1.0])
         claimed = Solution(np.zeros(1), np.zeros(1), Status.INFEASIBLE, 1.0, 1, "", certificate=np.ones(1))
-        assert OwnSolver(lambda M, q: claimed).solve(problem).status is Status.INFEASIBLE
+        assert UserSolver(lambda M, q: claimed).solve(problem).status is Status.INFEASIBLE
 
     @pytest.mark.parametrize("takes", ["arrays", "lcp", "problem"])
     def test_what_is_lent_may_be_written_to(self, takes):
@@ -170,7 +170,7 @@ class TestAnswers:
             return z
 
         state = np.geterr()
-        assert OwnSolver(spoils, takes=takes).solve(PROBLEM).solved
+        assert UserSolver(spoils, takes=takes).solve(PROBLEM).solved
         assert np.array_equal(PROBLEM.M, before[0])
         assert np.array_equal(PROBLEM.q, before[1])
         assert np.geterr() == state
@@ -179,9 +179,9 @@ class TestAnswers:
     def test_problems_posed_otherwise(self):
         mixed = MixedLcp([[2.0, 1.0], [1.0, 2.0]], [1.0, -1.0], free=[0])
         for problem in (mixed, SLIDING):
-            assert OwnSolver(exact).solve(problem).solved
+            assert UserSolver(exact).solve(problem).solved
         posed = []
-        OwnSolver(lambda p: posed.append(p) or Lemke().solve(p), takes="problem").solve(SLIDING)
+        UserSolver(lambda p: posed.append(p) or Lemke().solve(p), takes="problem").solve(SLIDING)
         assert isinstance(posed[0], ContactProblem)
 
     @pytest.mark.parametrize("bad", [3, "Lemke", None, Lemke, lambda: 1, lambda a, b, c: 1, lambda M, *, q: 1])
@@ -418,14 +418,14 @@ class TestProcess:
                 os.kill(os.getpid(), 9)
             raise ValueError("no")
 
-        solver = OwnSolver(ends, time_limit=20.0)
+        solver = UserSolver(ends, time_limit=20.0)
         for _ in range(2):
             found = solver.solve(PROBLEM)
             assert found.status is Status.NUMERICAL_FAILURE
             assert words in found.message
 
     def test_one_process_for_many_calls(self):
-        solver = OwnSolver(lambda M, q: {"z": exact(M, q), "iterations": os.getpid()}, time_limit=60.0)
+        solver = UserSolver(lambda M, q: {"z": exact(M, q), "iterations": os.getpid()}, time_limit=60.0)
         numbers = {solver.solve(PROBLEM).iterations for _ in range(5)}
         assert len(numbers) == 1
         assert numbers != {os.getpid()}

@@ -10,14 +10,14 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, Poisson
+from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.steppers.event_driven.memory import EVENT_KINDS, REVERSES, WINDOW, EventSettings
 from lcpflex.steppers.event_driven.thresholds import Thresholds
 from tests.run_warnings import of_the_run
 from tests.scenes import disc_on_floor, floor_of
 
 
-@pytest.mark.parametrize("impact", [lf.Newton(), Poisson(), Energetic()], ids=repr)
+@pytest.mark.parametrize("impact", [lf.Newton(), Poisson(), Stronge()], ids=repr)
 @pytest.mark.parametrize("restitution", [0.02, 0.2, 0.5])
 @pytest.mark.parametrize(
     ("gravity", "height"), [(1e4, 1e-3), (1e6, 1e-2), (9810.0, 1.0)], ids=["pressed", "hard", "millimetres"]

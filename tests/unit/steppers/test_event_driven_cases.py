@@ -10,7 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray
 from tests.scenes import floor_of
@@ -128,7 +128,7 @@ def test_bounces_accumulate(e: float) -> None:
     assert np.abs(result.u[-1]).max() < 1e-12
 
 
-@pytest.mark.parametrize("law", [Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True)])
+@pytest.mark.parametrize("law", [Newton(sequential=True), Poisson(sequential=True), Stronge(sequential=True)])
 def test_contact_is_hit_twice_within_an_event(law: ImpactLaw) -> None:
     """A ball hits another that touches a wall: ball, wall, ball again, and the first one flies back as fast."""
     scene = lf.Scene(gravity=(0.0, 0.0))
@@ -299,7 +299,7 @@ def heap(seed: int) -> lf.Scene:
 
 
 @pytest.mark.parametrize(
-    "law", [Poisson(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True)], ids=repr
+    "law", [Poisson(), Newton(sequential=True), Poisson(sequential=True), Stronge(sequential=True)], ids=repr
 )
 @pytest.mark.parametrize("seed", [4, 8])
 def test_heap_keeps_its_laws_under_all_laws_of_impact(law: ImpactLaw, seed: int) -> None:
@@ -313,7 +313,7 @@ def test_heap_keeps_its_laws_under_all_laws_of_impact(law: ImpactLaw, seed: int)
     assert np.nanmin(result.gap) > -1e-8
     assert result.energies.relative_remainder < 1e-7
     assert np.diff(result.energies.friction + result.energies.impact).min() > -1e-8
-    assert result.spots.force[:, 0].min() > -1e-6
+    assert result.contact_points.force[:, 0].min() > -1e-6
 
 
 def test_woodpecker_pecks_as_published() -> None:

@@ -10,10 +10,10 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.dynamics.impact import SEGMENTS, energetic_segments
-from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
 from tests.scenes import floor_of
 
-LAWS = (Newton(), Poisson(), Energetic(), Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True))
+LAWS = (Newton(), Poisson(), Stronge(), Newton(sequential=True), Poisson(sequential=True), Stronge(sequential=True))
 NAMES = [repr(law) for law in LAWS]
 
 
@@ -55,8 +55,8 @@ def test_kanes_double_pendulum(law: ImpactLaw, rates: tuple[float, float], chang
 
 def test_energetic_law_on_kanes_pendulum() -> None:
     """The work of the normal impulse is -e^2 of that of compression; slip stops and the tip sticks on the way."""
-    result = struck(gallery.double_pendulum(), Energetic())
-    elastic = struck(gallery.double_pendulum(restitution=0.0), Energetic())
+    result = struck(gallery.double_pendulum(), Stronge())
+    elastic = struck(gallery.double_pendulum(restitution=0.0), Stronge())
     compression = elastic.energies.impact[1]
     assert result.energies.impact[1] == pytest.approx(0.75 * compression, rel=1e-12)
     assert -result.energies.kinetic[0] < kinetic_change(result) < 0.0
@@ -82,7 +82,7 @@ def test_oblique_bounce(law: ImpactLaw) -> None:
         (Poisson(), (-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0)),
         (Newton(sequential=True), (0.0, 0.0, 1.0)),
         (Poisson(sequential=True), (0.0, 0.0, 1.0)),
-        (Energetic(sequential=True), (0.0, 0.0, 1.0)),
+        (Stronge(sequential=True), (0.0, 0.0, 1.0)),
     ],
     ids=repr,
 )
@@ -99,7 +99,7 @@ def test_three_balls_in_a_row(law: ImpactLaw, speeds: tuple[float, ...]) -> None
 
 def test_energetic_law_refuses_contacts_that_close_together() -> None:
     with pytest.raises(lf.StepError, match=r"contacts first, second: .*sequential=True\), Poisson\(\) or Newton\(\)"):
-        struck(gallery.three_balls(), Energetic())
+        struck(gallery.three_balls(), Stronge())
 
 
 def test_energetic_law_takes_independent_contacts_at_once() -> None:
@@ -111,7 +111,7 @@ def test_energetic_law_takes_independent_contacts_at_once() -> None:
             lf.Disc(radius=0.1, mass=1.0), name=f"ball {k}", position=(float(k), 0.2), velocity=(0.0, -1.0)
         )
         scene.contact(ball.surface(), floor, restitution=0.5 + 0.2 * k, name=f"floor {k}")
-    result = struck(scene, Energetic(), 0.2)
+    result = struck(scene, Stronge(), 0.2)
     assert result.u[-1, [1, 4]] == pytest.approx([0.5, 0.7], abs=1e-12)
 
 
@@ -131,7 +131,7 @@ def test_other_solvers_see_the_shift_of_the_expansion(solver: lf.solvers.LcpSolv
     assert result.u[1, [2, 5]] == pytest.approx([-0.196055, 0.212732], abs=1e-6)
 
 
-@pytest.mark.parametrize("law", [Poisson(), Energetic()], ids=repr)
+@pytest.mark.parametrize("law", [Poisson(), Stronge()], ids=repr)
 def test_laws_agree_without_friction(law: ImpactLaw) -> None:
     for e in (0.0, 0.3, 1.0):
         newton = struck(gallery.double_pendulum(0.0, e), Newton())
@@ -188,20 +188,20 @@ def test_energetic_law_makes_no_energy_in_random_pendulums_where_newtons_does() 
         scene = random_pendulum(rng)
         scale = struck(scene, Newton(), 1e-5).energies.kinetic[0]
         grown += kinetic_change(struck(scene, Newton(), 1e-5)) > 1e-6 * scale
-        result = struck(scene, Energetic(), 1e-5)
+        result = struck(scene, Stronge(), 1e-5)
         assert result.impulse[1, 0, 0] > 0.0
         assert kinetic_change(result) <= 1e-13 * scale
     assert grown > 0  # the cases are of those where the law matters
 
 
-@pytest.mark.parametrize("law", [Poisson(), Energetic()], ids=repr)
+@pytest.mark.parametrize("law", [Poisson(), Stronge()], ids=repr)
 def test_no_energy_from_random_rods(law: ImpactLaw) -> None:
     rng = np.random.default_rng(5)
     fell = 0
     for _ in range(40):
         result = struck(random_rod(rng), law, 1e-4)
         change = kinetic_change(result)
-        if isinstance(law, Energetic):
+        if isinstance(law, Stronge):
             assert change <= 1e-13
         fell += change < -1e-3
         tip = result.velocity("rod", (-1.0, 0.0))[1]
@@ -242,7 +242,7 @@ def test_energetic_impulses_of_random_contacts() -> None:
 
 def test_slow_approach_ends_all_laws() -> None:
     """Below the velocity threshold nothing is reflected: the ball rests where its bounces accumulate."""
-    for law in (Poisson(), Energetic(), Newton(sequential=True)):
+    for law in (Poisson(), Stronge(), Newton(sequential=True)):
         result = lf.simulate(gallery.bouncing_ball(), 1.6, lf.EventDriven(impact=law))
         rest = next(e.time for e in result.events if e.kind == "touch-down")
         assert rest == pytest.approx(3.0 * math.sqrt(2.0 / 9.81), abs=5e-7)
@@ -263,7 +263,7 @@ def struck_from_both_sides(first: str, speeds: tuple[float, float], apart: float
     return scene
 
 
-@pytest.mark.parametrize("law", [Newton(sequential=True), Poisson(sequential=True), Energetic(sequential=True)])
+@pytest.mark.parametrize("law", [Newton(sequential=True), Poisson(sequential=True), Stronge(sequential=True)])
 def test_arbitrary_order_of_impacts_is_told(law: ImpactLaw) -> None:
     """The middle ball is struck on both sides at the same time: who strikes first leaves another motion."""
     ends = []
@@ -296,7 +296,7 @@ def test_tangential_restitution_is_newtons() -> None:
     disc = scene.add(lf.Disc(radius=0.1, mass=1.0), name="disc", position=(0.0, 0.2), velocity=(1.0, -1.0))
     floor = floor_of(scene)
     scene.contact(disc.surface(), floor, friction=0.3, restitution=0.5, tangential_restitution=0.5)
-    for law in (Poisson(), Energetic()):
+    for law in (Poisson(), Stronge()):
         with pytest.raises(lf.ModelError, match="tangential restitution"):
             struck(scene, law)
 

@@ -18,7 +18,7 @@ from lcpflex.force_laws.elastic.hertz import Hertz
 from lcpflex.force_laws.elastic.line_contact import Johnson
 from lcpflex.force_laws.elastic.materials import Material
 from lcpflex.force_laws.elastic.power_law import PowerLaw
-from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.user_law import UserLaw
 from lcpflex.gallery.mechanisms.bars import LENGTH, MODULUS
 from lcpflex.gallery.mechanisms.stops import sphere_on_rod
 from lcpflex.solvers.problem import Lcp, Solution
@@ -292,7 +292,7 @@ def test_leaving_the_range_of_a_lenient_law_is_told() -> None:
         ({"floor": 1e6}, "1000000.0.*elastic law"),
         ({"floor": PowerLaw}, "elastic law"),
         ({"floor": lf.Penalty(1e6)}, "elastic law"),
-        ({"floor": OwnLaw(lambda depth, rate, speed, p: 1e6 * depth + rate)}, "elastic law.*damping"),
+        ({"floor": UserLaw(lambda depth, rate, speed, p: 1e6 * depth + rate)}, "elastic law.*damping"),
         (WALL, "expected a dict"),
         ({}, "no modes.*compliance"),
     ],

@@ -19,7 +19,7 @@ from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.friction.bristles import LuGre
 from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.force_laws.user_law import OwnLaw
+from lcpflex.force_laws.user_law import UserLaw
 from lcpflex.model.arrays import OPEN
 from tests.rates import assert_rate
 from tests.scenes import floor_of
@@ -106,10 +106,10 @@ def test_impulses_are_integrals_of_forces_and_records_name_the_contact(stepper, 
     np.testing.assert_array_equal(touching, run.gap[:, 1] < 0.0)
     assert np.all(force[~touching] == 0.0)
     assert run.penetration.max() < 1e-8  # of the set-valued contact alone
-    of_ball = run.spots.contact == 1
+    of_ball = run.contact_points.contact == 1
     assert of_ball.sum() == touching.sum()
-    np.testing.assert_allclose(run.spots.force[of_ball], force[touching])
-    np.testing.assert_allclose(run.spots.normal[of_ball][:, 1], 1.0, atol=1e-2)
+    np.testing.assert_allclose(run.contact_points.force[of_ball], force[touching])
+    np.testing.assert_allclose(run.contact_points.normal[of_ball][:, 1], 1.0, atol=1e-2)
 
 
 def test_friction_by_law_does_not_chatter_in_long_steps():
@@ -244,7 +244,7 @@ def test_range_of_validity_is_kept(stepper):
 
 
 def test_own_law_is_taken():
-    own = OwnLaw(lambda depth, rate, speed, parameters: 1e5 * depth)
+    own = UserLaw(lambda depth, rate, speed, parameters: 1e5 * depth)
     plain = lf.simulate(landing(Penalty(1e5)), DURATION, lf.EventDriven())
     assert apart(lf.simulate(landing(ContactLaw(own)), DURATION, lf.EventDriven()), plain) < 1e-6
 

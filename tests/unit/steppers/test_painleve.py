@@ -9,7 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact_laws import Energetic, ImpactLaw, Newton, Poisson
+from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
 from lcpflex.studies.stability_maps.admissible_accelerations import ContactFate, Count, admissible_accelerations
 from tests.scenes import floor_of
 
@@ -114,7 +114,7 @@ def rod_with(restitution: float, mu: float = 1.4) -> lf.Scene:
     return scene
 
 
-@pytest.mark.parametrize("law", [Newton(), Poisson(), Energetic(), Energetic(sequential=True)], ids=repr)
+@pytest.mark.parametrize("law", [Newton(), Poisson(), Stronge(), Stronge(sequential=True)], ids=repr)
 def test_impact_without_collision(law: ImpactLaw) -> None:
     """Without restitution all laws stop the tip: p = -G^-1 (gdot_T, 0), which costs 1/2 (G^-1)_TT = 0.21875 J."""
     result = lf.simulate(rod_with(0.0), 0.01, lf.EventDriven(impact=law), record=1e-3)
@@ -133,7 +133,7 @@ def test_restitution_of_an_impact_without_collision() -> None:
     e = 0.5
     newton, poisson, stronge = (
         lf.simulate(rod_with(e), 0.01, lf.EventDriven(impact=law), record=1e-3)
-        for law in (Newton(), Poisson(), Energetic())
+        for law in (Newton(), Poisson(), Stronge())
     )
     assert abs(tip(newton)[1, 1]) < 2e-6
     gnn, gtt, gnt = 1.75, 3.25, 0.75 * math.sqrt(3.0)  # slip to the left: gdot_T < 0 pulls the tip in

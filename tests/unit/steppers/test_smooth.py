@@ -197,7 +197,7 @@ def test_states_follow_the_slip_speed() -> None:
     assert set(result.state[settled & (np.abs(slip) < 0.04), 0].tolist()) == {CREEP}
     normal, tangential = result.force[settled, 0].T
     np.testing.assert_array_less(np.abs(tangential), 0.4 * normal * (1.0 + 1e-12))
-    assert len(result.spots.contact) > 900  # two corners an instant
+    assert len(result.contact_points.contact) > 900  # two corners an instant
 
 
 def test_stiff_scene_takes_far_fewer_implicit_steps() -> None:

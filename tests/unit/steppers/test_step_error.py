@@ -57,7 +57,7 @@ def test_samples_leave_the_run_as_it_is(name: str, monkeypatch: pytest.MonkeyPat
     for field in ("times", "q", "u", "force", "impulse", "state", "gap", "residual", "penetration", "size"):
         np.testing.assert_array_equal(getattr(sampled, field), getattr(without, field), err_msg=field)
     np.testing.assert_array_equal(sampled.energies.remainder, without.energies.remainder)
-    np.testing.assert_array_equal(sampled.spots.force, without.spots.force)
+    np.testing.assert_array_equal(sampled.contact_points.force, without.contact_points.force)
 
 
 def swinging() -> lf.Scene:

@@ -23,9 +23,9 @@ STEPPERS = [
 
 def last_forces(result: lf.Result) -> FloatArray:
     """(points, 2) forces at the end [N], from left to right."""
-    last = result.spots.record == len(result.times) - 1
-    order = np.argsort(result.spots.place[last, 0])
-    return np.asarray(result.spots.force[last][order])
+    last = result.contact_points.record == len(result.times) - 1
+    order = np.argsort(result.contact_points.place[last, 0])
+    return np.asarray(result.contact_points.force[last][order])
 
 
 def box(
@@ -168,7 +168,7 @@ def heap(seed: int) -> lf.Scene:
 def test_least_forces_move_the_bodies_just_the_same(seed: int) -> None:
     """A heap of boxes: equal bits of motion, forces in their cones, and no larger than those of the solver."""
     result = lf.simulate(heap(seed), 1.0, lf.MoreauJean(step=1e-3))
-    normal, tangential = result.spots.force.T
+    normal, tangential = result.contact_points.force.T
     assert (np.abs(tangential) <= 0.6 * normal * (1.0 + 1e-6) + 1e-9).all()
     assert normal.min() >= 0.0
     # equal bits whether instants are stored (and forces replaced) at all steps or at a few

@@ -73,25 +73,27 @@ def test_the_bar_needs_modes_and_says_how_many(found) -> None:
     assert not found.full_was_run
     assert set(found.errors) == {"motion", "impulses"}
     assert max(found.errors.values()) <= 0.05
-    assert found.chosen.rungs == found.rungs
-    assert found.scene.body("bar").source.modes == int(found.rungs["bar"].split()[0])
+    assert found.chosen.levels == found.levels
+    assert found.scene.body("bar").source.modes == int(found.levels["bar"].split()[0])
     poorer = [run for run in found.runs if run.coordinates < found.chosen.coordinates]
     assert poorer
     assert not any(run.within for run in poorer)
     sentence = found.sentence()
-    assert sentence.startswith(f"{found.rungs['bar']} for the bar: motion within ")
+    assert sentence.startswith(f"{found.levels['bar']} for the bar: motion within ")
     assert "of the full mesh" in sentence
     (more,) = found.next
     assert more.error < max(found.errors.values())
-    assert f"| bar: {int(found.rungs['bar'].split()[0]) * 2} modes " in found.table()
+    assert f"| bar: {int(found.levels['bar'].split()[0]) * 2} modes " in found.table()
 
 
 def test_the_error_of_the_step_is_told_apart() -> None:
     """It falls with the step, while that of the bodies stays."""
     errors = []
     for step in (8e-3, 2e-3):
-        ladders = of_scene(wall)
-        search = Search(ladders, comparable(ladders, "motion"), 0.05, 1.5, lambda scene, h=step: lf.MoreauJean(h), 60.0)
+        fidelities = of_scene(wall)
+        search = Search(
+            fidelities, comparable(fidelities, "motion"), 0.05, 1.5, lambda scene, h=step: lf.MoreauJean(h), 60.0
+        )
         search.run((2,))
         search.reference = (2,)
         search.spent = 0.0
@@ -107,7 +109,7 @@ def test_the_scene_that_is_returned_runs_as_it_did(found) -> None:
 def test_a_smaller_tolerance_climbs_to_the_full_mesh() -> None:
     whole = right_size(lambda: wall(8), tolerance=1e-4, duration=1.5, stepper=STEP, progress=False)
     assert whole.proved
-    assert whole.rungs == {"bar": "full mesh"}
+    assert whole.levels == {"bar": "full mesh"}
     assert whole.full_was_run
     assert whole.step_error > 1e-4
     assert not whole.within  # the full mesh itself moves by more than that with half the step
@@ -120,15 +122,17 @@ def test_what_is_not_proved_is_said_to_be_so() -> None:
     best = right_size(lambda: wall(8), tolerance=1e-4, duration=1.5, stepper=STEP, verify=False, progress=False)
     assert not best.within
     assert not best.full_was_run
-    assert best.sentence().startswith("No rung is proved to be within 0.01 % of the full mesh: the best that was run, ")
+    assert best.sentence().startswith(
+        "No level is proved to be within 0.01 % of the full mesh: the best that was run, "
+    )
     assert best.scene is not None
 
 
 def test_a_mesh_that_cannot_be_run_is_extrapolated_to() -> None:
-    """A ladder without its last rung, as of a very large mesh: its richest rung is not taken for the truth."""
+    """Levels without the last one, as of a very large mesh: its richest level is not taken for the truth."""
     scene = wall()
     bar = scene.body("bar").source
-    cut = scene.with_bodies({"bar": replace(bar, ladder=lambda: bar.ladder()[:-1])})
+    cut = scene.with_bodies({"bar": replace(bar, fidelity_levels=lambda: bar.fidelity_levels()[:-1])})
     part = right_size(cut, tolerance=0.05, duration=1.5, stepper=STEP, progress=False)
     assert part.reference == {"bar": "16 modes"}
     assert not part.full_was_run
@@ -140,7 +144,7 @@ def test_a_mesh_that_cannot_be_run_is_extrapolated_to() -> None:
     assert "too large to be run" in part.table()
     assert part.plot() is not None
     exact = right_size(scene, tolerance=1e-9, duration=1.5, stepper=STEP, progress=False)  # climbs to the full mesh
-    true = next(run.estimate for run in exact.runs if run.rungs == {"bar": "16 modes"})
+    true = next(run.estimate for run in exact.runs if run.levels == {"bar": "16 modes"})
     assert 0.2 <= true / last.estimate <= 5.0
 
 
@@ -167,7 +171,7 @@ def test_runs_that_cannot_be_trusted_are_shown_and_not_chosen() -> None:
     assert coarse.full_was_run  # for its time
     assert type(coarse.better).__name__ == "GeneralizedAlpha"
     assert coarse.sentence().endswith("use that, or give none.")
-    whole = strip().body("pendulum").source.ladder()[-1].make()
+    whole = strip().body("pendulum").source.fidelity_levels()[-1].make()
     assert not lf.simulate(strip().with_bodies({"pendulum": whole}), 0.03, coarse.better, progress=False).warnings
 
 
@@ -200,24 +204,24 @@ class Flat(Search):
 
 
 def test_a_search_ends_where_it_costs_more_than_it_saves(found) -> None:
-    ladders = of_scene(wall)
-    search = Flat(ladders, comparable(ladders, "motion"), 1e-3, 1.5, lambda scene: STEP, 60.0)
-    assert search.find() == ladders.top
+    fidelities = of_scene(wall)
+    search = Flat(fidelities, comparable(fidelities, "motion"), 1e-3, 1.5, lambda scene: STEP, 60.0)
+    assert search.find() == fidelities.top
     assert search.exhausted
     assert len(search.trials) == 3  # half the step costs two more
-    run = replace(found.chosen, rungs={"bar": "full mesh"}, full=True)
-    ended = replace(found, rungs=run.rungs, runs=(run,), exhausted=True)
+    run = replace(found.chosen, levels={"bar": "full mesh"}, full=True)
+    ended = replace(found, levels=run.levels, runs=(run,), exhausted=True)
     assert "to look for more would have cost more than it saves" in ended.sentence()
     assert "Less may do, but" in replace(found, exhausted=True).sentence()
 
 
 def test_a_choice_by_chance_is_said_to_be_one(found) -> None:
-    """Errors that do not fall: a rung in the middle that is good where richer ones are not."""
-    ladders = of_scene(wall)
-    search = Search(ladders, comparable(ladders, "motion"), 0.0, 1.5, lambda scene: STEP, 60.0)
-    for rung in (0, 2, 3, ladders.top[0]):
-        search.run((rung,))
-    search.reference = ladders.top
+    """Errors that do not fall: a level in the middle that is good where richer ones are not."""
+    fidelities = of_scene(wall)
+    search = Search(fidelities, comparable(fidelities, "motion"), 0.0, 1.5, lambda scene: STEP, 60.0)
+    for level in (0, 2, 3, fidelities.top[0]):
+        search.run((level,))
+    search.reference = fidelities.top
     search.tolerance = search.estimate((3,)) * 0.99
     assert "off by up to" in scatter(search, (2,))[0]
     search.tolerance = search.estimate((3,)) * 1.01
@@ -226,11 +230,11 @@ def test_a_choice_by_chance_is_said_to_be_one(found) -> None:
 
 
 def test_the_full_mesh_proves_where_it_is_as_cheap_as_to_do_without() -> None:
-    """To do without takes the richest rung below and two more, and proves nothing at small tolerances."""
+    """To do without takes the richest level below and two more, and proves nothing at small tolerances."""
     whole = right_size(wall, tolerance=0.01, duration=1.5, stepper=STEP, progress=False)
     assert whole.reference == {"bar": "full mesh"}
     assert whole.within
-    assert whole.rungs["bar"] != "full mesh"
+    assert whole.levels["bar"] != "full mesh"
     assert len(whole.runs) <= 6
     assert whole.runs[-1].estimate == 0.0
     without = right_size(wall, tolerance=0.01, duration=1.5, stepper=STEP, verify=False, progress=False)
@@ -242,7 +246,7 @@ def test_explicit_steps_that_fall_with_the_modes_do_without_the_full_mesh() -> N
     assert found.within
     assert not found.full_was_run
     assert found.runs[-1].steps > 2 * found.runs[0].steps
-    full = {"rod": gallery.sphere_on_rod().body("rod").source.ladder()[-1].make()}
+    full = {"rod": gallery.sphere_on_rod().body("rod").source.fidelity_levels()[-1].make()}
     result = lf.simulate(gallery.sphere_on_rod().with_bodies(full), found.duration, found.stepper, progress=False)
     mine = lf.simulate(found.scene, found.duration, found.stepper, progress=False)
     true = abs(mine.impulse[-1, 0, 0] / result.impulse[-1, 0, 0] - 1.0)
@@ -261,7 +265,7 @@ def stretched() -> Scene:
 def test_poor_bodies_start_on_their_joints() -> None:
     scene = stretched()
     with pytest.raises(ModelError, match="initial position violates"):
-        scene.with_bodies({"bar": scene.body("bar").source.ladder()[0].make()}).compiled()
+        scene.with_bodies({"bar": scene.body("bar").source.fidelity_levels()[0].make()}).compiled()
     found = right_size(scene, "motion", 0.2, duration=1e-3, stepper=lf.GeneralizedAlpha(step=1e-6), progress=False)
     assert not any(run.failure for run in found.runs)
     assert found.within
@@ -283,7 +287,7 @@ def test_outputs_of_the_users_own() -> None:
 def test_motion_is_compared_at_the_same_places() -> None:
     """Velocities of the ends, of the rigid bar, too: not of places that suit a rigid body."""
     ends = right_size(wall, "trajectory", 0.5, duration=1.5, stepper=STEP, progress=False)
-    rigid = next(run for run in ends.runs if run.rungs == {"bar": "rigid"})
+    rigid = next(run for run in ends.runs if run.levels == {"bar": "rigid"})
     assert 0.05 < rigid.errors["trajectory"] < 2.0
 
 
@@ -326,7 +330,7 @@ def boxes() -> Scene:
 @pytest.mark.parametrize(
     ("scene", "changed", "message"),
     [
-        (boxes, {}, "scene: none of its bodies has a ladder"),
+        (boxes, {}, "scene: none of its bodies has fidelity levels"),
         (3, {}, "scene: 3 was given, expected a Scene"),
         (wall, {"duration": None}, "duration: not given"),
         (wall, {"duration": -1.0}, "duration: -1.0 was given"),
@@ -351,7 +355,7 @@ def test_table_chart_and_file(found, tmp_path) -> None:
     with (tmp_path / "runs.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == len(found.runs)
-    assert [row["bar"] for row in rows if row["chosen"] == "True"] == [found.rungs["bar"]]
+    assert [row["bar"] for row in rows if row["chosen"] == "True"] == [found.levels["bar"]]
     assert float(rows[0]["error of impulses"]) == pytest.approx(0.5, abs=0.05)  # rigid: no rebound
     found.plot().savefig(tmp_path / "chart.png")
     assert (tmp_path / "chart.png").stat().st_size > 10_000
@@ -366,7 +370,7 @@ def test_the_chart_draws_no_error_where_there_is_none() -> None:
         assert min(lines[name].get_ydata()) > ax.get_ylim()[0]
     assert "no error, by definition or in effect" in lines
     names = {text.get_text() for text in ax.texts}
-    assert {"full", whole.rungs["bar"].split()[0]} <= names
+    assert {"full", whole.levels["bar"].split()[0]} <= names
 
 
 def test_names_do_not_lie_on_each_other_in_the_chart(found) -> None:
@@ -399,7 +403,7 @@ def test_the_command(tmp_path, capsys) -> None:
 def test_a_sentence_names_what_may_be_rigid() -> None:
     run = FidelityRun({"pendulum": "4 modes", "rod": "rigid"}, 10, 100, 0.01, {"peak force": 0.008}, True, True)
     study = RightSize(
-        scene=None, proved=True, tolerance=0.01, rungs=run.rungs, errors=run.errors, runs=(run,), next=(),
+        scene=None, proved=True, tolerance=0.01, levels=run.levels, errors=run.errors, runs=(run,), next=(),
         reference={}, stepper=STEP, duration=1.0, spent=0.5, full=0.3, full_was_run=True,
     )  # fmt: skip
     assert study.sentence() == (
@@ -409,11 +413,13 @@ def test_a_sentence_names_what_may_be_rigid() -> None:
     assert replace(study, full=1.38).sentence().endswith(" 140 times cheaper.")
     assert (
         "the best that was run, the rod may be rigid, has estimated errors"
-        in replace(study, proved=False, rungs={"rod": "rigid"}, runs=(replace(run, rungs={"rod": "rigid"}),)).sentence()
+        in replace(
+            study, proved=False, levels={"rod": "rigid"}, runs=(replace(run, levels={"rod": "rigid"}),)
+        ).sentence()
     )
-    rigid = replace(study, rungs=dict.fromkeys(("pendulum", "rod", "stop"), "rigid"))
+    rigid = replace(study, levels=dict.fromkeys(("pendulum", "rod", "stop"), "rigid"))
     assert (
-        replace(rigid, runs=(replace(run, rungs=rigid.rungs),))
+        replace(rigid, runs=(replace(run, levels=rigid.levels),))
         .sentence()
         .startswith("The pendulum, the rod and the stop may be rigid: ")
     )

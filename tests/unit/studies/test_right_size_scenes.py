@@ -1,8 +1,8 @@
 """What right_size chooses is within the tolerance of the full mesh, cheap and cheaply found; its estimates are honest.
 
-Everything is checked against all rungs, which are run here. Costs are counted, steps x (25 + coordinates), not timed: a
-machine that does other things at the same time makes any ratio of times. A step of few coordinates takes as long as 25
-of them (measured: 26 for the hemisphere of the gallery, 1.8 times the rigid run with 123 for its sliding beam).
+Everything is checked against all levels, which are run here. Costs are counted, steps x (25 + coordinates), not timed:
+a machine that does other things at the same time makes any ratio of times. A step of few coordinates takes as long as
+25 of them (measured: 26 for the hemisphere of the gallery, 1.8 times the rigid run with 123 for its sliding beam).
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ def by_counts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class Truth:
-    """The runs of all rungs, and their differences to the full mesh."""
+    """The runs of all levels, and their differences to the full mesh."""
 
     def __init__(self, question) -> None:
-        self.ladders = of_scene(question.build)
-        outputs = comparable(self.ladders, question.outputs)
+        self.fidelities = of_scene(question.build)
+        outputs = comparable(self.fidelities, question.outputs)
         self.search = Search(
-            self.ladders, outputs, question.tolerance, question.duration, lambda scene: question.stepper, 600.0
+            self.fidelities, outputs, question.tolerance, question.duration, lambda scene: question.stepper, 600.0
         )
-        self.top = self.ladders.top
+        self.top = self.fidelities.top
         self.search.run(self.top)
         self.search.reference = self.top
 
-    def state(self, rungs) -> tuple[int, ...]:
+    def state(self, levels) -> tuple[int, ...]:
         return tuple(
-            [rung.name for rung in ladder].index(rungs[name])
-            for name, ladder in zip(self.ladders.names, self.ladders.rungs, strict=True)
+            [level.name for level in ladder].index(levels[name])
+            for name, ladder in zip(self.fidelities.names, self.fidelities.levels, strict=True)
         )
 
     def errors(self, state) -> dict[str, float]:
@@ -56,7 +56,7 @@ class Truth:
 
     def cost(self, state) -> int:
         self.search.run(state)
-        return counted(self.search.trials[state].steps, self.ladders.coordinates(state))
+        return counted(self.search.trials[state].steps, self.fidelities.coordinates(state))
 
 
 def counted(steps: int, coordinates: int) -> int:
@@ -76,15 +76,15 @@ def check(name: str) -> None:
     print(f"\n{found}")
     assert found.within
     truth = Truth(question)
-    chosen = truth.state(found.rungs)
+    chosen = truth.state(found.levels)
     true = max(truth.errors(chosen).values())
     assert true <= question.tolerance
-    assert {body for body, rung in found.rungs.items() if rung == "rigid"} >= set(question.rigid)
-    size = truth.ladders.coordinates(chosen)
+    assert {body for body, level in found.levels.items() if level == "rigid"} >= set(question.rigid)
+    size = truth.fidelities.coordinates(chosen)
     smaller = [
         state
         for state in itertools.product(*(range(k + 1) for k in truth.top))
-        if truth.ladders.coordinates(state) < size
+        if truth.fidelities.coordinates(state) < size
     ]
     good = [s for s in smaller if max(truth.errors(s).values()) <= question.tolerance]
     best = min((truth.cost(s) for s in good), default=truth.cost(chosen))
@@ -132,7 +132,7 @@ def test_a_study_of_three_bodies_costs_less_than_eight_runs_of_the_full_mesh(tol
     truth = Truth(question)
     assert found.proved
     assert found.within == (max(found.step_error, found.reference_step_error) <= tolerance)
-    true = max(truth.errors(truth.state(found.rungs)).values())
+    true = max(truth.errors(truth.state(found.levels)).values())
     print(f"{tolerance:g}: {found.sentence()} {spent_on(found) / truth.cost(truth.top):.2f} runs, true {true:.2e}")
     assert true <= tolerance
     assert spent_on(found) < 8.0 * truth.cost(truth.top)
@@ -161,7 +161,7 @@ def test_the_estimator_is_honest(tmp_path: Path) -> None:
         )  # fmt: skip
         assert not found.full_was_run
         truth = Truth(question)
-        ratios.append(max(truth.errors(truth.state(found.rungs)).values()) / max(found.errors.values()))
+        ratios.append(max(truth.errors(truth.state(found.levels)).values()) / max(found.errors.values()))
     print("\ntrue / estimated:", " ".join(f"{ratio:.2f}" for ratio in sorted(ratios)))
     folder = Path(os.environ.get("LCPFLEX_ARTEFACTS", tmp_path))
     figure = Figure(figsize=(6.0, 3.6), layout="constrained")
