@@ -97,6 +97,8 @@ def test_every_public_callable_is_in_the_table():
     heads = {name.split(".")[-1] for name in names} | {name.split(".")[0] for name in names} | names
     for module in (lf, solvers, studies, laws, meshes, advice, gallery):
         for name in module.__all__:
+            if inspect.ismodule(getattr(module, name)):
+                continue  # its own names are looked at
             assert name in heads | OUTPUTS | PLAIN, f"{module.__name__}.{name}"
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import STICK, Result
@@ -190,6 +191,7 @@ def test_dataframe(swing: Result, bounce: Result) -> None:
 
 def test_dataframe_without_pandas(bounce: Result, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    monkeypatch.delitem(vars(libs), "pandas", raising=False)  # where another test has loaded it
     with pytest.raises(ModelError, match="pip install pandas"):
         bounce.to_dataframe()
 
