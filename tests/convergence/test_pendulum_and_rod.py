@@ -57,7 +57,7 @@ def test_impulse_converges_as_modes_are_added(scene: Callable[[int, float], lf.S
     rich = history.pop(240)
     off = {modes: float(np.abs(found - rich).max() / rich[-1]) for modes, found in history.items()}
     assert off[80] < 3e-3
-    assert_rate(list(off), list(off.values()), -2.0, within=(9.0, 0.5))
+    assert_rate(list(off), list(off.values()), -2.0, within=(1.0, 0.5))
 
 
 @pytest.mark.slow
