@@ -11,7 +11,9 @@ from lcpflex.contact.detection import ContactTable, detect, refresh
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.contact.thickness import law_thickness, pass_thickness
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.event_driven.gaps import SPAN_TOLERANCE, foot_margin
 from lcpflex.steppers.recorder import Tape
 
@@ -25,10 +27,10 @@ LOOKS = 8  # in each part of a path, at pairs that come and go
 
 
 @kernel
-def on_way(before: FloatArray, after: FloatArray, share: float, q: FloatArray) -> None:
+def on_way(model: Model, before: FloatArray, after: FloatArray, share: float, q: FloatArray) -> None:
     """The configuration at a share of the path, along which bodies move evenly."""
-    for i in range(len(q)):
-        q[i] = before[i] + share * (after[i] - before[i])
+    difference(model, before, after, q)
+    advance(model, before, q, share, q)
 
 
 @kernel
@@ -58,12 +60,12 @@ def crosses(
     f = deepest
     for look in range(1, LOOKS + 1):
         share = low + (high - low) * look / LOOKS
-        on_way(before, after, share, q)
+        on_way(model, before, after, share, q)
         refresh(model, q, table, k)
         last, f = f, table.gap[k]
         if last > -limit >= f and (table.kind[k] == SEGMENT or table.sense[k] < 0.0):
             part = (last + limit) / (last - f)
-            on_way(before, after, share - (1.0 - part) * (high - low) / LOOKS, q)
+            on_way(model, before, after, share - (1.0 - part) * (high - low) / LOOKS, q)
             refresh(model, q, table, k)
             if foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:
                 return True
@@ -72,7 +74,7 @@ def crosses(
         return False
     if free:
         return deepest < -CLIPPED / WITHIN * limit
-    on_way(before, after, 1.0, q)
+    on_way(model, before, after, 1.0, q)
     refresh(model, q, table, k)
     return max(-deepest, 0.0) - max(-table.gap[k], 0.0) > CLIPPED * limit
 
@@ -88,7 +90,7 @@ def passed_through(
     """
     for part in range(parts):
         low = part / parts
-        on_way(before, after, low, q)
+        on_way(model, before, after, low, q)
         n = detect(model, q, moved / parts, table)
         if n > len(table.key):
             return n
@@ -164,7 +166,7 @@ class Passages:
         swing = 0.0
         for s in np.flatnonzero(contacts.surface_body == b):
             far = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
-            sway = np.abs(contacts.surface_sway[s][: len(step) - 3]) @ np.abs(step[3:])
+            sway = np.abs(contacts.surface_sway[s][: len(step) - N_RIGID]) @ np.abs(step[N_RIGID:])
             swing = max(swing, (far * abs(float(step[2])) if math.isfinite(far) else 0.0) + float(sway))
         return swing
 

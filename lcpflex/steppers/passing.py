@@ -9,7 +9,9 @@ import math
 
 from lcpflex.contact.detection import bound
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.recorder import Tape
 
 __all__ = ["may_pass", "set_out", "set_out_freely"]
@@ -23,11 +25,10 @@ def set_out(q: FloatArray, tape: Tape) -> None:
 
 
 @kernel
-def set_out_freely(q: FloatArray, u: FloatArray, step: float, tape: Tape) -> None:
+def set_out_freely(model: Model, q: FloatArray, u: FloatArray, step: float, tape: Tape) -> None:
     """``set_out``, and keep where the bodies would be without contact: what is moved out again was met by luck."""
     set_out(q, tape)
-    for i in range(len(q)):
-        tape.free[i] = q[i] + step * u[i]
+    advance(model, q, u, step, tape.free)
 
 
 @kernel
@@ -35,7 +36,7 @@ def travelled(model: Model, b: int, q: FloatArray, tape: Tape) -> float:
     """How far the points of body b have moved against its frame in the step, at most [m]."""
     d = model.bodies.dof[b]
     sway = 0.0
-    for m in range(d + 3, model.bodies.dof[b + 1]):
+    for m in range(d + N_RIGID, model.bodies.dof[b + 1]):
         sway += abs(q[m] - tape.before[m])
     return tape.farthest * abs(q[d + 2] - tape.before[d + 2]) + tape.sway[b] * sway
 

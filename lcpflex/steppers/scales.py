@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.system import System
 
 __all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
@@ -70,7 +71,7 @@ def scales_of(system: System, duration: float) -> Scales:
     length = system.size
     speed = math.sqrt(float(np.hypot(*system.model.loads.gravity)) * length) / math.pi
     for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
-        modal = float(np.linalg.norm(u[first + 3 : last])) / math.sqrt(mass)
+        modal = float(np.linalg.norm(u[first + N_RIGID : last])) / math.sqrt(mass)
         speed = max(speed, float(np.hypot(u[first], u[first + 1])) + length * abs(float(u[first + 2])) + modal)
     pace = speed / length or 1.0 / (FEW_EVENTS * duration)
     return Scales(length, speed or length / duration, float(bodies.mass.sum()), _reach(system), pace)
@@ -97,7 +98,7 @@ def usual_state(system: System, scales: Scales) -> FloatArray:
         bodies = system.model.bodies
         for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
             usual[first : first + 2] = scales.length
-            usual[first + 3 : last] = scales.length * math.sqrt(mass)
+            usual[first + N_RIGID : last] = scales.length * math.sqrt(mass)
     return np.concatenate((usual, usual * (scales.speed / scales.length)))
 
 

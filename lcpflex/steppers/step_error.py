@@ -20,6 +20,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.run import FIELDS, Records
 from lcpflex.steppers.status import RunStatus
@@ -51,7 +52,7 @@ class Units:
                 reach = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
                 extent = max(extent, reach if math.isfinite(reach) else 0.0)
             shapes = [points.phi[points.start[p] : points.start[p + 1]].T for p in ids]
-            modes = int(dof[b + 1] - dof[b]) - 3
+            modes = int(dof[b + 1] - dof[b]) - N_RIGID
             phi = np.concatenate(shapes) if shapes else np.zeros((0, modes))
             self._bodies.append((int(dof[b]), int(dof[b + 1]), extent, phi))
 
@@ -68,7 +69,7 @@ class Units:
             moved[..., b] = np.hypot(change[..., first], change[..., first + 1])
             moved[..., b] += extent * np.abs(change[..., first + 2])
             if phi.size:
-                bent = np.abs(change[..., first + 3 : last]) @ np.abs(phi.T)
+                bent = np.abs(change[..., first + N_RIGID : last]) @ np.abs(phi.T)
                 moved[..., b] += np.hypot(bent[..., 0::2], bent[..., 1::2]).max(axis=-1)
         return moved
 

@@ -18,6 +18,7 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.recorder import Tape, tape
 
 __all__ = ["System"]
@@ -98,7 +99,7 @@ class System:
             self.table(capacity),
             self.law_contacts() if laws is None else laws,
             self.dense,
-            np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - 3, 0),
+            np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0),
         )
 
     def tape(self, table_capacity: int, spots: int) -> Tape:

@@ -14,6 +14,7 @@ from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.adaptive import Backup
 from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
 from lcpflex.steppers.recorder import Tape
@@ -172,7 +173,7 @@ def fastest(model: Model, u: FloatArray, tape: Tape) -> float:
     for b in range(len(model.bodies.mass)):
         d = model.bodies.dof[b]
         modal = 0.0
-        for m in range(d + 3, model.bodies.dof[b + 1]):
+        for m in range(d + N_RIGID, model.bodies.dof[b + 1]):
             modal += abs(u[m])
         speed = math.hypot(u[d], u[d + 1]) + tape.farthest * abs(u[d + 2]) + tape.sway[b] * modal
         largest = max(largest, speed)

@@ -14,6 +14,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import interpolate
@@ -185,7 +186,7 @@ def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
         d = ndof + model.bodies.dof[b]
         end = ndof + (model.bodies.dof[b + 1] if b + 1 < len(model.bodies.mass) else ndof)
         modal = 0.0
-        for i in range(d + 3, end):
+        for i in range(d + N_RIGID, end):
             modal += y[i] ** 2
         # M_ff = I: shapes are of the size 1 / sqrt(m), and twice that at free ends
         speed = math.hypot(y[d], y[d + 1]) + 2.0 * size * abs(y[d + 2])

@@ -104,7 +104,7 @@ def advance(
                 clock.stored = clock.made
             if clock.made >= last:
                 return RunStatus.DONE
-            set_out_freely(q, u, settings.step, tape)
+            set_out_freely(model, q, u, settings.step, tape)
         clock.number = predict(model, settings, t, q, u, work, memory)
         if clock.number > len(work.table.key):
             return RunStatus.GROW

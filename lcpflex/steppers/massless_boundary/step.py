@@ -18,8 +18,11 @@ from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, f
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import advance as move
+from lcpflex.kinematics.configuration import difference
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import may_pass, set_out
@@ -52,13 +55,16 @@ def predict(
     largest = 0.0
     for i in range(len(q)):
         work.free_u[i] = u[i] + 0.5 * h * boundary.acceleration[i]
-        work.middle[i] = q[i] + h * (work.free_u[i] + boundary.rate[i])
-        work.ahead[i] = work.middle[i]
+        work.ahead[i] = work.free_u[i] + boundary.rate[i]
         largest = max(largest, abs(q[i]))
+    move(model, q, work.ahead, h, work.middle)
     if h > 0.0 and len(work.residual) > 0:
-        project_joints(model, t, work.middle, work.free_u, work, tape, 1e-12 * (1.0 + largest))
         for i in range(len(q)):
-            work.free_u[i] += (work.middle[i] - work.ahead[i]) / h
+            work.ahead[i] = work.middle[i]
+        project_joints(model, t, work.middle, work.free_u, work, tape, 1e-12 * (1.0 + largest))
+        difference(model, work.ahead, work.middle, work.ahead)
+        for i in range(len(u)):
+            work.free_u[i] += work.ahead[i] / h
     sway = static_sway(model, boundary.flexibility, q) + static_sway(model, boundary.flexibility, work.middle)
     return detect(model, work.middle, settings.gap_tolerance + sway, work.table)
 
@@ -108,8 +114,8 @@ def accelerate(model: Model, t: float, h: float, boundary: Boundary, work: Works
     for i in range(len(a)):
         a[i] = work.total[i]
     for b in range(len(model.bodies.mass)):
-        for k in range(work.dof[b] + 3, work.dof[b + 1]):
-            a[k] += model.bodies.damping[k - 3 * (b + 1)] * (guess[k] - work.free_u[k])
+        for k in range(work.dof[b] + N_RIGID, work.dof[b + 1]):
+            a[k] += model.bodies.damping[k - N_RIGID * (b + 1)] * (guess[k] - work.free_u[k])
     n_joint = len(work.residual)
     total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.rows, work.row_body, n_joint, total, work.p, work.dof, a)
@@ -200,10 +206,10 @@ def correct(
     boundary.n_closed = closed(work)
     drives = accelerate(model, t, h, boundary, work)
     finite = True
+    difference(model, q, work.middle, boundary.rate)
     for i in range(len(q)):
-        boundary.rate[i] = 0.0
-        if boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.n_closed > 0:
-            boundary.rate[i] = (work.middle[i] - q[i]) / h
+        moved = boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.n_closed > 0
+        boundary.rate[i] = boundary.rate[i] / h if moved else 0.0
         q[i] = work.middle[i]
         u[i] = work.free_u[i] + 0.5 * h * boundary.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])

@@ -43,6 +43,7 @@ from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
@@ -334,7 +335,7 @@ def _lost(system: System, flexibility: FloatArray) -> list[str]:
     static = flexibility > 0.0
     K = np.zeros(len(system.q))
     dof = system.model.bodies.dof
-    elastic = np.concatenate([np.arange(a + 3, b) for a, b in pairwise(dof)])
+    elastic = np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(dof)])
     K[elastic] = system.model.bodies.stiffness
     u = system.u
     stored = 0.5 * (float(K @ system.q**2) + float(u @ mass_matrix(system.model, system.q) @ u))
@@ -362,7 +363,7 @@ def _settings(
 ) -> Settings:
     """The numbers of the loop; ``longest``: the step where nothing else limits it; ``gap``: the tolerance of gaps."""
     spring, damper = spring_rates(model, flexibility)
-    static = flexibility[np.concatenate([np.arange(a + 3, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
+    static = flexibility[np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
     highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
     step = stepper.step
     if step is None:

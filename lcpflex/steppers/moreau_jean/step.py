@@ -27,8 +27,10 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
+from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
@@ -75,9 +77,8 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     """First half of a step: free motion, closed contacts, and the LCP they pose. Returns the contacts found."""
     h = settings.step
     lean = settings.theta * h
-    for i in range(len(q)):
-        work.middle[i] = q[i] + lean * u[i]
-        work.ahead[i] = q[i] + settings.activation * h * u[i]
+    advance(model, q, u, lean, work.middle)
+    advance(model, q, u, settings.activation * h, work.ahead)
     n = detect(model, work.ahead, settings.gap_tolerance, work.table)
     if n > len(work.table.key):
         return n
@@ -117,7 +118,7 @@ def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> Non
     for b in range(len(bodies.mass)):
         if bodies.geometric_start[b + 1] > bodies.geometric_start[b]:
             d = bodies.dof[b]
-            rates = u[d + 3 : bodies.dof[b + 1]]
+            rates = u[d + N_RIGID : bodies.dof[b + 1]]
             work.total[d + 2] -= 2.0 * lean * u[d + 2] * stiffened(bodies, b, rates, rates)
 
 
@@ -178,8 +179,10 @@ def correct(
     audit(model, settings, t, work, u, tape)
     compare_friction(model, work.middle, work.free_u, h, work)
     largest = 0.0
+    for i in range(len(u)):
+        u[i] = settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i]
+    advance(model, q, u, h, q)
     for i in range(len(q)):
-        q[i] += h * (settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i])
         u[i] = work.free_u[i]
         largest = max(largest, abs(q[i]))
         if not math.isfinite(q[i] + u[i]):
