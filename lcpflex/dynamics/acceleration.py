@@ -21,15 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import refresh
-from lcpflex.dynamics.delassus import (
-    apply_impulses,
-    cholesky,
-    condense,
-    delassus,
-    free_velocities,
-    joint_impulses,
-    row_velocity,
-)
+from lcpflex.dynamics.contact_problem import pose_contacts
+from lcpflex.dynamics.delassus import apply_impulses, free_velocities, joint_impulses, row_velocity
 from lcpflex.dynamics.law_contacts import law_forces
 from lcpflex.dynamics.mechanics import (
     contact_biases,
@@ -45,7 +38,14 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.problem import assemble_friction_lcp
+from lcpflex.solvers.contact.index_sets import (
+    SLIDE_BACK,
+    SLIDE_FORTH,
+    SMOOTH,
+    STICKING,
+    reduce_columns,
+    sliding_sign,
+)
 
 __all__ = [
     "SMOOTH",
@@ -62,11 +62,6 @@ __all__ = [
     "project",
     "sliding_sign",
 ]
-
-SMOOTH = 0  # no friction
-STICKING = 1  # tangential unknown: gddot_T = 0, or in the LCP the law of friction
-SLIDE_FORTH = 2  # gdot_T > 0 (or about to be): lambda_T = -mu lambda_N
-SLIDE_BACK = 3  # gdot_T < 0: lambda_T = +mu lambda_N
 
 POSITION, VELOCITY, FORCE = 0, 1, 2  # what is solved for, ContactSets.level
 
@@ -106,14 +101,6 @@ def contact_sets(capacity: int) -> ContactSets:
 
 
 @kernel
-def sliding_sign(mode: int) -> float:
-    """Sign of gdot_T of a sliding contact; 0 of another one."""
-    if mode == SLIDE_FORTH:
-        return 1.0
-    return -1.0 if mode == SLIDE_BACK else 0.0
-
-
-@kernel
 def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
     """Rows of joints and of the first n contacts at q, their A^-1 rows and their Delassus operator."""
     n_joint = len(work.residual)
@@ -135,16 +122,6 @@ def lay_rows(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
 
 
 @kernel
-def condense_rows(work: Workspace) -> None:
-    """Condensed Gc and bc of the rows laid, for the right-hand side ``work.free``."""
-    n_joint = work.n_joint
-    total = n_joint + work.n_contacts + work.n_tangents
-    delassus(work.rows, work.solved, work.row_body, total, work.G)
-    cholesky(work.G, n_joint, work.lower)
-    condense(work.G, work.free, n_joint, total, work.lower, work.share, work.Gc, work.bc)
-
-
-@kernel
 def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> None:
     """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
     lay_rows(model, t, q, u, n, work, sets)
@@ -156,12 +133,12 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     solve_vector(model, work, work.free_u)
     n_joint = work.n_joint
     total = n_joint + n + work.n_tangents
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.problem.terms)
     for r in range(total):
         work.free[r] += work.bias[r]
     for r in range(n_joint, total):
-        work.terms[r - n_joint] += abs(work.bias[r])
-    condense_rows(work)
+        work.problem.terms[r - n_joint] += abs(work.bias[r])
+    pose_contacts(work)
 
 
 @kernel
@@ -170,37 +147,25 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 
     Sliding friction counts at the level of forces only, sticking not at that of positions.
     """
-    n = work.n_contacts
-    n_stick = 0
-    level = sets.level[0]
-    if level != POSITION:
-        for k in range(n):
-            if sets.mode[k] == STICKING:
-                sets.stick[n_stick] = k
-                n_stick += 1
-    for r in range(n + n_stick):
-        i = r if r < n else n + sets.tangent_of[sets.stick[r - n]]
-        sets.right[r] = work.bc[i]
-        for k in range(n):
-            value = work.Gc[i, k]
-            sign = sliding_sign(sets.mode[k])
-            if level == FORCE and sign != 0.0:
-                value -= sign * work.mu[k] * work.Gc[i, n + sets.tangent_of[k]]
-            sets.reduced[r, k] = value
-        for j in range(n_stick):
-            sets.reduced[r, n + j] = work.Gc[i, n + sets.tangent_of[sets.stick[j]]]
+    sliding, sticking = sets.level[0] == FORCE, sets.level[0] != POSITION
+    n_stick = reduce_columns(
+        work.problem, sets.mode, sets.tangent_of, sliding, sticking, sets.stick, sets.reduced, sets.right
+    )
     sets.level[1] = n_stick
     return n_stick
 
 
 @kernel
 def pose_sets(work: Workspace, sets: ContactSets) -> int:
-    """The LCP 0 <= [gddot_N, xi_R, lambda_L] _|_ [lambda_N, lambda_R, xi_L] >= 0; returns the size of H."""
-    n = work.n_contacts
+    """Let the sets count in the contact problem just posed; returns the size of H."""
+    problem = work.problem
+    problem.on_sets = 1
     sets.level[0] = FORCE
-    n_stick = reduce_sets(work, sets)
-    assemble_friction_lcp(sets.reduced, sets.right, work.mu, sets.stick, n, n_stick, work.M, work.q)
-    work.lcp_size = n + 2 * n_stick
+    n_stick = 0
+    for k in range(work.n_contacts):
+        problem.mode[k] = sets.mode[k]
+        if sets.mode[k] == STICKING:
+            n_stick += 1
     return n_stick
 
 
@@ -382,7 +347,7 @@ def project(
                 work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
                 if r < n_joint:
                     work.free[r] += work.rate[r]
-        condense_rows(work)
+        pose_contacts(work)
         sets.level[0] = VELOCITY if left == 1 and velocities else POSITION
         n_stick = reduce_sets(work, sets)
         solve_consistent(sets, n + n_stick)

@@ -123,14 +123,14 @@ def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -
             shallow = indentation_at(kinds, p, 0.5 * ACCURATE * max(largest, compliance.least[law]))
             depth = max(-work.table.gap[k], shallow)
             stiffness = elastic_stiffness(kinds, p, depth)
-            work.Gc[k, k] += 1.0 / stiffness
-            work.bc[k] += depth - elastic_force(kinds, p, depth) / stiffness
+            work.problem.delassus[k, k] += 1.0 / stiffness
+            work.problem.free[k] += depth - elastic_force(kinds, p, depth) / stiffness
         elif work.closed[k] == YIELDS:
             for r in range(total):
                 if r != k:
-                    work.Gc[k, r] = 0.0
-                    work.Gc[r, k] = 0.0
-            work.bc[k] = abs(work.table.gap[k])
+                    work.problem.delassus[k, r] = 0.0
+                    work.problem.delassus[r, k] = 0.0
+            work.problem.free[k] = abs(work.table.gap[k])
 
 
 @kernel
@@ -145,7 +145,7 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
     for k in range(work.n_contacts):
         if work.closed[k] == FOLLOWS:
             largest = max(largest, work.normal[k], compliance.least[work.table.law[k]])
-    allowed = ACCURATE * largest + work.certified * unit[0]
+    allowed = ACCURATE * largest + work.solver.residual * unit[0]
     worst = 0.0
     for k in range(work.n_contacts):
         if work.closed[k] == FOLLOWS:

@@ -1,4 +1,4 @@
-"""Impacts beyond Newton's law: the second problem of Poisson's, and Stronge's integrated over the normal impulse.
+"""Stronge's law of impact, integrated over the normal impulse.
 
 Sources: Pfeiffer & Glocker 1996; Stronge 1990.
 """
@@ -11,19 +11,9 @@ from lcpflex.dynamics.delassus import joint_impulses
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 
-__all__ = ["SEGMENTS", "energetic_segments", "lay_impulse", "shift_normals"]
+__all__ = ["SEGMENTS", "energetic_segments", "lay_impulse"]
 
 SEGMENTS = 8  # slip, stick or slip back; compression, restitution: at most four in all
-
-
-@kernel
-def shift_normals(work: Workspace, least: FloatArray) -> None:
-    """Pose the LCP for impulses p_N >= least instead of p_N >= 0: its unknown is then p_N - least."""
-    m = work.lcp_size
-    n = work.n_contacts
-    for i in range(m):
-        for k in range(n):
-            work.q[i] += work.M[i, k] * least[k]
 
 
 @kernel

@@ -16,13 +16,14 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
+from lcpflex.dynamics.contact_problem import describe_contacts
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.problem import assemble_friction_lcp, split_friction_solution
+from lcpflex.solvers.contact.compiled import sticks
 
 __all__ = ["admissible", "pose_position", "split_forces", "static_response", "static_sway"]
 
@@ -87,7 +88,7 @@ def pose_position(
     """Pose the problem of the first n contacts of the table at ``work.middle``, reached with ``work.free_u``.
 
     Linearised about the static coordinates there, and about the gaps, which must be those there; ``before`` (ndof,) has
-    the static coordinates before the step. Scaled F and gaps go to work.Gc and work.bc; unit: the unit of force [N],
+    the static coordinates before the step. Scaled F and gaps go to work.problem; unit: the unit of force [N],
     and the largest compliance [m/N]. Returns -1, or the contact that has no compliance.
     """
     q = work.middle
@@ -97,11 +98,11 @@ def pose_position(
     work.n_joint = n_joint
     work.n_contacts = n
     work.n_tangents = n_tangent
-    work.lcp_size = n + 2 * n_tangent
+    describe_contacts(work)
     if n_tangent > 0:
         contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
     spread(work, flexibility, n_joint, n_joint + total)
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.Gc)
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.problem.delassus)
     softest = 0.0
     for r in range(total):
         b = 0.0
@@ -111,40 +112,38 @@ def pose_position(
             slip = row_velocity(work.rows, work.row_body, n_joint + r, work.dof, work.free_u)
             b = step * (slip - 0.5 * step * work.bias[n_joint + r])
             b -= static_part(work, flexibility, n_joint + r, before)
-        work.bc[r] = b
-        softest = max(softest, work.Gc[r, r])
+        work.problem.free[r] = b
+        softest = max(softest, work.problem.delassus[r, r])
     for r in range(total):
-        if not work.Gc[r, r] > RIGID * softest and (r >= n or compliance.soft[work.table.law[r]] == 0):
+        if not work.problem.delassus[r, r] > RIGID * softest and (r >= n or compliance.soft[work.table.law[r]] == 0):
             return r if r < n else work.tangent[r - n]
     soften(compliance, work, n, total)
     largest = 0.0
     for r in range(total):
-        largest = max(largest, abs(work.bc[r]))
-        softest = max(softest, work.Gc[r, r])
+        largest = max(largest, abs(work.problem.free[r]))
+        softest = max(softest, work.problem.delassus[r, r])
     if largest == 0.0:
         largest = 1.0
     if total > 0:
         unit[0] = largest / softest
         unit[1] = softest
     for r in range(total):
-        work.bc[r] /= largest
+        work.problem.free[r] /= largest
         for s in range(total):
-            work.Gc[r, s] /= softest
-    assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
+            work.problem.delassus[r, s] /= softest
     return -1
 
 
 @kernel
 def split_forces(work: Workspace, unit: FloatArray) -> None:
-    """Forces [N] of the contact rows, work.normal, work.tangential and work.p, from the solution z."""
+    """Forces [N] of the contact rows, work.normal, work.tangential and work.p, from the solution."""
     n_joint = work.n_joint
     n = work.n_contacts
-    split_friction_solution(work.z, work.mu, work.tangent, n, work.n_tangents, work.normal, work.tangential)
     for k in range(n):
-        work.normal[k] *= unit[0]
+        work.normal[k] = work.solver.normal[k] * unit[0]
         work.p[n_joint + k] = work.normal[k]
     for j in range(work.n_tangents):
-        work.tangential[j] *= unit[0]
+        work.tangential[j] = work.solver.tangential[j] * unit[0]
         work.p[n_joint + n + j] = work.tangential[j]
 
 
@@ -194,9 +193,8 @@ def stiffens(work: Workspace, r: int) -> bool:
     """Whether contact row r is a spring in the present solution: a normal that is closed, a tangent that sticks."""
     n = work.n_contacts
     if r < n:
-        return work.z[r] > 0.0
-    k = work.tangent[r - n]
-    return 0.0 < work.z[r] < 2.0 * work.mu[k] * work.z[k]
+        return work.solver.normal[r] > 0.0
+    return sticks(work.problem, work.solver, r - n)
 
 
 @kernel
@@ -233,10 +231,10 @@ def admissible(
     for r in range(total):
         for s in range(r + 1):
             if stiffens(work, r) and stiffens(work, s):
-                work.G[r, s] = work.Gc[r, s] - scale * work.G[r, s]
+                work.G[r, s] = work.problem.delassus[r, s] - scale * work.G[r, s]
             else:
                 work.G[r, s] = 1.0 if r == s else 0.0
-    return semidefinite(work.G, total, work.Gc)
+    return semidefinite(work.G, total, work.problem.delassus)
 
 
 @kernel

@@ -9,7 +9,7 @@ from lcpflex.dynamics.inertia import Arrow, arrow
 from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.solvers.auto import auto_workspace
+from lcpflex.solvers.contact.memory import ContactData, SolverMemory, contact_data, prepare
 
 __all__ = ["DOUBTFUL_CONTACTS", "Workspace", "workspace"]
 
@@ -19,7 +19,7 @@ DOUBTFUL_KEPT, DOUBTFUL_SIZE = 32, 64
 
 @struct
 class Workspace:
-    """Memory for a number of contacts; pairs: twice, lcp: three times as many.
+    """Memory for a number of contacts; pairs: twice as many.
 
     rows = joint rows + pairs + 1 constraint rows, the last one scratch.
     """
@@ -47,40 +47,22 @@ class Workspace:
     free: FloatArray = array("rows")
     lower: FloatArray = array("joints", "joints")
     share: FloatArray = array("pairs", "joints")
-    Gc: FloatArray = array("pairs", "pairs")  # condensed
-    bc: FloatArray = array("pairs")
     mu: FloatArray = array("contacts")
     tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
     closed: IntArray = array("contacts")
     held_key: IntArray = array(2, "contacts")  # of the contacts that stayed closed over the last step; scratch
     held_gap: FloatArray = array(2, "contacts")  # and the gap, <= 0, that each is held at [m]
-    M: FloatArray = array("lcp", "lcp")  # LCP
-    q: FloatArray = array("lcp")
-    z: FloatArray = array("lcp")
-    terms: FloatArray = array("pairs")  # sum |W^T| |u_free| of each row, 0 where not known; of one solution
-    alike: FloatArray = array("lcp", "lcp")  # the LCP in units of its contacts: see impulse.measure
-    load: FloatArray = array("lcp")
-    units: FloatArray = array("lcp")  # of its unknowns
-    contact_units: FloatArray = array("contacts")
-    tableau: FloatArray
-    basis: IntArray
-    normal: FloatArray = array("contacts")  # normal part of the solution
+    drift: FloatArray = array("contacts")  # of closed contacts, from the gap that each is held at [m]; scratch
+    problem: ContactData  # the contact problem of the rows
+    solver: SolverMemory
+    normal: FloatArray = array("contacts")  # forces where contacts give way [N]
     tangential: FloatArray = array("contacts")  # one for each tangential row
     p: FloatArray = array("rows")  # impulses or forces of all rows
     n_joint: int  # joint rows of this step
     n_contacts: int
     n_tangents: int  # tangential rows
-    lcp_size: int
     n_held: int  # contacts that stayed closed over the last step
-    certified: float  # residual of the present step, in units of its contacts
-    pivots: float
-    relative_residual: float  # relative to the free velocity alone
     stopped: float  # fastest approach so far that was stopped, being slow, and not reflected [m/s]
-    last_key: IntArray = array("contacts")  # keys of the contacts of the last solved problem
-    last_basis: IntArray = array("contacts", 3)  # whether their lambda_N, lambda_R, xi_L were basic
-    method: int  # LEMKE or AUTO
-    n_remembered: int  # entries of last_key
-    known: int  # what is known beforehand: see impulse.solve_lcp
     doubtful: FloatArray = array(DOUBTFUL_KEPT, DOUBTFUL_SIZE)  # problems that may have several solutions
     n_doubtful: int
     doubtful_kind: int  # of the present problem
@@ -96,10 +78,12 @@ def workspace(
     laws: LawContacts,
     dense: bool = False,
     shortening: IntArray | None = None,
+    solver: SolverMemory | None = None,
 ) -> Workspace:
     """Allocate for bodies with offsets ``dof`` and as many contacts as ``table``, beside those by law.
 
-    ``shortening`` (nb,): modes of each body that gets shorter as it bends, 0 of others.
+    ``shortening`` (nb,): modes of each body that gets shorter as it bends, 0 of others. ``solver``: of a smaller one,
+    what it knows goes on.
     """
     capacity = len(table.key)
     ndof = int(dof[-1])
@@ -112,9 +96,7 @@ def workspace(
         "joints": n_joint,
         "contacts": capacity,
         "pairs": 2 * capacity,
-        "lcp": 3 * capacity,
     }
-    tableau, basis = auto_workspace(3 * capacity)
     return allocate(
         Workspace,
         sizes,
@@ -122,7 +104,7 @@ def workspace(
         table=table,
         arrow=arrow(len(dof) - 1, n_modes, shortening),
         row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
-        tableau=tableau,
-        basis=basis,
+        problem=contact_data(capacity),
+        solver=prepare(capacity, solver),
         laws=laws,
     )

@@ -10,12 +10,11 @@ import numpy as np
 
 from lcpflex.errors import ModelError, shown, writable_path
 from lcpflex.solvers.benchmark.files import save_problems
+from lcpflex.solvers.contact.posed import posed_problem
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.steppers.driver import posed_problem
 
 if TYPE_CHECKING:
-    from lcpflex.dynamics.workspace import Workspace
-    from lcpflex.solvers.contact.problem import ContactProblem
+    from lcpflex.solvers.contact.memory import ContactData, SolverMemory
     from lcpflex.solvers.problem import Lcp
 
 __all__ = ["Recorder", "RecordProblems"]
@@ -85,23 +84,23 @@ class Recorder:
     def __post_init__(self) -> None:
         self.stride = self.request.every or 1
 
-    def watch(self, work: Workspace) -> None:
-        """Look at the problem just solved (or not) in the work memory of the stepper."""
+    def watch(self, data: ContactData, memory: SolverMemory) -> None:
+        """Look at the problem just solved (or not)."""
         number = self.seen
         self.seen += 1
-        failed = not work.certified <= UNSOLVED
+        failed = not memory.residual <= UNSOLVED
         if self.request.hardest is None:
             if failed or number % self.stride == 0:
-                self._keep(np.inf if failed else 0.0, number, work)
+                self._keep(np.inf if failed else 0.0, number, data, memory)
             if len(self.kept) > self.request.limit:
                 self.stride *= 2
                 self.kept = [one for one in self.kept if one[0] > 0.0 or one[1] % self.stride == 0][
                     -self.request.limit :
                 ]
             return
-        hardness = np.inf if failed else self._hardness(work)
+        hardness = np.inf if failed else self._hardness(data, memory)
         if len(self.kept) < self.request.hardest or hardness > self.kept[-1][0]:
-            self._keep(hardness, number, work)
+            self._keep(hardness, number, data, memory)
             self.kept.sort(key=lambda one: -one[0])
             del self.kept[self.request.hardest :]
 
@@ -110,23 +109,22 @@ class Recorder:
         ordered = sorted(self.kept, key=lambda one: one[1])
         return save_problems(self.request.path, [one[3] for one in ordered], [one[2] for one in ordered])
 
-    def _hardness(self, work: Workspace) -> float:
+    def _hardness(self, data: ContactData, memory: SolverMemory) -> float:
         if self.request.by == "condition":
-            m = int(work.n_contacts + work.n_tangents)
-            return condition(work.Gc[:m, :m])
-        return float(work.certified if self.request.by == "residual" else work.pivots)
+            m = data.n_contacts + data.n_tangents
+            return condition(data.delassus[:m, :m])
+        return float(memory.residual if self.request.by == "residual" else memory.iterations)
 
-    def _keep(self, hardness: float, number: int, work: Workspace) -> None:
-        n = int(work.n_contacts)
-        contacts = [self.names[law] for law in work.table.law[:n].tolist()]
+    def _keep(self, hardness: float, number: int, data: ContactData, memory: SolverMemory) -> None:
+        contacts = [self.names[law] for law in data.pair[: data.n_contacts].tolist()]
         counts = sorted({name: contacts.count(name) for name in contacts}.items())
         name = f"problem {number}: " + (", ".join(f"{count} x {name}" for name, count in counts) or "no contact")
-        self.kept.append((hardness, number, name, _problem(work, contacts)))
+        self.kept.append((hardness, number, name, _problem(data, memory, contacts)))
 
 
-def _problem(work: Workspace, contacts: list[str]) -> Lcp | ContactProblem:
+def _problem(data: ContactData, memory: SolverMemory, contacts: list[str]) -> Lcp | ContactProblem:
     """A copy of the problem; its contacts by their names and the places where they touch."""
-    problem = posed_problem(work)
+    problem = posed_problem(data, memory)
     if not isinstance(problem, ContactProblem):
         return problem
     keys = (f"{name}#{key}" for name, key in zip(contacts, problem.keys, strict=True))

@@ -25,16 +25,16 @@ def keep_doubtful(work: Workspace, t: float) -> None:
     coupled = False
     for j in range(work.n_tangents):
         k = work.tangent[j]
-        c = work.mu[k] * abs(work.Gc[k, n + j])
-        coupled = coupled or c > COUPLED * work.Gc[k, k]
-        kind = 2 * kind + (1 if c > work.Gc[k, k] else 0)
+        c = work.problem.friction[k] * abs(work.problem.delassus[k, n + j])
+        coupled = coupled or c > COUPLED * work.problem.delassus[k, k]
+        kind = 2 * kind + (1 if c > work.problem.delassus[k, k] else 0)
     if not coupled:
         work.doubtful_kind = 0
         return
     for k in range(n):
-        kind = 4 * kind + (2 if work.bc[k] < 0.0 else 0) + (1 if work.z[k] > 0.0 else 0)
+        kind = 4 * kind + (2 if work.problem.free[k] < 0.0 else 0) + (1 if work.solver.z[k] > 0.0 else 0)
     for j in range(work.n_tangents):
-        right, left = work.z[n + j] > 0.0, work.z[n + work.n_tangents + j] > 0.0
+        right, left = work.solver.z[n + j] > 0.0, work.solver.z[n + work.n_tangents + j] > 0.0
         kind = 4 * kind + (2 if right else 0) + (1 if left else 0)
     if kind == work.doubtful_kind:
         return
@@ -53,12 +53,12 @@ def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     at = 3
     for k in range(n):
         row[at + k] = work.table.law[k]
-        row[at + n + k] = work.mu[k]
+        row[at + n + k] = work.problem.friction[k]
     at += 2 * n
     for r in range(m):
-        row[at + r] = work.bc[r]
+        row[at + r] = work.problem.free[r]
         for s in range(m):
-            row[at + m + r * m + s] = work.Gc[r, s]
+            row[at + m + r * m + s] = work.problem.delassus[r, s]
     at += m + m * m
-    for i in range(work.lcp_size):
-        row[at + i] = work.z[i]
+    for i in range(work.solver.size):
+        row[at + i] = work.solver.z[i]

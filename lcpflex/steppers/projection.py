@@ -12,7 +12,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.auto import auto
+from lcpflex.solvers.contact.compiled import solve_normals
 from lcpflex.steppers.recorder import Tape
 
 __all__ = ["project_contacts", "project_joints"]
@@ -76,7 +76,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
         held += 1
         if active and gap < target - tolerance:
             work.closed[m] = k
-            work.q[m] = gap - target
+            work.drift[m] = gap - target
             m += 1
     for i in range(held):
         work.held_key[0, i] = work.held_key[1, i]
@@ -99,15 +99,10 @@ def project_contacts(
     m = hold_contacts(step, tolerance, active, work, tape)
     if m == 0:
         return False
-    for i in range(m):
-        for j in range(m):
-            work.M[i, j] = work.Gc[work.closed[i], work.closed[j]]
-    symmetric, warm = m > 0, m < 0  # true and false; literals would have it compiled once more
-    status, _ = auto(work.M, work.q, m, work.z, work.tableau, work.basis, symmetric, warm)
-    if status != 0:
+    if solve_normals(work.problem, work.closed, work.drift, m, work.solver) != 0:
         return False
     for i in range(m):
         r = n_joint + work.closed[i]
-        work.bias[r] = work.z[i]
+        work.bias[r] = work.solver.z[i]
         apply_impulses(work.solved, work.row_body, r, r + 1, work.bias, work.dof, q)
     return True

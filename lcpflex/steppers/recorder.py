@@ -150,10 +150,10 @@ def note_gain(tape: Tape, t: float, work: float) -> None:
 @kernel
 def note_certificate(work: Workspace, tape: Tape) -> None:
     """Keep the worst residuals, size and pivots of the contact problems."""
-    tape.counts.worst_residual = max(tape.counts.worst_residual, work.certified)
-    tape.counts.worst_size = max(tape.counts.worst_size, work.lcp_size)
-    tape.counts.worst_pivots = max(tape.counts.worst_pivots, work.pivots)
-    tape.counts.worst_relative = max(tape.counts.worst_relative, work.relative_residual)
+    tape.counts.worst_residual = max(tape.counts.worst_residual, work.solver.residual)
+    tape.counts.worst_size = max(tape.counts.worst_size, work.solver.size)
+    tape.counts.worst_pivots = max(tape.counts.worst_pivots, work.solver.iterations)
+    tape.counts.worst_relative = max(tape.counts.worst_relative, work.solver.strict)
 
 
 @kernel

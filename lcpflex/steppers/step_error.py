@@ -117,8 +117,8 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
-    held = (work.held_key, work.held_gap, work.last_key, work.last_basis)
-    return (*held, work.span, numbers_of(work))
+    held = (work.held_key, work.held_gap, work.solver.last_key, work.solver.last_basis)
+    return (*held, work.span, numbers_of(work), numbers_of(work.problem), numbers_of(work.solver))
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:

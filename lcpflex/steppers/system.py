@@ -19,6 +19,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.steppers.recorder import Tape, tape
 
 __all__ = ["System"]
@@ -42,7 +43,7 @@ class System:
     hooks: Hooks
     dense: bool
     margin: float
-    watch: Callable[[Workspace], None] | None = None
+    watch: Callable[[ContactData, SolverMemory], None] | None = None
     names: tuple[str, ...] = ()
     laws: tuple[Law | None, ...] = ()
     soft: tuple[int, ...] = ()  # 1 for each set-valued contact that gives way by an elastic law; empty if none does
@@ -88,8 +89,13 @@ class System:
         rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws
         return law_contacts(self.model.contacts, rows, self.model.bodies.dof, self.n_joint, self.n_surfaces)
 
-    def workspace(self, capacity: int, laws: LawContacts | None = None) -> Workspace:
-        """Work memory for ``capacity`` simultaneous contacts; what those by law remember goes on in ``laws``."""
+    def workspace(
+        self, capacity: int, laws: LawContacts | None = None, solver: SolverMemory | None = None
+    ) -> Workspace:
+        """Work memory for ``capacity`` simultaneous contacts.
+
+        What those by law remember goes on in ``laws``, and what the solver knows in ``solver``.
+        """
         bodies = self.model.bodies
         return workspace(
             bodies.dof,
@@ -100,6 +106,7 @@ class System:
             self.law_contacts() if laws is None else laws,
             self.dense,
             np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0),
+            solver,
         )
 
     def tape(self, table_capacity: int, spots: int) -> Tape:

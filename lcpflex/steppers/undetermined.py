@@ -30,10 +30,10 @@ OUTSIDE = 1e-9  # of the largest impulse: by so much an impulse may be outside o
 def contact_velocity(work: Workspace, r: int) -> float:
     """Velocity of contact row r after the step; 0 where it is rounding."""
     n_joint = work.n_joint
-    total = work.bc[r]
+    total = work.problem.free[r]
     size = abs(total)
     for s in range(work.n_contacts + work.n_tangents):
-        part = work.Gc[r, s] * work.p[n_joint + s]
+        part = work.problem.delassus[r, s] * work.p[n_joint + s]
         total += part
         size += abs(part)
     return 0.0 if abs(total) <= ZERO * size else total
@@ -59,19 +59,19 @@ def list_unknowns(work: Workspace) -> int:
         normal = work.p[n_joint + k]
         if normal <= 0.0 and contact_velocity(work, k) != 0.0:
             continue
-        work.basis[count] = k
-        work.basis[half + count] = k
+        work.solver.basis[count] = k
+        work.solver.basis[half + count] = k
         work.bias[count] = 0.0
         count += 1
         if tangent >= 0:
             slip = contact_velocity(work, tangent)
             if slip == 0.0:
-                work.basis[count] = tangent
-                work.basis[half + count] = tangent
+                work.solver.basis[count] = tangent
+                work.solver.basis[half + count] = tangent
                 work.bias[count] = 0.0
                 count += 1
             else:
-                work.basis[half + count - 1] = tangent
+                work.solver.basis[half + count - 1] = tangent
                 ratio = work.p[n_joint + tangent] / normal if normal > 0.0 else math.copysign(work.mu[k], -slip)
                 work.bias[count - 1] = ratio
     return count
@@ -81,16 +81,17 @@ def list_unknowns(work: Workspace) -> int:
 def reduced_entry(work: Workspace, i: int, k: int) -> float:
     """Entry of the Delassus operator of the unknowns."""
     half = 2 * len(work.mu)
-    a, b = work.basis[i], work.basis[half + i]
-    c, d = work.basis[k], work.basis[half + k]
+    a, b = work.solver.basis[i], work.solver.basis[half + i]
+    c, d = work.solver.basis[k], work.solver.basis[half + k]
     f, g = work.bias[i], work.bias[k]
-    return work.Gc[a, c] + g * work.Gc[a, d] + f * (work.Gc[b, c] + g * work.Gc[b, d])
+    G = work.problem.delassus
+    return G[a, c] + g * G[a, d] + f * (G[b, c] + g * G[b, d])
 
 
 @kernel
 def null_vectors(work: Workspace, count: int) -> int:
     """Orthonormal impulses without effect, to the first rows of the tableau; returns their number."""
-    G, lower, rows = work.G, work.M, work.tableau
+    G, lower, rows = work.G, work.solver.M, work.solver.tableau
     for i in range(count):
         for k in range(i + 1):
             G[i, k] = reduced_entry(work, i, k)
@@ -141,12 +142,12 @@ def to_cones(work: Workspace, count: int, x: FloatArray) -> float:
     n = work.n_contacts
     moved = 0.0
     for i in range(count):
-        if work.basis[i] >= n:
+        if work.solver.basis[i] >= n:
             continue
         normal, tangential = x[i], 0.0
-        sticks = i + 1 < count and work.basis[i + 1] >= n
+        sticks = i + 1 < count and work.solver.basis[i + 1] >= n
         if sticks:
-            mu = work.mu[work.basis[i]]
+            mu = work.mu[work.solver.basis[i]]
             tangential = x[i + 1]
             if mu * abs(tangential) <= -normal:
                 x[i], x[i + 1] = 0.0, 0.0
@@ -173,11 +174,11 @@ def least_impulses(work: Workspace) -> None:
     free = null_vectors(work, count)
     if free == 0:
         return
-    rows = work.tableau
+    rows = work.solver.tableau
     start, x, y, rest = rows[free], rows[free + 1], rows[free + 2], rows[free + 3]
     largest = 0.0
     for i in range(count):
-        start[i] = work.p[n_joint + work.basis[i]]
+        start[i] = work.p[n_joint + work.solver.basis[i]]
         largest = max(largest, abs(start[i]))
         rest[i] = 0.0
         y[i] = 0.0
@@ -204,6 +205,6 @@ def least_impulses(work: Workspace) -> None:
         return
     half = 2 * len(work.mu)
     for i in range(count):
-        work.p[n_joint + work.basis[i]] = x[i]
+        work.p[n_joint + work.solver.basis[i]] = x[i]
         if work.bias[i] != 0.0:
-            work.p[n_joint + work.basis[half + i]] = work.bias[i] * x[i]
+            work.p[n_joint + work.solver.basis[half + i]] = work.bias[i] * x[i]

@@ -11,21 +11,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from lcpflex.dynamics.impulse import measure
-from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.certificate import ROUNDING, residual_parts, strict_residual, terms_residual
+from lcpflex.solvers.contact.compiled import pose_lcp
+from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.steppers.named import listed
 
 __all__ = ["Wedged", "parts"]
 
 
-def parts(work: Workspace, z: FloatArray) -> tuple[float, float, float]:
-    """Of the residual of z (m,) for the problem posed in ``work``: what is left, its terms, its load."""
-    m = int(work.lcp_size)
-    measure(work)
+def parts(data: ContactData, memory: SolverMemory, z: FloatArray) -> tuple[float, float, float]:
+    """Of the residual of z (m,) for the LCP of a contact problem: what is left, its terms, its load."""
+    pose_lcp(data, memory)
+    m = memory.size
     with np.errstate(all="ignore"):  # what is not finite is judged so
-        worst, size, load = residual_parts(work.alike, work.load, z[:m] / work.units[:m], m)
+        worst, size, load = residual_parts(memory.alike, memory.load, z[:m] / memory.units[:m], m)
     return float(worst), float(size), float(load)
 
 
@@ -37,11 +37,13 @@ class Wedged:
         self.laws: list[int] = []
         self.strict, self.terms = 0.0, 0.0
 
-    def best(self, work: Workspace, points: list[FloatArray], tolerance: float) -> FloatArray | None:
-        """The best of some points z (m,) for the problem posed in ``work``; None if no one is right by its terms."""
+    def best(
+        self, data: ContactData, memory: SolverMemory, points: list[FloatArray], tolerance: float
+    ) -> FloatArray | None:
+        """The best of some points z (m,) for the LCP of a contact problem; None if no one is right by its terms."""
         chosen, least, terms = None, math.inf, 0.0
         for z in points:
-            worst, size, load = parts(work, z)
+            worst, size, load = parts(data, memory, z)
             worst = max(worst, ROUNDING * size)  # w is not known any better
             strict = strict_residual(worst, load)
             if terms_residual(worst, size, load) <= tolerance and strict < least:
@@ -50,11 +52,11 @@ class Wedged:
             self.strict, self.terms = max(self.strict, least), max(self.terms, terms)
         return chosen
 
-    def note(self, work: Workspace, at: float) -> None:
-        """Count the problem in ``work``, of the step or instant that begins at time ``at`` [s]."""
+    def note(self, data: ContactData, at: float) -> None:
+        """Count the problem of the step or instant that begins at time ``at`` [s]."""
         if self.count == 0:
             self.first = at
-            self.laws = sorted({int(law) for law in work.table.law[: int(work.n_contacts)]})
+            self.laws = sorted({int(law) for law in data.pair[: data.n_contacts]})
         if at != self.last:
             self.count, self.last = self.count + 1, at
 

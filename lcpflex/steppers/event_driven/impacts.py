@@ -10,12 +10,13 @@ import math
 
 from lcpflex.dynamics.acceleration import lay_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impact import energetic_segments, lay_impulse, shift_normals
+from lcpflex.dynamics.impact import energetic_segments, lay_impulse
 from lcpflex.dynamics.impact_laws import ENERGETIC, NEWTON, POISSON
-from lcpflex.dynamics.impulse import distribute, pose, solve_lcp
+from lcpflex.dynamics.impulse import distribute, pose
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.steppers.event_driven.bounces import note_strike, too_low
 from lcpflex.steppers.event_driven.memory import (
     EventMemory,
@@ -188,16 +189,16 @@ def strike_by_energy(
     gtt = 0.0
     v_t = 0.0
     mu = 0.0
-    v_n = min(work.bc[0], 0.0)
+    v_n = min(work.problem.free[0], 0.0)
     if work.n_tangents > 0:
-        gnt = work.Gc[0, 1]
-        gtt = work.Gc[1, 1]
-        v_t = work.bc[1]
+        gnt = work.problem.delassus[0, 1]
+        gtt = work.problem.delassus[1, 1]
+        v_t = work.problem.free[1]
         mu = work.mu[0]
         if abs(v_t) <= 1e-14 * abs(v_n):
             v_t = 0.0
     e = model.contacts.restitution[work.table.law[0]]
-    count = energetic_segments(work.Gc[0, 0], gnt, gtt, v_n, v_t, mu, e, memory.segments)
+    count = energetic_segments(work.problem.delassus[0, 0], gnt, gtt, v_n, v_t, mu, e, memory.segments)
     if count < 0:
         return UNSOLVED
     total = n_joint + 1 + work.n_tangents
@@ -219,13 +220,13 @@ def without_restitution(memory: EventMemory) -> bool:
 
 @kernel
 def compressed(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """Whether contacts give back some of the impulses just laid: at least how much, to ``memory.least``."""
+    """Whether contacts give back some of the impulses just laid: at least how much, to the problem."""
     if settings.law != POISSON or memory.stage == EXPANDING or without_restitution(memory):
         return False
     gives = False
     for k in range(work.n_contacts):
-        memory.least[k] = model.contacts.restitution[work.table.law[k]] * work.normal[k]
-        gives = gives or memory.least[k] > 0.0
+        work.problem.least[k] = model.contacts.restitution[work.table.law[k]] * work.solver.normal[k]
+        gives = gives or work.problem.least[k] > 0.0
     return gives
 
 
@@ -268,18 +269,15 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         end(memory, tape)
         return AGAIN
     if memory.stage == EXPANDING:
-        shift_normals(work, memory.least)
+        work.problem.shifted = 1
     elif memory.nudging == 1:
         for k in range(n):
-            work.q[k] -= settings.velocity_threshold  # an approach assumed where there is none
-    status = solve_lcp(work)
+            work.problem.free[k] -= settings.velocity_threshold  # an approach assumed where there is none
+    status = solve_contacts(work.problem, work.solver)
     memory.detail = status
-    if status != 0 or not work.certified <= settings.tolerance:
+    if status != 0 or not work.solver.residual <= settings.tolerance:
         return UNSOLVED
     note_certificate(work, tape)
-    if memory.stage == EXPANDING:
-        for k in range(n):
-            work.z[k] += memory.least[k]
     distribute(work)
     apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
     account(work, memory, tape, u)

@@ -69,7 +69,6 @@ class EventMemory:
     u: FloatArray = array("ndof")  # velocity before an impact
     reflected: FloatArray = array("ndof")  # velocity that restitution reflects
     approach: FloatArray = array("contacts")  # normal velocities when last looked at
-    least: FloatArray = array("contacts")  # least normal impulses of an expansion
     segments: FloatArray = array(SEGMENTS, 2)  # impulses of the phases of an impact
     found: FloatArray = array(SEVERAL_KEPT, TESTED)  # solutions of a choice of sets; work arrays of the enumeration
     codes: IntArray = array(SEVERAL_KEPT)

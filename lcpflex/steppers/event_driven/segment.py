@@ -109,8 +109,8 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
         memory.value[SPAN, k] = min(memory.value[SPAN, k], slave_margin(model, y[:ndof], work.table, k))
         size = abs(p_n)
-        if work.Gc[k, k] > 0.0:
-            size = max(size, abs(work.bc[k]) / work.Gc[k, k])
+        if work.problem.delassus[k, k] > 0.0:
+            size = max(size, abs(work.problem.free[k]) / work.problem.delassus[k, k])
         memory.force = max(memory.force, size)
         tangent = memory.sets.tangent_of[k]
         if tangent >= 0:

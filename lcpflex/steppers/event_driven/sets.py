@@ -20,14 +20,14 @@ from lcpflex.dynamics.acceleration import (
     ContactSets,
     assemble,
     pose_sets,
+    reduce_sets,
     sliding_sign,
 )
 from lcpflex.dynamics.delassus import row_velocity
-from lcpflex.dynamics.impulse import measure, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
-from lcpflex.solvers.contact.problem import split_friction_solution
+from lcpflex.solvers.contact.compiled import pose_lcp, solve_contacts
 from lcpflex.solvers.lcp.enumeration import enumerate_active_sets
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_driven.memory import (
@@ -90,19 +90,20 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
 
 
 @kernel
-def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int:
+def read_sets(n: int, work: Workspace, memory: EventMemory) -> int:
     """Modes from the solved LCP, contacts without force left out; returns how many stay.
 
     A contact that is at the edge of its cone without moving (one of several that share a load) is set to stick for a
     try; ``fallback`` keeps its mode at the edge.
     """
     sets = memory.sets
-    split_friction_solution(work.z, work.mu, sets.stick, n, n_stick, work.normal, work.tangential)
+    forces = work.solver
+    n_stick = reduce_sets(work, sets)
     largest = 0.0
     for k in range(n):
-        largest = max(largest, work.normal[k])
-        if work.Gc[k, k] > 0.0:
-            largest = max(largest, abs(work.bc[k]) / work.Gc[k, k])
+        largest = max(largest, forces.normal[k])
+        if work.problem.delassus[k, k] > 0.0:
+            largest = max(largest, abs(work.problem.free[k]) / work.problem.delassus[k, k])
     kept = 0
     j = -1
     for k in range(n):
@@ -110,13 +111,13 @@ def read_sets(n: int, n_stick: int, work: Workspace, memory: EventMemory) -> int
         tried = mode
         if mode == STICKING:
             j += 1
-            force = work.tangential[j]
-            edge = work.mu[k] * work.normal[k] * (1.0 - FORCE_TOLERANCE)
+            force = forces.tangential[j]
+            edge = work.mu[k] * forces.normal[k] * (1.0 - FORCE_TOLERANCE)
             if abs(force) >= edge:
                 mode = SLIDE_BACK if force > 0.0 else SLIDE_FORTH
                 if not rests(n, n_stick, n + j, work, sets):
                     tried = mode
-        if work.normal[k] <= CARRIES * largest:
+        if forces.normal[k] <= CARRIES * largest:
             if kept > 0 and largest > 0.0 and rests(n, n_stick, k, work, sets):
                 memory.spared = 1 + work.table.law[k]
         else:
@@ -133,7 +134,7 @@ def rests(n: int, n_stick: int, r: int, work: Workspace, sets: ContactSets) -> b
     total = sets.right[r]
     size = abs(total)
     for c in range(n + n_stick):
-        x = work.normal[c] if c < n else work.tangential[c - n]
+        x = work.solver.normal[c] if c < n else work.solver.tangential[c - n]
         total += sets.reduced[r, c] * x
         size += abs(sets.reduced[r, c] * x)
     return abs(total) <= FORCE_TOLERANCE * size
@@ -174,23 +175,23 @@ def difference(n: int, work: Workspace, sets: ContactSets, a: FloatArray, b: Flo
         change = 0.0
         terms = 0.0
         for c in range(n + work.n_tangents):
-            change += work.Gc[r, c] * d[c]
-            terms += abs(work.Gc[r, c] * d[c])
+            change += work.problem.delassus[r, c] * d[c]
+            terms += abs(work.problem.delassus[r, c] * d[c])
         far = max(far, abs(change))
-        size = max(size, max(terms, abs(work.bc[r])))
+        size = max(size, max(terms, abs(work.problem.free[r])))
     return far / size if size > 0.0 else 0.0
 
 
 @kernel
 def several_motions(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """Whether the LCP of the sets admits different accelerations; False for what is too large to be tested."""
-    m = work.lcp_size
+    m = work.solver.size
     if m > TESTED or work.n_tangents == 0:
         return False
-    measure(work)
+    pose_lcp(work.problem, work.solver)
     kept, _ = enumerate_active_sets(
-        work.alike,
-        work.load,
+        work.solver.alike,
+        work.solver.load,
         m,
         settings.tolerance,
         memory.found,
@@ -201,7 +202,7 @@ def several_motions(n: int, settings: EventSettings, work: Workspace, memory: Ev
     )
     for i in range(min(kept, SEVERAL_KEPT)):
         for c in range(m):
-            memory.found[i, c] *= work.units[c]
+            memory.found[i, c] *= work.solver.units[c]
     for i in range(1, min(kept, SEVERAL_KEPT)):
         if difference(n, work, memory.sets, memory.found[0], memory.found[i]) > APART:
             return True
@@ -226,9 +227,9 @@ def still_approach(n: int, settings: EventSettings, work: Workspace, memory: Eve
     """Whether contacts about to be let go approach, slower than the threshold: they would close again and again."""
     largest = 0.0
     for k in range(n):
-        largest = max(largest, work.z[k])
+        largest = max(largest, work.solver.normal[k])
     for k in range(n):
-        if work.z[k] <= CARRIES * largest:
+        if work.solver.normal[k] <= CARRIES * largest:
             v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u)
             if v < -SLOWEST * settings.velocity_threshold:
                 return True
@@ -250,17 +251,17 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
     if n > 0:
         assemble(model, t, q, u, n, work, memory.sets)
         sort_tangents(settings, n, work, memory, u)
-        n_stick = pose_sets(work, memory.sets)
-        status = solve_lcp(work)
+        pose_sets(work, memory.sets)
+        status = solve_contacts(work.problem, work.solver)
         memory.detail = status
-        if status != 0 or not work.certified <= settings.tolerance:
+        if status != 0 or not work.solver.residual <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
         if memory.stopping == 0 and still_approach(n, settings, work, memory, u):
             memory.stopping = 1
             return AGAIN
         note_paradox(n, settings, work, memory)
-        kept = read_sets(n, n_stick, work, memory)
+        kept = read_sets(n, work, memory)
     memory.n_contacts = kept
     return RESOLVED
 

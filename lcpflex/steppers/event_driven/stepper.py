@@ -17,10 +17,11 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.struct import copy_parts, numbers_of
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
 from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
 from lcpflex.solvers.user_solver import as_solver
-from lcpflex.steppers.driver import Rescue, posed_lcp, put_solution, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.loop import (
     CHOOSING,
     COLLIDING,
@@ -79,7 +80,7 @@ class EventDrivenRun:
         self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
-        self._work.method = solver_method(stepper.solver)
+        self._work.solver.method = solver_method(stepper.solver)
         self._memory = event_memory(system, 16, 64)
         self._memory.step = 0.0 if stepper.first_step is None else stepper.first_step
         self._memory.last_event = -math.inf
@@ -188,16 +189,15 @@ class EventDrivenRun:
         memory, work = self._memory, self._work
         if memory.phase != CHOOSING or memory.nudges >= MOST_JAMS:
             return False
-        if work.lcp_size <= MOST_TRIED:  # is there really none?
-            solution = Enumeration().solve(posed_lcp(work))
+        if work.solver.size <= MOST_TRIED:  # is there really none?
+            solution = Enumeration().solve(posed_lcp(work.problem, work.solver))
             if solution.solved:
-                put_solution(work, solution)
+                put_solution(work.problem, work.solver, solution)
                 return True
             self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
         else:
             self._proven = False
-        found = memory.n_found
-        memory.target = int(work.M[:found, :found].diagonal().argmin())  # < 0: its own force pulls this contact in
+        memory.target = int(own_pull(work.problem).argmin())  # < 0: its own force pulls this contact in
         memory.nudges += 1
         memory.nudging = 1
         memory.jams += 1
@@ -227,9 +227,7 @@ class EventDrivenRun:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
         old_work, old = self._work, self._memory
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
-        self._work = self.system.workspace(capacity, old_work.laws)
-        self._work.method, self._work.n_remembered = old_work.method, old_work.n_remembered
-        self._work.known = old_work.known
+        self._work = self.system.workspace(capacity, old_work.laws, old_work.solver)
         new = event_memory(self.system, capacity, near)
         copy_parts(old_work.table, self._work.table)
         copy_parts(old.sets, new.sets)

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.instants import at_stop
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import allocate, copy_parts
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import (
     MOST_STRIKES,
@@ -225,16 +225,16 @@ def advance_adaptive(
         if clock.number > len(work.table.key):
             return RunStatus.GROW
         if memory.warm == 1:
-            recall_basis(work)
-        clock.number = solve_lcp(work)
+            recall_basis(work.problem, work.solver)
+        clock.number = solve_contacts(work.problem, work.solver)
         status = AGAIN
-        if clock.number != 0 or not work.certified <= settings.tolerance:
+        if clock.number != 0 or not work.solver.residual <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             status = RunStatus.SOLVER_FAILED
         else:
             if memory.phase == VELOCITY:
-                remember_basis(work)
+                remember_basis(work.problem, work.solver)
             status = correct(model, scaled, now, at, rate, work, memory, tape)
         if status == AGAIN:
             continue
@@ -295,7 +295,7 @@ class ControlledGeneralizedAlpha:
     def __init__(self, system: System, settings: AlphaSettings, limits: Limits, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.method = solver_method(solver)
+        self.work.solver.method = solver_method(solver)
         self.clock = allocate(StepClock, {})
         first = min(max(settings.step, limits.shortest), limits.longest)
         self.clock.step = self.clock.recent = self.clock.scaled = first

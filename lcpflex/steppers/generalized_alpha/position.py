@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
-from lcpflex.dynamics.acceleration import condense_rows
+from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
@@ -103,13 +103,11 @@ def pose_position(model: Model, settings: AlphaSettings, t: float, work: Workspa
         work.free[r] = work.residual[r] / h
     for k in range(n):
         work.free[n_joint + k] = work.table.gap[k] / h
-    condense_rows(work)
+    pose_contacts(work)
+    problem = work.problem
     for k in range(n):
-        work.q[k] = work.bc[k]
         for c in range(n):
-            work.M[k, c] = work.Gc[k, c]
-            work.q[k] -= work.Gc[k, c] * memory.total[c]
-    work.lcp_size = n
+            problem.free[k] -= problem.delassus[k, c] * memory.total[c]
     memory.warm = 1
     return n
 
@@ -121,15 +119,15 @@ def apply_position(model: Model, settings: AlphaSettings, work: Workspace, memor
     n = work.n_contacts
     meet = False
     for k in range(n):
-        work.p[n_joint + k] = work.z[k] - memory.total[k]
-        meet = meet or (work.z[k] > 0.0 and memory.total[k] == 0.0)
+        work.p[n_joint + k] = work.solver.normal[k] - memory.total[k]
+        meet = meet or (work.solver.normal[k] > 0.0 and memory.total[k] == 0.0)
     joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
     for r in range(n_joint + n):
         work.p[r] *= settings.step
     memory.pressed.count = 0
     for k in range(n):
-        if work.z[k] > 0.0:
-            hold(work.table, k, work.z[k], 0.0, FRICTIONLESS, memory.pressed)
+        if work.solver.normal[k] > 0.0:
+            hold(work.table, k, work.solver.normal[k], 0.0, FRICTIONLESS, memory.pressed)
     sign = 1.0
     for _ in range(2 if meet else 1):
         if meet:

@@ -12,11 +12,11 @@ from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
     SLIDE_FORTH,
     STICKING,
-    condense_rows,
     pose_sets,
     sliding_sign,
 )
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
+from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (
     contact_biases,
@@ -32,7 +32,6 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.problem import split_friction_solution
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
     POSITION,
@@ -174,7 +173,7 @@ def pose_smooth(
         work.free_u[i] += memory.w_new[i]
     for r in range(n_joint + n + n_tangent):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
-    condense_rows(work)
+    pose_contacts(work)
     for k in range(n):
         memory.sets.tangent_of[k] = -1
     for j in range(n_tangent):
@@ -190,15 +189,14 @@ def spread_forces(work: Workspace, memory: AlphaMemory) -> None:
     sets = memory.sets
     n_joint = work.n_joint
     n = work.n_contacts
-    n_stick = sets.level[1]
+    found = work.solver
     total = n_joint + n + work.n_tangents
-    split_friction_solution(work.z, work.mu, sets.stick, n, n_stick, work.normal, work.tangential)
     for k in range(n):
-        work.p[n_joint + k] = work.normal[k]
+        work.p[n_joint + k] = found.normal[k]
         if sets.tangent_of[k] >= 0:
-            work.p[n_joint + n + sets.tangent_of[k]] = -sliding_sign(sets.mode[k]) * work.mu[k] * work.normal[k]
-    for j in range(n_stick):
-        work.p[n_joint + n + sets.tangent_of[sets.stick[j]]] = work.tangential[j]
+            work.p[n_joint + n + sets.tangent_of[k]] = -sliding_sign(sets.mode[k]) * work.mu[k] * found.normal[k]
+    for j in range(found.n_stick):
+        work.p[n_joint + n + sets.tangent_of[found.stick[j]]] = found.tangential[j]
     joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
 
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.acceleration import STICKING, condense_rows
+from lcpflex.dynamics.acceleration import STICKING
+from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.impulse import distribute
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.problem import assemble_friction_lcp
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
     POSITION,
@@ -101,7 +101,7 @@ def pose_velocity(
         if i >= 0:
             work.p[n_joint + n + j] = -h * memory.resting.load[i, 1]
     apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.problem.terms)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
@@ -120,9 +120,7 @@ def pose_velocity(
         if e_t > 0.0 and memory.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    condense_rows(work)
-    assemble_friction_lcp(work.Gc, work.bc, work.mu, work.tangent, n, n_tangent, work.M, work.q)
-    work.lcp_size = n + 2 * n_tangent
+    pose_contacts(work)
     memory.warm = 1
 
 

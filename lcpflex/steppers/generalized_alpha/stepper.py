@@ -25,7 +25,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
-from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
@@ -33,6 +32,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -109,14 +109,14 @@ def advance(
         if clock.number > len(work.table.key):
             return RunStatus.GROW
         if memory.warm == 1:
-            recall_basis(work)
-        clock.number = solve_lcp(work)
-        if clock.number != 0 or not work.certified <= settings.tolerance:
+            recall_basis(work.problem, work.solver)
+        clock.number = solve_contacts(work.problem, work.solver)
+        if clock.number != 0 or not work.solver.residual <= settings.tolerance:
             if give_up_smooth(memory):
                 continue
             return RunStatus.SOLVER_FAILED
         if memory.phase == VELOCITY:
-            remember_basis(work)
+            remember_basis(work.problem, work.solver)
         status = correct(model, settings, t, q, u, work, memory, tape)
         if status == STEPPED:
             clock.made += 1
@@ -135,7 +135,7 @@ class GeneralizedAlphaScheme:
     def __init__(self, system: System, settings: AlphaSettings, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.method = solver_method(solver)
+        self.work.solver.method = solver_method(solver)
         self.clock = allocate(StepCount, {}, stored=-1)
         self._system, self._settings = system, settings
         self._q, self._u = system.q.copy(), system.u.copy()

@@ -13,7 +13,6 @@ from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
-from lcpflex.dynamics.impulse import recall_basis, remember_basis, solve_lcp
 from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
@@ -23,6 +22,7 @@ from lcpflex.kinematics.configuration import difference
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, slip_of, solve_contacts
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import may_pass, set_out
@@ -159,7 +159,7 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
         work.held_key[1, j] = work.table.key[k]
         work.held_gap[1, j] = work.tangential[j]
         if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
-            tape.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work, n + j) * length
+            tape.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work.solver, n + j) * length
     work.n_held = work.n_tangents
     for j in range(work.n_tangents):
         work.held_key[0, j] = work.held_key[1, j]
@@ -168,17 +168,6 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
         for i in range(2):
             tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
     note_certificate(work, tape)
-
-
-@kernel
-def slip_of(work: Workspace, r: int) -> float:
-    """Slip of a step on contact row r, in the unit of the problem."""
-    n = work.n_contacts
-    m = work.n_tangents
-    slip = work.q[r]
-    for s in range(n + m):
-        slip += work.M[r, s] * work.z[s]
-    return slip
 
 
 @kernel
@@ -232,7 +221,7 @@ def record(
         slip = 1.0
         if tangent < work.n_tangents and work.tangent[tangent] == k:
             force_t = work.tangential[tangent]
-            slip = slip_of(work, n + tangent)
+            slip = slip_of(work.solver, n + tangent)
             tangent += 1
         if work.normal[k] > 0.0:
             state = STICK if abs(slip) <= STICKING else SLIP
@@ -267,7 +256,7 @@ def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
         refresh(model, work.middle, work.table, k)
         if work.normal[k] > 0.0 and (boundary.compliance.some[0] == 0 or work.closed[k] == HARD):
             left = max(left, abs(work.table.gap[k]))
-            displaced = max(displaced, boundary.unit[1] * work.Gc[k, k] * work.normal[k])
+            displaced = max(displaced, boundary.unit[1] * work.problem.delassus[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
 
 
@@ -347,11 +336,11 @@ def advance(
             clock.number = pose_position(model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work)
             if clock.number >= 0.0:
                 return RunStatus.STIFF
-            recall_basis(work)
-            clock.number = solve_lcp(work)
-            if clock.number != 0 or not work.certified <= settings.tolerance:
+            recall_basis(work.problem, work.solver)
+            clock.number = solve_contacts(work.problem, work.solver)
+            if clock.number != 0 or not work.solver.residual <= settings.tolerance:
                 return RunStatus.SOLVER_FAILED
-            remember_basis(work)
+            remember_basis(work.problem, work.solver)
             passes += 1
             curved = deform(model, boundary, work)
             unsettled = misfit(boundary.compliance, boundary.unit, work) > 1.0

@@ -98,7 +98,7 @@ class MasslessBoundaryScheme:
         self.records = Records(self._system)
         self.records.by_law = tuple(name for name in system.names if name in stepper.compliance)
         self.work = self._system.workspace(16)
-        self.work.method = solver_method(stepper.solver)
+        self.work.solver.method = solver_method(stepper.solver)
         self._notes = _lost(system, flexibility)
         self._q, self._u = _consistent(self._system, self.work)
         self._asked = stepper.step

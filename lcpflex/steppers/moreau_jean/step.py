@@ -11,7 +11,7 @@ from typing import NamedTuple
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import distribute, pose, recall_basis, remember_basis, solve_lcp
+from lcpflex.dynamics.impulse import distribute, pose
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.law_contacts import law_forces, law_forces_after
 from lcpflex.dynamics.law_friction import compare_friction
@@ -31,6 +31,7 @@ from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
@@ -74,7 +75,7 @@ class Settings(NamedTuple):
 
 @kernel
 def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> int:
-    """First half of a step: free motion, closed contacts, and the LCP they pose. Returns the contacts found."""
+    """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
     h = settings.step
     lean = settings.theta * h
     advance(model, q, u, lean, work.middle)
@@ -170,7 +171,7 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
 def correct(
     model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
 ) -> bool:
-    """Second half of a step: impulses from the solution z, then u+ and q+ in place. False where they are not finite."""
+    """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
     h = settings.step
     keep_doubtful(work, t)
     distribute(work)
@@ -245,11 +246,11 @@ def whole_step(
     clock.number = predict(model, settings, t, q, u, work)
     if clock.number > len(work.table.key):
         return RunStatus.GROW
-    recall_basis(work)
-    clock.number = solve_lcp(work)
-    if clock.number != 0 or not work.certified <= settings.tolerance:
+    recall_basis(work.problem, work.solver)
+    clock.number = solve_contacts(work.problem, work.solver)
+    if clock.number != 0 or not work.solver.residual <= settings.tolerance:
         return RunStatus.SOLVER_FAILED
-    remember_basis(work)
+    remember_basis(work.problem, work.solver)
     if not correct(model, settings, t, q, u, work, tape):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE
@@ -257,16 +258,13 @@ def whole_step(
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     """A larger workspace; the contacts that are held stay so."""
-    work = system.workspace(capacity, old.laws)
+    work = system.workspace(capacity, old.laws, old.solver)
     held = int(old.n_held)
     work.n_held = held
     work.held_key[:, :held] = old.held_key[:, :held]
     work.held_gap[:, :held] = old.held_gap[:, :held]
-    work.method, work.n_remembered, work.known = old.method, old.n_remembered, old.known
     work.stopped = old.stopped
     work.span[:] = old.span
-    work.last_key[: len(old.last_key)] = old.last_key
-    work.last_basis[: len(old.last_basis)] = old.last_basis
     work.doubtful[:] = old.doubtful
     work.n_doubtful, work.doubtful_kind = old.n_doubtful, old.doubtful_kind
     return work

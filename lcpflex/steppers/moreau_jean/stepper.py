@@ -97,7 +97,7 @@ class MoreauJeanScheme:
     def __init__(self, system: System, settings: Settings, solver: LcpSolver) -> None:
         self.records = Records(system)
         self.work = system.workspace(16)
-        self.work.method = solver_method(solver)
+        self.work.solver.method = solver_method(solver)
         begin_laws(system, self.work)
         self.records.indentation = self.work.laws.memory.worst
         self.records.missed_friction = self.work.laws.missed

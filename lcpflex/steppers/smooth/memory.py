@@ -8,8 +8,9 @@ import numpy as np
 
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import detect
-from lcpflex.dynamics.acceleration import ContactSets, condense_rows, contact_sets
+from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.contact_memory import settle, unsettled
+from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
@@ -138,7 +139,7 @@ def note(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothM
         if n_joint > 0:
             joint_rows(model, t, q, u, work.external, work.rows, work.row_body, work.rate, work.bias)
         solve_rows(model, work, int(np.int64(0)), n_joint + n + work.n_tangents)  # no literal, see dot
-        condense_rows(work)
+        pose_contacts(work)
     states = y[memory.states :].reshape(-1, PLACES)
     rates = work.free[n_joint : n_joint + n]
-    return n, settle(model, contacts, work.table, n, rates, work.Gc, states)
+    return n, settle(model, contacts, work.table, n, rates, work.problem.delassus, states)

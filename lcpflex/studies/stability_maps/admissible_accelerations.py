@@ -37,6 +37,7 @@ from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
+from lcpflex.solvers.contact.compiled import pose_lcp
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -233,8 +234,9 @@ class _Instant:
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
-        m = int(work.lcp_size)
-        return Lcp(work.M[:m, :m], work.q[:m])
+        pose_lcp(work.problem, work.solver)
+        m = work.solver.size
+        return Lcp(work.solver.M[:m, :m], work.solver.q[:m])
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""

@@ -14,12 +14,12 @@ import pytest
 
 import lcpflex
 import lcpflex as lf
-from lcpflex.dynamics.impulse import solve_lcp
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.user_mechanics import hooks
 from lcpflex.jit import dispatch as linking
 from lcpflex.jit.dispatch import callees, link, reaching
 from lcpflex.jit.kernel import kernel
+from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.steppers.event_driven import loop as event_loop
 from lcpflex.steppers.generalized_alpha import adaptive as generalized_alpha_adaptive
 from lcpflex.steppers.generalized_alpha import stepper as generalized_alpha
@@ -52,9 +52,9 @@ def particle() -> lf.UserSystem:
 
 HOOKS: dict[str, list[Any]] = {
     "user system": list(hooks(particle()._functions)),
-    "solver": [solve_lcp],
+    "solver": [solve_contacts],
     "load": [supply],
-    "everything": [*hooks(particle()._functions), solve_lcp, supply],
+    "everything": [*hooks(particle()._functions), solve_contacts, supply],
 }
 
 

@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.dynamics.impulse import (
-    AUTO,
-    SOLUTION_KNOWN,
-    recall_basis,
-    remember_basis,
-    solve_lcp,
-)
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
-from lcpflex.steppers.driver import MOST_RESCUES, Rescue, posed_problem
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
+from lcpflex.solvers.contact.index_sets import SLIDE_BACK, SLIDE_FORTH, SMOOTH, STICKING
+from lcpflex.solvers.contact.memory import SOLUTION_KNOWN
+from lcpflex.solvers.contact.methods import AUTO
+from lcpflex.solvers.contact.posed import own_pull, posed_lcp, posed_problem
+from lcpflex.steppers.driver import MOST_RESCUES, Rescue
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.stepping_run import FixedRun
 
@@ -48,42 +46,52 @@ def test_auto_and_lemke_give_the_same_motion(name: str) -> None:
 
 def test_the_last_basis_solves_the_next_problem_at_once() -> None:
     work, _ = stack_memory()
-    m = int(work.lcp_size)
-    assert work.method == AUTO
-    assert work.n_remembered == work.n_contacts > 10
-    recall_basis(work)
-    assert solve_lcp(work) == 0
-    assert work.pivots == 1  # one linear solve
-    assert solve_lcp(work) == 0  # what is known counts once: this one starts cold
-    assert work.pivots > m / 3
+    data, memory = work.problem, work.solver
+    assert memory.method == AUTO
+    assert memory.n_remembered == data.n_contacts > 10
+    recall_basis(data, memory)
+    assert solve_contacts(data, memory) == 0
+    assert memory.iterations == 1  # one linear solve
+    assert solve_contacts(data, memory) == 0  # what is known counts once: this one starts cold
+    assert memory.iterations > memory.size / 3
 
 
 def test_a_basis_follows_its_contact_to_another_place() -> None:
     work, _ = stack_memory()
-    n, n_tangent = int(work.n_contacts), int(work.n_tangents)
-    keys = work.table.key[:n].copy()
+    data, memory = work.problem, work.solver
+    n, n_tangent = data.n_contacts, data.n_tangents
+    keys = data.key[:n].copy()
     basis = np.arange(n + 2 * n_tangent) % 2
-    work.basis[: len(basis)] = basis
-    remember_basis(work)
-    work.table.key[: n - 1] = keys[1:]  # the first contact has opened, a new one stands last
-    work.table.key[n - 1] = keys.max() + 1
-    recall_basis(work)
+    memory.basis[: len(basis)] = basis
+    remember_basis(data, memory)
+    data.key[: n - 1] = keys[1:]  # the first contact has opened, a new one stands last
+    data.key[n - 1] = keys.max() + 1
+    recall_basis(data, memory)
     for part in range(3):
         first = part * n  # all contacts of the stack have friction
-        assert (work.basis[first : first + n - 1] == basis[first + 1 : first + n]).all()
-        assert work.basis[first + n - 1] == 0
+        assert (memory.basis[first : first + n - 1] == basis[first + 1 : first + n]).all()
+        assert memory.basis[first + n - 1] == 0
+
+
+def pose_hard(work: Workspace) -> None:
+    """HARD as a contact problem: three contacts of which the last one slides."""
+    data = work.problem
+    data.n_contacts, data.n_tangents, data.on_sets = 3, 1, 1
+    data.tangent[0], data.mode[:3] = 2, (SMOOTH, SMOOTH, SLIDE_FORTH)
+    data.delassus[:4, :4] = 0.0
+    data.delassus[:3, :3], data.free[:3] = HARD.M, HARD.q
 
 
 def test_a_problem_that_the_compiled_part_cannot_solve_goes_down_the_chain() -> None:
     work, _ = stack_memory()
-    work.M[:3, :3], work.q[:3] = HARD.M, HARD.q
-    work.n_contacts, work.n_tangents, work.lcp_size = 3, 1, 3
-    assert solve_lcp(work) != 0
+    data, memory = work.problem, work.solver
+    pose_hard(work)
+    assert solve_contacts(data, memory) != 0
     assert Rescue(lf.Auto(), 1e-9)(work, 0.0)
-    assert work.known == SOLUTION_KNOWN
-    assert solve_lcp(work) == 0
-    assert work.z[:3] == pytest.approx([0.0, 0.0, 0.5], abs=1e-12)
-    work.z[:3] = 0.0  # no answer
+    assert memory.known == SOLUTION_KNOWN
+    assert solve_contacts(data, memory) == 0
+    assert memory.normal[:3] == pytest.approx([0.0, 0.0, 0.5], abs=1e-12)
+    memory.z[:3] = 0.0  # no answer
     assert not Rescue(lf.Lemke(), 1e-9)(work, 0.0)  # who asks for Lemke gets Lemke
 
 
@@ -118,34 +126,62 @@ def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
 
 def test_the_posed_problem_is_the_one_in_memory() -> None:
     work, _ = stack_memory()
-    problem = posed_problem(work)
-    m = int(work.lcp_size)
+    data, memory = work.problem, work.solver
+    problem = posed_problem(data, memory)
+    m = memory.size
     assert isinstance(problem, ContactProblem)
-    assert problem.friction == pytest.approx(np.full(int(work.n_contacts), 0.5), abs=0.0)
-    assert np.array_equal(problem.lcp().M, work.M[:m, :m])
-    assert np.array_equal(problem.lcp().q, work.q[:m])
+    assert problem.friction == pytest.approx(np.full(data.n_contacts, 0.5), abs=0.0)
+    assert np.array_equal(problem.delassus, data.delassus[: len(problem.free), : len(problem.free)])
+    assert np.array_equal(problem.lcp().M, memory.M[:m, :m])
+    assert np.array_equal(problem.lcp().q, memory.q[:m])
 
 
-def test_a_problem_on_index_sets_is_read_off_its_matrix() -> None:
+@pytest.mark.parametrize(("mode", "sign"), [(SLIDE_FORTH, 1.0), (SLIDE_BACK, -1.0)])
+def test_a_problem_on_index_sets_has_the_friction_of_sliding_contacts_in_its_matrix(mode: int, sign: float) -> None:
     work, _ = stack_memory()
-    n = int(work.n_contacts)
-    A = np.array([[2.0, 0.3, 0.1], [0.2, 3.0, 0.4], [0.1, 0.5, 5.0]])  # contact 0 slides, contact 1 may stick
-    posed = ContactProblem(A, [1.0, 2.0, 3.0], [0.0, 0.7])
-    lcp = posed.lcp()
-    assert n > 2
-    work.M[:4, :4], work.q[:4] = lcp.M, lcp.q
-    work.n_contacts, work.n_tangents, work.lcp_size = 2, 2, 4
-    problem = posed_problem(work)
+    data, memory = work.problem, work.solver
+    G = np.array([[4.0, 0.3, 0.5, 0.1], [0.3, 3.0, 0.2, 0.4], [0.5, 0.2, 6.0, 0.6], [0.1, 0.4, 0.6, 5.0]])
+    data.n_contacts, data.n_tangents, data.on_sets = 2, 2, 1  # contact 0 slides, contact 1 may stick
+    data.tangent[:2], data.mode[:2], data.friction[:2] = (0, 1), (mode, STICKING), (0.4, 0.7)
+    data.delassus[:4, :4], data.free[:4] = G, [1.0, 2.0, -1.0, 3.0]
+    problem = posed_problem(data, memory)
+    A = G[np.ix_([0, 1, 3], [0, 1, 3])].copy()
+    A[:, 0] -= sign * 0.4 * G[[0, 1, 3], 2]
     assert isinstance(problem, ContactProblem)
     assert problem.delassus == pytest.approx(A, abs=1e-15)
     assert problem.friction == pytest.approx([0.0, 0.7], abs=0.0)
-    assert problem.free == pytest.approx(posed.free, abs=0.0)
+    assert problem.free == pytest.approx([1.0, 2.0, 3.0], abs=0.0)
+    assert own_pull(data) == pytest.approx(np.diag(posed_lcp(data, memory).M)[:2], rel=1e-15)
+    data.mode[0] = STICKING
+    assert np.array_equal(posed_problem(data, memory).delassus, G)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_least_normal_forces_shift_the_problem(friction: float) -> None:
+    """Contact 0 would carry less than it must: it carries that, opens, and contact 1 answers."""
+    work, _ = stack_memory()
+    data, memory = work.problem, work.solver
+    n_tangent = 2 if friction else 0
+    G = np.array([[2.0, -0.5, 0.1, 0.0], [-0.5, 2.0, 0.0, 0.1], [0.1, 0.0, 3.0, 0.0], [0.0, 0.1, 0.0, 3.0]])
+    data.n_contacts, data.n_tangents, data.on_sets, data.shifted = 2, n_tangent, 0, 1
+    data.tangent[:2], data.friction[:2], data.least[:2] = (0, 1), friction, (1.5, 0.0)
+    data.delassus[:4, :4], data.free[:4] = G, [-1.0, -1.0, 0.2, -0.3]
+    assert isinstance(posed_problem(data, memory), Lcp if friction else ContactProblem)
+    assert solve_contacts(data, memory) == 0
+    normal, tangential = memory.normal[:2].copy(), memory.tangential[:n_tangent].copy()
+    v = G[: 2 + n_tangent, : 2 + n_tangent] @ [*normal, *tangential] + data.free[: 2 + n_tangent]
+    assert normal[0] == 1.5
+    assert v[0] > 0.0
+    assert normal[1] > 0.0
+    assert abs(v[1]) < 1e-14
+    assert (np.abs(tangential) <= friction * normal[:n_tangent] + 1e-15).all()
+    assert (v[2:] * tangential <= 1e-15).all()
 
 
 def test_contacts_with_one_key_come_as_an_lcp() -> None:
     work, _ = stack_memory()
-    work.table.key[1] = work.table.key[0]
-    assert isinstance(posed_problem(work), Lcp)
+    work.problem.key[1] = work.problem.key[0]
+    assert isinstance(posed_problem(work.problem, work.solver), Lcp)
 
 
 class TestRecordProblems:

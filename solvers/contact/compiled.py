@@ -1,0 +1,232 @@
+"""Contact problems solved inside compiled steppers: posed as an LCP, solved by a compiled method, certified.
+
+The unknowns are three a frictional contact (:mod:`lcpflex.solvers.contact.lcp_forms`), on index sets three a contact
+that may stick; they are solved in units of their contacts (:mod:`lcpflex.solvers.balance`).
+"""
+
+from __future__ import annotations
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.auto import TARGET, auto
+from lcpflex.solvers.balance import contact_units, in_units, unknown_units
+from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
+from lcpflex.solvers.contact.index_sets import reduce_columns
+from lcpflex.solvers.contact.lcp_forms import assemble_friction_lcp
+from lcpflex.solvers.contact.memory import (
+    BASIS_KNOWN,
+    NOTHING_KNOWN,
+    SOLUTION_KNOWN,
+    WEDGED_KNOWN,
+    ContactData,
+    SolverMemory,
+)
+from lcpflex.solvers.contact.methods import find
+from lcpflex.solvers.problem import SOLVED
+
+__all__ = [
+    "pose_lcp",
+    "read_forces",
+    "recall_basis",
+    "remember_basis",
+    "slip_of",
+    "solve_contacts",
+    "solve_normals",
+    "sticks",
+]
+
+FLOOR = 1e-3  # of the terms of which free velocities are made: less of them is no measure of a residual
+RESCUED = 1e-8  # natural-map residual of a solution found elsewhere that is worth handing on
+
+
+@kernel
+def assemble(data: ContactData, memory: SolverMemory) -> None:
+    """M, q of the LCP, its ``size`` and the contacts ``stick`` that have a tangential unknown."""
+    n, n_stick = data.n_contacts, data.n_tangents
+    G, free = data.delassus, data.free
+    for j in range(n_stick):
+        memory.stick[j] = data.tangent[j]
+    if data.on_sets == 1:
+        for k in range(n):
+            memory.tangent_of[k] = -1
+        for j in range(data.n_tangents):
+            memory.tangent_of[data.tangent[j]] = j
+        G, free = memory.alike, memory.load  # written anew below
+        both = n >= 0  # a literal would have it compiled once more
+        n_stick = reduce_columns(data, data.mode, memory.tangent_of, both, both, memory.stick, G, free)
+    memory.n_stick = n_stick
+    memory.size = assemble_friction_lcp(G, free, data.friction, memory.stick, n, n_stick, memory.M, memory.q)
+    if data.shifted == 1:  # the unknown is then lambda_N - least
+        for i in range(memory.size):
+            for k in range(n):
+                memory.q[i] += memory.M[i, k] * data.least[k]
+
+
+@kernel
+def pose_lcp(data: ContactData, memory: SolverMemory) -> None:
+    """The LCP, and the same in units of its contacts, each by its own diagonal: alike = d M d, load = d q, d in units.
+
+    Its residual, and what an algorithm makes of it, are then the same in any units of mass, length and time. D_k is
+    read off the Delassus operator, where M may hold the friction of sliding contacts.
+    """
+    assemble(data, memory)
+    n = data.n_contacts
+    own, tangent, G = memory.contact_units, data.tangent, data.delassus
+    for k in range(n):
+        own[k] = G[k, k]
+    for j in range(data.n_tangents):
+        own[tangent[j]] = max(own[tangent[j]], G[n + j, n + j])
+    contact_units(own, n)
+    unknown_units(own, memory.stick, n, memory.n_stick, memory.units)
+    in_units(memory.M, memory.q, memory.units, 1.0, memory.size, memory.alike, memory.load)
+
+
+@kernel
+def judge(data: ContactData, memory: SolverMemory, wedged: bool) -> None:
+    """Both sizes of the residual of z, in the units of :func:`pose_lcp`, to ``memory``.
+
+    Relative to the terms that cancel in w, and to the free velocity alone, which counts as no less than 1e-3 of the
+    terms of which it is made: what is left of it below that may be rounding. wedged: by the terms alone, whatever they
+    leave of the free velocity.
+    """
+    n = data.n_contacts
+    own, tangent, terms = memory.contact_units, data.tangent, data.terms
+    worst, size, load = residual_parts(memory.alike, memory.load, memory.z, memory.size)
+    for k in range(n):
+        load = max(load, FLOOR * own[k] * terms[k])
+    for j in range(data.n_tangents):
+        load = max(load, FLOOR * own[tangent[j]] * terms[n + j])
+    if wedged:
+        worst = max(worst, ROUNDING * size)  # w is not known any better
+        memory.residual = terms_residual(worst, max(size, load), load)
+    else:
+        memory.residual = guarded_residual(worst, max(size, load), load)
+    memory.strict = strict_residual(worst, load)
+
+
+@kernel
+def solve_contacts(data: ContactData, memory: SolverMemory) -> int:
+    """Solve a contact problem; 0 where solved. Forces, residuals and iterations go to ``memory``.
+
+    By the compiled method ``memory.method``. What is known beforehand, ``memory.known``, counts once: nothing, the
+    basis to start from in ``memory.basis``, the solution in ``memory.z``, or there the best that could be found of
+    wedged bodies.
+    """
+    known = memory.known
+    memory.known = NOTHING_KNOWN
+    pose_lcp(data, memory)
+    if known >= SOLUTION_KNOWN:
+        for i in range(memory.size):
+            memory.z[i] /= memory.units[i]
+        judge(data, memory, known == WEDGED_KNOWN)
+        if memory.residual <= RESCUED:  # and the caller judges it by his own tolerance
+            finish(data, memory)
+            return SOLVED
+    status, iterations = find(data, memory, known == BASIS_KNOWN)
+    judge(data, memory, False)
+    memory.iterations = iterations
+    if memory.residual <= TARGET:
+        status = SOLVED
+    finish(data, memory)
+    return status
+
+
+@kernel
+def finish(data: ContactData, memory: SolverMemory) -> None:
+    """z in the units of the posed problem; what was known of the terms of its free velocities was for it alone."""
+    z, d, terms = memory.z, memory.units, data.terms
+    for i in range(memory.size):
+        z[i] *= d[i]
+    for r in range(data.n_contacts + data.n_tangents):
+        terms[r] = 0.0
+    read_forces(data, memory)
+
+
+@kernel
+def read_forces(data: ContactData, memory: SolverMemory) -> None:
+    """Forces ``normal`` and ``tangential`` from z, inside of the friction cone, which rounding may leave."""
+    n = data.n_contacts
+    for k in range(n):
+        memory.normal[k] = memory.z[k] + data.least[k] if data.shifted == 1 else memory.z[k]
+    for j in range(memory.n_stick):
+        k = memory.stick[j]
+        bound = data.friction[k] * memory.normal[k]
+        memory.tangential[j] = min(max(memory.z[n + j] - bound, -bound), bound)
+
+
+@kernel
+def recall_basis(data: ContactData, memory: SolverMemory) -> None:
+    """Start the present problem from the basis of the last one, contact by contact; a contact that is new starts open.
+
+    Not from which forces were positive: the basic unknowns of a degenerate contact may be zero. For problems without
+    sliding contacts on index sets.
+    """
+    n, n_tangent = data.n_contacts, data.n_tangents
+    count = memory.n_remembered
+    if memory.known >= SOLUTION_KNOWN:
+        return
+    for i in range(n + 2 * n_tangent):
+        memory.basis[i] = 0
+    j = 0
+    place = 0
+    for k in range(n):
+        frictional = j < n_tangent and data.tangent[j] == k
+        for _ in range(count):  # contacts keep their order: the next one is nearly always the one looked for
+            if memory.last_key[place] == data.key[k]:
+                memory.basis[k] = memory.last_basis[place, 0]
+                if frictional:
+                    memory.basis[n + j] = memory.last_basis[place, 1]
+                    memory.basis[n + n_tangent + j] = memory.last_basis[place, 2]
+                place = (place + 1) % count
+                break
+            place = (place + 1) % count
+        if frictional:
+            j += 1
+    memory.known = BASIS_KNOWN
+
+
+@kernel
+def remember_basis(data: ContactData, memory: SolverMemory) -> None:
+    """Keep the basis of the problem just solved, for :func:`recall_basis`."""
+    n, n_tangent = data.n_contacts, data.n_tangents
+    j = 0
+    for k in range(n):
+        memory.last_key[k] = data.key[k]
+        memory.last_basis[k, 0] = memory.basis[k]
+        memory.last_basis[k, 1] = 0
+        memory.last_basis[k, 2] = 0
+        if j < n_tangent and data.tangent[j] == k:
+            memory.last_basis[k, 1] = memory.basis[n + j]
+            memory.last_basis[k, 2] = memory.basis[n + n_tangent + j]
+            j += 1
+    memory.n_remembered = n
+
+
+@kernel
+def slip_of(memory: SolverMemory, r: int) -> float:
+    """Velocity of the tangential row r, behind the normals, in the solution of a problem without index sets."""
+    slip: float = memory.q[r]
+    for s in range(memory.size - memory.n_stick):
+        slip += memory.M[r, s] * memory.z[s]
+    return slip
+
+
+@kernel
+def sticks(data: ContactData, memory: SolverMemory, j: int) -> bool:
+    """Whether tangential row j is inside of its cone in the solution of a problem without index sets."""
+    n, k = data.n_contacts, data.tangent[j]
+    return bool(0.0 < memory.z[n + j] < 2.0 * data.friction[k] * memory.z[k])
+
+
+@kernel
+def solve_normals(data: ContactData, chosen: IntArray, free: FloatArray, m: int, memory: SolverMemory) -> int:
+    """Forces ``memory.z`` of m ``chosen`` contacts alone, without friction, for other free velocities; 0 where solved.
+
+    0 <= z _|_ G_NN z + free >= 0; not certified, for corrections that may as well be left out.
+    """
+    for i in range(m):
+        memory.q[i] = free[i]
+        for j in range(m):
+            memory.M[i, j] = data.delassus[chosen[i], chosen[j]]
+    symmetric, warm = m > 0, m < 0  # true and false; literals would have it compiled once more
+    status, _ = auto(memory.M, memory.q, m, memory.z, memory.tableau, memory.basis, symmetric, warm)
+    return status
