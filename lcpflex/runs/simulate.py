@@ -19,16 +19,16 @@ from lcpflex.checks.resolution import unresolved
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
-from lcpflex.results.energy_balance import GROWTH, Energies, EnergyGrowth, created, energy_warnings
+from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
 from lcpflex.results.problem_log import Recorder, RecordProblems
 from lcpflex.results.result import ContactPoints, Event, Result
 from lcpflex.results.stated_error import stated_errors
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import started_from
+from lcpflex.runs.limits import Limits
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.steppers.law_run import friction_warnings
-from lcpflex.steppers.user_functions import advance
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.system import System
 
-__all__ = ["Stepper", "carry_out", "simulate"]
+__all__ = ["Stepper", "carry_out", "given_up_after", "simulate"]
 
 CHUNK_SECONDS = 0.1  # wall time between looks at progress and at Ctrl-C
 NAMED = 8  # closed contacts that an error names
@@ -118,10 +118,28 @@ def simulate(
     return carry_out(set_up(source, stepper, options, record_problems), progress, keeper)
 
 
-def carry_out(
-    setup: Setup, progress: bool | None = None, keeper: Checkpoints | None = None, kept: Checkpoint | None = None
+def given_up_after(
+    seconds: float | None,
+    scene: Scene | UserSystem,
+    duration: float,
+    stepper: Stepper,
+    record: float | None = None,
+    energy_growth: EnergyGrowth = EnergyGrowth.WARN,
 ) -> Result:
-    """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it.
+    """What :func:`simulate` returns, without a progress bar; StepError after so many seconds of computing."""
+    duration, interval, _, _ = checked_request(duration, stepper, record, False, False, energy_growth, None)
+    options = Options(duration, interval, False, energy_growth)
+    return carry_out(set_up(compiled_for(scene, stepper, False), stepper, options, None), False, seconds=seconds)
+
+
+def carry_out(
+    setup: Setup,
+    progress: bool | None = None,
+    keeper: Checkpoints | None = None,
+    kept: Checkpoint | None = None,
+    seconds: float | None = None,
+) -> Result:
+    """Make the run to its end: from its beginning, or from a checkpoint ``kept`` of it, for ``seconds`` at most.
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
@@ -129,22 +147,23 @@ def carry_out(
     options, recorder = setup.options, setup.recorder
     clock = Stopwatch()
     run = setup.run()
-    if options.energy_growth is EnergyGrowth.ERROR:
-        run = _WithoutGrowth(run, _growth_cause(stepper, system))
+    errs = options.energy_growth is EnergyGrowth.ERROR
+    limits = Limits(_growth_cause(stepper, system) if errs else "", seconds)
     spent = (0.0, 0.0)
     message: str = ""
     cause: Exception | None = None
     if kept is not None:
         spent = kept.restore(setup, run)
     else:  # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
-        message, cause = _guarded(run, 1 if system.hooks else 0)
+        message, cause = _guarded(run, limits, 1 if system.hooks else 0)
     clock.started()
+    limits.begin()
     if keeper is not None:
         keeper.begin(setup, run, clock, spent, kept is not None)
     interrupted = False
     if not message:
         try:
-            message, cause = _advance_all(run, options.duration, progress, keeper)
+            message, cause = _advance_all(run, limits, options.duration, progress, keeper)
         except KeyboardInterrupt:
             interrupted = True
     if keeper is not None:
@@ -191,10 +210,10 @@ def _save_problems(recorder: Recorder, result: Result) -> Result:
     return result
 
 
-def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
-    """``run.advance``: why it stopped, empty if it did not, and what a function or solver of the user raised."""
+def _guarded(run: Run, limits: Limits, n_steps: int) -> tuple[str, Exception | None]:
+    """Up to n_steps steps: why it stopped, empty if it did not, and what a function or solver of the user raised."""
     try:
-        return advance(run, n_steps), None
+        return limits.advance(run, n_steps), None
     except SolverError as error:  # the cause is what a solver of the user's raised
         return str(error), error.__cause__ if isinstance(error.__cause__, Exception) else error
     except LcpflexError as error:
@@ -204,7 +223,7 @@ def _guarded(run: Run, n_steps: int) -> tuple[str, Exception | None]:
 
 
 def _advance_all(
-    run: Run, duration: float, progress: bool | None, keeper: Checkpoints | None
+    run: Run, limits: Limits, duration: float, progress: bool | None, keeper: Checkpoints | None
 ) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
     # disable=None: shown on a terminal only
@@ -219,7 +238,7 @@ def _advance_all(
             began = time.perf_counter()
             if keeper is not None:
                 keeper.chunk_begins()
-            message, cause = _guarded(run, chunk)
+            message, cause = _guarded(run, limits, chunk)
             if message:
                 return message, cause
             if keeper is not None:
@@ -303,37 +322,6 @@ def _collect(
         place_error=place_error,
         speed_error=speed_error,
     )
-
-
-class _WithoutGrowth:
-    """A run that ends where contact impulses have created more energy than rounding explains."""
-
-    def __init__(self, run: Run, cause: str) -> None:
-        self._run = run
-        self._cause = cause
-        self._known = 0.0  # energy created so far that has been found to be rounding [J]
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._run, name)
-
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps, one by one; empty, or why the run cannot go on."""
-        message = advance(self._run, 0)
-        for _ in range(n_steps):
-            if message or self._run.finished:
-                break
-            message = advance(self._run, 1) or self._grown()
-        return message
-
-    def _grown(self) -> str:
-        """Why the energy created so far is too much; empty if it is not."""
-        gain = self._run.records.gain
-        if gain[0] <= 2.0 * self._known:
-            return ""
-        self._known = float(gain[0])
-        if gain[0] <= GROWTH * self._run.records.energy_scale():
-            return ""
-        return created(gain, self._cause) + "; energy_growth=EnergyGrowth.WARN goes on"
 
 
 def _tolerance(stepper: Stepper) -> float:

@@ -14,8 +14,8 @@ from lcpflex.errors import ModelError, SolverError, StepError
 from lcpflex.results.energy_balance import is_of_energy
 from lcpflex.results.stated_error import error_shares, scene_size
 from lcpflex.results.summary import COARSE, with_unit
+from lcpflex.runs.limits import TOO_LATE
 from lcpflex.studies.criteria import Criteria
-from lcpflex.studies.time_limit import TOO_LATE
 from lcpflex.studies.trial import SEVERAL, is_paradox, scene_warnings
 
 if TYPE_CHECKING:

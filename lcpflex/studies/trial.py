@@ -13,9 +13,8 @@ from lcpflex.checks.resolution import unresolved
 from lcpflex.errors import LcpflexError, ModelError, StepError
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.result import Result
-from lcpflex.runs.simulate import simulate
+from lcpflex.runs.simulate import given_up_after
 from lcpflex.studies.outputs import Measured, Output
-from lcpflex.studies.time_limit import TimeLimit
 
 if TYPE_CHECKING:
     from lcpflex.runs.simulate import Stepper
@@ -82,9 +81,8 @@ class Trial:
 def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) -> Trial:
     """Run once with many stored instants, which warms up and is measured, then again for the time."""
     repeats = conditions.repeats if repeats is None else repeats
-    limited: Any = TimeLimit(stepper, PATIENCE * conditions.limit)
     try:
-        first = _run(conditions, limited, conditions.duration / conditions.instants)
+        first = _run(conditions, stepper, conditions.duration / conditions.instants)
     except StepError as error:
         return _failed(stepper, error)
     except ModelError as error:
@@ -97,9 +95,9 @@ def trial(conditions: Conditions, stepper: Stepper, repeats: int | None = None) 
         return Trial(stepper, first.steps, (first.wall_time,), measured, failure, False, conditions.duration, thinned)
     times = [first.wall_time]
     if repeats and first.wall_time <= conditions.limit:
-        times = [_run(conditions, limited, None).wall_time]
+        times = [_run(conditions, stepper, None).wall_time]
         while len(times) < repeats and sum(times) < conditions.limit:  # long runs need no median of many
-            times.append(_run(conditions, limited, None).wall_time)
+            times.append(_run(conditions, stepper, None).wall_time)
     told = "; ".join(_distrust(first))
     return Trial(stepper, first.steps, tuple(times), measured, told, False, conditions.duration, thinned)
 
@@ -142,10 +140,8 @@ def _measured(conditions: Conditions, result: Result) -> tuple[dict[str, Measure
 
 
 def _run(conditions: Conditions, stepper: Any, record: float | None) -> Result:
-    result = simulate(
-        conditions.build(), conditions.duration, stepper,
-        record=record, progress=False, energy_growth=conditions.energy_growth,
-    )  # fmt: skip
+    seconds = PATIENCE * conditions.limit
+    result = given_up_after(seconds, conditions.build(), conditions.duration, stepper, record, conditions.energy_growth)
     if not result.complete and result.message.startswith("interrupted"):
         raise KeyboardInterrupt
     return result

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from lcpflex.runs.limits import TOO_LATE
 from lcpflex.studies.model_order.scenes import State, as_rich
 from lcpflex.studies.model_order.search import UNTRUSTED, Search
 from lcpflex.studies.model_order.steps import undersampled
-from lcpflex.studies.time_limit import TOO_LATE
 
 __all__ = ["contradictions", "remedy", "scatter"]
 

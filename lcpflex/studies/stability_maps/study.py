@@ -35,14 +35,13 @@ from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional
 from lcpflex.basics.names import meant
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, shown
 from lcpflex.results.result import Result
-from lcpflex.runs.simulate import simulate
+from lcpflex.runs.simulate import given_up_after
 from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.given_functions import check_call, checked_axes, instance_of, is_stepper
 from lcpflex.studies.outcome import Outcome, Verdict, judge_error, judge_result
 from lcpflex.studies.outputs import Output
 from lcpflex.studies.stability_maps.stability_map import StabilityMap
 from lcpflex.studies.stability_maps.truth import LIMIT, Truth, find_truth, truth_outputs
-from lcpflex.studies.time_limit import TimeLimit
 from lcpflex.studies.trial import scene_warnings
 
 if TYPE_CHECKING:
@@ -289,8 +288,7 @@ class _Trial:
             raise WrongFunction(
                 f"duration: not given, but {method.label} returned a stepper; expected a number > 0 [s]"
             )
-        stepper: Any = made if self.time_limit is None else TimeLimit(made, self.time_limit)
-        return simulate(scene, self.duration, stepper, record=self.record, progress=False)
+        return given_up_after(self.time_limit, scene, self.duration, made, self.record)
 
     def _judged(self, result: Result, truth: Truth | None) -> Verdict:
         if not result.complete and result.message.startswith("interrupted"):
