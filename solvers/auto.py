@@ -125,7 +125,11 @@ class Auto:
         return self.attempt(problem, guess, TRIALS)
 
     def attempt(self, problem: Lcp | PosedProblem, guess: Solution | None, trials: int) -> Solution:
-        """The same with at most so many trials on perturbed data: a run has no seconds for each of its steps."""
+        """The same with at most so many trials on perturbed data: a run has no seconds for each of its steps.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         check_guess(guess)
         if isinstance(problem, ContactProblem):
             return self._contact(problem, guess, trials)

@@ -170,7 +170,10 @@ class Lcp:
         return self
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """What ``solver`` makes of :meth:`balanced`, as a certified solution of this problem."""
+        """What ``solver`` makes of :meth:`balanced`, as a certified solution of this problem.
+
+        guess: the solution of a similar problem to start from, or None.
+        """
         check_solver(solver)
         check_guess(guess)
         scaled, units = self.balanced()
@@ -228,6 +231,8 @@ def accept(
     that differ; INFEASIBLE and NO_SOLUTION only with a ``proof`` about this problem, the former also where the
     ``certificate`` u (n,) of an :class:`Lcp` is, or leads to, one that holds in exact arithmetic. Raises ModelError for
     arguments of other kinds.
+
+    iterations, route, message, active: as the :class:`Solution` keeps them.
     """
     check_claim(problem, tolerance, iterations, status, route, message, proof)
     point = as_array("z", z, 1)

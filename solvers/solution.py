@@ -41,6 +41,8 @@ class Solution:
     there (z > 0 would not do: a basic variable may be zero). certificate: the vector u that proves INFEASIBLE, else
     None; proof: the same in integers of these proportions, with which M^T u <= 0 and q.u < 0 hold exactly. keys: name
     of each unknown, for guesses between problems with different contacts. solutions: all that are known, if several.
+
+    status: solved, or why not. message: the same in words, where there is more to say.
     """
 
     z: FloatArray

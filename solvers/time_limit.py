@@ -53,7 +53,11 @@ class TimeLimit:
         return inner.refuses(problem)  # type: ignore[arg-type]
 
     def solve(self, problem: Problem | PosedProblem, guess: Solution | None = None) -> Solution:
-        """What the solver finds in its time."""
+        """What the solver finds in its time.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         inner: LcpSolver = self.solver
         with within(self.seconds):
             return inner.solve(problem, guess)  # type: ignore[arg-type]

@@ -117,7 +117,11 @@ class UserSolver:
             return f"refuses() raised {type(error).__name__}: {error}"
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """The point that the function returns, judged; the origin with the reason where it returns none."""
+        """The point that the function returns, judged; the origin with the reason where it returns none.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         check_guess(guess)
         if not isinstance(problem, Lcp):
             problem = posed(problem)
@@ -145,7 +149,11 @@ class UserSolver:
         return judged if active is None else replace(judged, active=(active == 1).astype(np.int64))
 
     def ask(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Answer:
-        """What the function answers, not yet judged."""
+        """What the function answers, not yet judged.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         answer = self._asked(problem, guess)
         self._answers[:] = [answer]
         return answer

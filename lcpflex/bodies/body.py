@@ -73,6 +73,8 @@ class Chain:
 
     A ``closed`` chain runs on from its last point to its first; around a solid it is counter-clockwise,
     around a hole clockwise.
+
+    points: material points in their order. closed: whether the last one is joined to the first.
     """
 
     points: tuple[MaterialPoint, ...]
@@ -81,7 +83,10 @@ class Chain:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Round:
-    """A circular outline about a material point: solid inside, or outside of it if it is a ``hole``."""
+    """A circular outline about a material point: solid inside, or outside of it if it is a ``hole``.
+
+    center: material point. radius [m].
+    """
 
     center: MaterialPoint
     radius: float

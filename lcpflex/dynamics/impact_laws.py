@@ -24,6 +24,8 @@ class Newton:
         0 <= p_N  _|_  gdot_N+ + e_N gdot_N- >= 0,   p_T in mu p_N Sign(-(gdot_T+ + e_T gdot_T-))
 
     With friction it may create energy (Kane's double pendulum); the result says so.
+
+    sequential: whether the contacts of one instant are struck one after another, and not all at once.
     """
 
     sequential: bool = False
@@ -42,6 +44,8 @@ class Poisson:
 
     each with Coulomb friction of its own. Contacts that touched without approaching rebound, too, and none is left
     approaching. Declared tangential restitution is refused.
+
+    sequential: whether the contacts of one instant are struck one after another, and not all at once.
     """
 
     sequential: bool = False

@@ -122,6 +122,8 @@ class UserLaw(ElasticFace):
 
         Numbers or arrays, which are broadcast.
 
+        delta: indentation [m].
+
         Raises
         ------
         ModelError

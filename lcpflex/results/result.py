@@ -140,20 +140,20 @@ class Result:
     impulse: FloatArray  # (m, nc, 2) accumulated since the start, impacts included [N s]
     state: StateArray  # (m, nc) OPEN, STICK, SLIP or CREEP
     gap: FloatArray  # (m, nc) smallest gap [m]; NaN where farther than the detection margin, see below
-    contact_points: ContactPoints
-    energies: Energies
+    contact_points: ContactPoints  # every touching point at every stored instant
+    energies: Energies  # (m,) each [J]
     residual: FloatArray  # (m,) largest natural-map residual of the contact problems since the previous instant
     penetration: FloatArray  # (m,) largest penetration since the previous instant [m], see ``all_compliant``
     joint_drift: FloatArray  # (m,) largest violation of a joint since the previous instant [m] or [rad]
     size: IntArray  # (m,) unknowns of the largest contact problem since the previous instant
-    events: tuple[Event, ...]
-    warnings: tuple[str, ...]
-    complete: bool
+    events: tuple[Event, ...]  # in order of time; none of steppers that locate none
+    warnings: tuple[str, ...]  # reasons to doubt, a sentence each
+    complete: bool  # whether it ran to its end
     message: str  # why it ended where it ended
-    steps: int
+    steps: int  # made in all
     wall_time: float  # [s], without compile_time
     compile_time: float  # [s] spent on compiling kernels or loading them from the cache
-    stepper: str
+    stepper: str  # its ``repr``
     duration: float  # [s] asked for
     compiled: CompiledScene | None = None  # what the scene was compiled to; None for a system of the user's own
     contact_names: tuple[str, ...] = ()  # taken from ``compiled`` where there is one
@@ -220,6 +220,8 @@ class Result:
         """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes.
 
         ``point`` as in :meth:`point`.
+
+        body: its name. point: as in :meth:`trajectory`.
         """
         model, b, place, phi = self._material(body, point)
         d = int(model.bodies.dof[b])
@@ -238,11 +240,18 @@ class Result:
         return plot(self)
 
     def draw(self, t: float, axes: Axes | None = None) -> Figure:
-        """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces."""
+        """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces.
+
+        axes: of matplotlib, to draw into; a new figure if omitted.
+        """
         return draw(self, t, axes)
 
     def animate(self, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
-        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`."""
+        """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`.
+
+        path: ends in .gif or .mp4. fps: frames a second of the film. slowdown: seconds of the film a second of
+        the motion; chosen for a film of six seconds if omitted.
+        """
         return animate(self, path, fps=fps, slowdown=slowdown)
 
     def save(self, path: str | os.PathLike[str]) -> Path:

@@ -83,6 +83,8 @@ class Table:
         """Breaks (m,) and coefficients (m, 4) for the powers 3 to 0 of (t - break); the last row is the last value.
 
         ``rate``: that of the spline at time 0, if the table begins there and does not say otherwise.
+
+        smooth: whether the curve between the points is a cubic spline, and not straight lines.
         """
         times, values = np.asarray(self.times), np.asarray(self.values)
         coefficients = np.zeros((times.size, 4))

@@ -153,7 +153,10 @@ class Scene:
         return placed
 
     def put(self, placed: Placed, order: ReductionOrder) -> None:
-        """Take a body of another scene that is reduced later, with its place and velocity."""
+        """Take a body of another scene that is reduced later, with its place and velocity.
+
+        placed: the body there. order: how it is reduced.
+        """
         self._placed[placed.name] = Placed(placed.name, placed.body, placed.source, placed.start, self, order)
 
     def body(self, name: str) -> Placed:
@@ -172,7 +175,10 @@ class Scene:
         return name
 
     def load(self, load: Load) -> None:
-        """Add a spring, force or torque of :mod:`lcpflex.scene.loads`."""
+        """Add a spring, force or torque of :mod:`lcpflex.scene.loads`.
+
+        load: ``Spring``, ``TorsionSpring``, ``Force`` or ``Torque``.
+        """
         if isinstance(load, type) or not isinstance(load, Load):
             raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
         check_own(self, "load", load.P)
@@ -241,6 +247,8 @@ class Scene:
         as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
         other begins: gap and normal go on, but the force does so only if both have the same law.
 
+        tangential_restitution: e_T in [0, 1].
+
         Raises
         ------
         ModelError
@@ -268,6 +276,8 @@ class Scene:
         No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
         contact force; the rest as in :meth:`contact`.
 
+        friction, restitution, tangential_restitution: as in :meth:`contact`.
+
         Raises
         ------
         ModelError
@@ -292,6 +302,8 @@ class Scene:
         which there is no contact, such as two holes. Contacts are named after their surfaces, such as
         "box1.outline/ground.half_plane1". It holds for what is added later, too. Node sides follow from the kinds, two
         chains are node sides of each other: where a choice is wanted, declare the pair with :meth:`contact`.
+
+        friction, restitution, tangential_restitution, law: as in :meth:`contact`, of all these contacts.
         """
         self._rules.append(rule_of(self, friction, restitution, tangential_restitution, exclude, law))
 
@@ -335,6 +347,8 @@ class Scene:
         """:meth:`compile` without a word: its warnings are those of the result.
 
         ``gives_way``: bodies that are reduced here give way by modes of their own at every contact.
+
+        project, indents: as in :meth:`compile`.
         """
         return compiling.compiled_scene(self, project, indents, gives_way)
 
@@ -358,7 +372,10 @@ class Scene:
         self._surfaces.append(surface)
 
     def label(self, stem: str) -> str:
-        """A label for the next surface of that kind: its number is appended."""
+        """A label for the next surface of that kind: its number is appended.
+
+        stem: the label without its number.
+        """
         return f"{stem}{1 + sum(s.label.rstrip('0123456789') == stem for s in self._surfaces)}"
 
 

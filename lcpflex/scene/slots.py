@@ -29,7 +29,10 @@ T = TypeVar("T")
 
 
 class SlotParts(NamedTuple, Generic[T]):
-    """Something for each part of a slot: its surfaces, the names of its contacts, the laws of these contacts."""
+    """Something for each part of a slot: its surfaces, the names of its contacts, the laws of these contacts.
+
+    inner, outer: of the two tracks. first, last: of the two round ends.
+    """
 
     inner: T
     outer: T

@@ -100,7 +100,10 @@ class AdaptiveStep:
             keep_at_least(self, "longest", 0.0, "a number > 0 (seconds)", open_end=True)
 
     def limits(self, system: System, duration: float, interval: float) -> Limits:
-        """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        """The numbers for a run over ``duration`` [s] that stores an instant about every ``interval`` [s].
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         # never 0: an instant is stored once, however many steps from it are rejected
         apart = max(interval, 4.0 * math.ulp(duration))
         threshold = -1.0 if self.velocity_threshold is None else self.velocity_threshold

@@ -70,7 +70,10 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """An outcome, why, and the error relative to the truth, NaN where none was taken."""
+    """An outcome, why, and the error relative to the truth, NaN where none was taken.
+
+    message: why, in words.
+    """
 
     outcome: Outcome
     message: str = ""

@@ -120,6 +120,8 @@ class CrossCheck:
     """The rows of all solvers; ``reference`` names the solved one of least residual, "" if none solved it.
 
     name, kind, size: of the problem, as it was named, by its class, and how many unknowns it has.
+
+    verdict: what the solvers say together, in words.
     """
 
     rows: tuple[Row, ...]

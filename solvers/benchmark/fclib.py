@@ -35,6 +35,8 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     Of a global problem the motion of the bodies, with their joints, is eliminated by a dense factorisation. Needs h5py.
     Raises ModelError without it, for a damaged file, for bodies whose equations are singular, for rolling friction, and
     for matrices of more than 8000 rows.
+
+    path: of the file.
     """
     path = path_of("path", path)
     h5py, name = _h5py(), f"path {str(path)[-SHOWN:]!r}"

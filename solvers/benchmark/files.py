@@ -69,6 +69,8 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
 
     Raises ModelError, naming the file, the key and what was expected, for a file that is missing, damaged or does not
     hold a problem.
+
+    path: of the file.
     """
     file = path_of("path", path)
     name = f"path {str(file)[-SHOWN:]!r}"
@@ -104,6 +106,8 @@ def load_text_lcp(path: str | os.PathLike[str]) -> Lcp:
     One of: n, then M row by row, then q; n rows of n + 1 numbers, [M | q]; or the form that Siconos writes and its
     test data have, n, 0 (dense storage), n, n, n, n, then M *column by column*, then q, then any remarks. Raises
     ModelError for anything else.
+
+    path: of the file.
     """
     path = path_of("path", path)
     lines = lines_of("path", path)

@@ -117,7 +117,10 @@ class Replay:
         return csv_of(Row, self.checks)
 
     def plot(self, axes: Axes | None = None) -> Figure:
-        """Performance profile: see :mod:`lcpflex.solvers.benchmark.profile`; without solvers of another model."""
+        """Performance profile: see :mod:`lcpflex.solvers.benchmark.profile`; without solvers of another model.
+
+        axes: of matplotlib, to draw into; a new figure if omitted.
+        """
         own = [i for i, row in enumerate(self.rows) if not row.model]
         return draw_profile([self.rows[i].solver for i in own], self.times[own], axes)
 

@@ -181,6 +181,8 @@ def load_siconos(path: str | os.PathLike[str]) -> Lcp | MixedLcp | ContactProble
     """The problem of a text file of Siconos of whichever kind: the files do not say it, but one kind alone fits.
 
     Raises ModelError, with what is missing for each kind, where none fits, and where several do.
+
+    path: of the file.
     """
     file = path_of("path", path)
     name = f"path {str(file)[-SHOWN:]!r}"
@@ -206,6 +208,8 @@ def load_siconos_lcp(path: str | os.PathLike[str]) -> Lcp:
     """The LCP of a text file of Siconos, stored densely, in blocks or sparsely.
 
     Raises ModelError, with the file, the line and what was expected, for anything else.
+
+    path: of the file.
     """
     file = _Reader(path)
     n = file.whole("the number of unknowns")
@@ -218,6 +222,8 @@ def load_siconos_contacts(path: str | os.PathLike[str]) -> ContactProblem | Spat
 
     Local ones, and global ones, from which the motion of the bodies is eliminated. Raises ModelError, with the file,
     the line and what was expected, for anything else.
+
+    path: of the file.
     """
     file = _Reader(path)
     dimension = file.whole("the dimension, 2 or 3", 3)
@@ -254,6 +260,8 @@ def load_siconos_mlcp(path: str | os.PathLike[str]) -> MixedLcp:
 
     Raises ModelError, with the file, the line and what was expected, for anything else: among it problems with more
     equations than unknowns.
+
+    path: of the file.
     """
     file = _Reader(path)
     flags = file.whole("whether M is stored", 1), file.whole("whether A, B, C, D are stored", 1)

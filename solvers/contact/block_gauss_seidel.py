@@ -177,7 +177,10 @@ class BlockGaussSeidel:
         )
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """Iterate, from the forces of the guess if there is one (matched by contact)."""
+        """Iterate, from the forces of the guess if there is one (matched by contact).
+
+        problem: a :class:`ContactProblem`. guess: the solution of a similar problem to start from, or None.
+        """
         check_guess(guess)
         if isinstance(problem, Lcp):
             if reason := self.refuses(problem):

@@ -70,7 +70,10 @@ class ConvexFriction:
         )
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """The forces of the relaxed model. A guess is ignored: interior points cannot start from one."""
+        """The forces of the relaxed model. A guess is ignored: interior points cannot start from one.
+
+        problem: a :class:`ContactProblem`. guess: the solution of a similar problem to start from, or None.
+        """
         check_guess(guess)
         if not isinstance(problem, ContactProblem):
             raise ModelError(self.refuses(problem))

@@ -193,7 +193,10 @@ class ContactProblem:
         return contact_rows(self.delassus, self.factor, self.free, self.friction)
 
     def told_apart(self, lcp: Lcp, found: Solution, tolerance: float) -> Solution:
-        """Of several solutions those of different forces: xi_L of an open contact is any speed with xi_R >= 0."""
+        """Of several solutions those of different forces: xi_L of an open contact is any speed with xi_R >= 0.
+
+        lcp: this problem as an LCP. found: its solutions. tolerance: largest residual of a solution.
+        """
         points: list[FloatArray] = []
         for z in (self.unknowns(*self.forces(z)) for z in found.solutions):
             if all(np.abs(z - p).max() > APART * max(np.abs(z).max(), np.abs(p).max()) for p in points):
@@ -221,7 +224,10 @@ class ContactProblem:
         return out
 
     def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:
-        """z (n,) of :meth:`lcp` for forces lambda_N (n_N,), lambda_T (n_H,); xi_L from the velocity they cause."""
+        """z (n,) of :meth:`lcp` for forces lambda_N (n_N,), lambda_T (n_H,); xi_L from the velocity they cause.
+
+        lambda_normal, lambda_tangent: in the order of the contacts and of those with friction [N] or [N s].
+        """
         tangent, normals = self.tangent, len(self.friction)
         pressed = point_of("lambda_normal", lambda_normal, normals)
         rubbed = point_of("lambda_tangent", lambda_tangent, len(tangent))
@@ -236,7 +242,10 @@ class ContactProblem:
         return np.asarray(product + self.free)
 
     def slack(self, z: npt.ArrayLike) -> FloatArray:
-        """w of :meth:`lcp` without forming it: [v_N, xi_R = v_T + xi_L, lambda_L = 2 mu lambda_N - lambda_R]."""
+        """w of :meth:`lcp` without forming it: [v_N, xi_R = v_T + xi_L, lambda_L = 2 mu lambda_N - lambda_R].
+
+        z (n,): the unknowns of :meth:`lcp`.
+        """
         tangent, normals = self.tangent, len(self.friction)
         point = self._point(z)
         pressed, right, left = np.split(point, [normals, normals + len(tangent)])

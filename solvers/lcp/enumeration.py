@@ -206,7 +206,11 @@ class Enumeration:
         return f"the problem has {size} unknowns, 2^{size} active sets: enumeration goes up to {LARGEST}; use Auto()"
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """Try every active set; a guess makes no difference."""
+        """Try every active set; a guess makes no difference.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         if not isinstance(problem, Lcp):
             return posed(problem).solve_by(self, guess)
         check_guess(guess)

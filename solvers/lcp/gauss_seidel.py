@@ -149,7 +149,11 @@ class GaussSeidel:
         return ""
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
-        """Iterate, from z of the guess if there is one."""
+        """Iterate, from z of the guess if there is one.
+
+        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one. guess: the
+        solution of a similar problem to start from, or None.
+        """
         check_guess(guess)
         if not isinstance(problem, Lcp) or problem.balanced()[1] is not None:
             return posed(problem).solve_by(self, guess)

@@ -122,6 +122,8 @@ class BoxedLcp:
         the bounds are 0 and inf: the load is the largest |q_i| and d_i |mid(lower_i, 0, upper_i)|, so that bounds which
         are far away hide no error. Where it is 0, z = 0 is a solution, and so are points with a w of nothing but
         rounding. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+
+        scaled: relative to the terms that cancel, and not in the units of the problem.
         """
         point = point_of("z", z, self.size)
         if flag("scaled", scaled):
@@ -151,6 +153,8 @@ class BoxedLcp:
         """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP.
 
         ``proof`` is of :meth:`exact_system`.
+
+        solver: of LCPs. guess: the solution of a similar problem to start from, or None.
         """
         check_solver(solver)
         check_guess(guess)
@@ -205,7 +209,10 @@ class MixedLcp:
         return self.boxed.slack(z)
 
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
-        """Natural-map residual of z (n,): |w_i| of bilateral rows, else as for an :class:`Lcp`."""
+        """Natural-map residual of z (n,): |w_i| of bilateral rows, else as for an :class:`Lcp`.
+
+        scaled: relative to the terms that cancel, and not in the units of the problem.
+        """
         return self.boxed.residual(z, scaled)
 
     def lcp(self) -> Lcp:
@@ -217,7 +224,10 @@ class MixedLcp:
         return self.boxed.recover(x)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
-        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""
+        """The solution by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP.
+
+        solver: of LCPs. guess: the solution of a similar problem to start from, or None.
+        """
         return self.boxed.solve_by(solver, guess)
 
     def exact_system(self) -> ExactSystem:

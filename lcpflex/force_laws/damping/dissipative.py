@@ -218,7 +218,10 @@ class KuwabaraKono(Speedless):
 
     @staticmethod
     def rebound(parameter: ArrayLike) -> Any:
-        """e_out of two free bodies in Hertz's point contact for A' = A (K/m)^(2/5) v_0^(1/5), a number or an array."""
+        """e_out of two free bodies in Hertz's point contact for A' = A (K/m)^(2/5) v_0^(1/5), a number or an array.
+
+        parameter: A' >= 0 [-].
+        """
         return rebound_of_drag(1.5 * 0.8**0.4 * strengths(parameter), 0.2)
 
 
@@ -268,7 +271,10 @@ class Ristow(Speedless):
 
     @staticmethod
     def rebound(parameter: ArrayLike) -> Any:
-        """e_out of two free bodies in Hertz's point contact for g' = gamma (m/K)^(2/5) v_0^(-1/5)."""
+        """e_out of two free bodies in Hertz's point contact for g' = gamma (m/K)^(2/5) v_0^(-1/5).
+
+        parameter: g' >= 0 [-].
+        """
         return rebound_of_drag(0.8**0.6 * strengths(parameter), -0.2)
 
 
@@ -374,5 +380,8 @@ class PermanentIndentation(Speedless):
 
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
-        """e_out = e, a number or an array."""
+        """e_out = e, a number or an array.
+
+        restitution: prescribed, in [0, 1].
+        """
         return plain(fractions(restitution, zero=False))

@@ -61,14 +61,20 @@ class CylinderPair:
     def internal(
         cls, hole_radius: float, pin_radius: float, length: float, material: Material, other: Material | None = None
     ) -> CylinderPair:
-        """A pin in a hole that is larger. ``material`` is that of the hole, ``other`` that of the pin if another."""
+        """A pin in a hole that is larger. ``material`` is that of the hole, ``other`` that of the pin if another.
+
+        hole_radius, pin_radius, length: of the hole, the pin and their contact [m].
+        """
         return cls(hole_radius, pin_radius, length, material, other, is_internal=True)
 
     @classmethod
     def external(
         cls, radius: float, other_radius: float, length: float, material: Material, other: Material | None = None
     ) -> CylinderPair:
-        """Two cylinders side by side. ``other`` is the material of the second if another."""
+        """Two cylinders side by side. ``other`` is the material of the second if another.
+
+        radius, other_radius, length: of the cylinders and their contact [m].
+        """
         return cls(radius, other_radius, length, material, other, is_internal=False)
 
     @classmethod
@@ -79,6 +85,8 @@ class CylinderPair:
 
         ``material`` is that of the body of a, ``other`` that of the body of b if another; which of them has the hole
         does not matter.
+
+        length: of the contact [m].
 
         Raises
         ------
@@ -123,7 +131,10 @@ class CylinderPair:
         return width**2 * math.pi * self.contact_modulus * self.length / (4.0 * self.effective_radius)
 
     def check(self, lenient: bool) -> None:
-        """Moduli in Pa, radii and length in m, as far as can be told."""
+        """Moduli in Pa, radii and length in m, as far as can be told.
+
+        lenient: whether units that look like N and mm pass.
+        """
         radii = (self.first_radius, self.second_radius)
         check_units((self.material, self.other), radii, lenient, stacklevel=6)
         if self.length > LONG * max(radii) and self.length >= 1.0:

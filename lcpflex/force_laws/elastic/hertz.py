@@ -64,7 +64,10 @@ class Hertz(ElasticFace):
         *,
         lenient: bool = False,
     ) -> Hertz:
-        """Two spheres: 1/R = 1/R1 + 1/R2. ``other`` is the material of the second if another."""
+        """Two spheres: 1/R = 1/R1 + 1/R2. ``other`` is the material of the second if another.
+
+        radius, other_radius [m]. lenient: whether units that look like N and mm pass.
+        """
         R1, R2 = _radius("radius", radius), _radius("other_radius", other_radius)
         return cls._of(R1 * R2 / (R1 + R2), (R1, R2), material, other, lenient)
 
@@ -72,7 +75,10 @@ class Hertz(ElasticFace):
     def sphere_on_plane(
         cls, radius: float, material: Material, other: Material | None = None, *, lenient: bool = False
     ) -> Hertz:
-        """A sphere on a half-space: R = R1. ``other`` is the material of the half-space if another."""
+        """A sphere on a half-space: R = R1. ``other`` is the material of the half-space if another.
+
+        radius [m]. lenient: whether units that look like N and mm pass.
+        """
         R1 = _radius("radius", radius)
         return cls._of(R1, (R1,), material, other, lenient)
 
@@ -86,7 +92,10 @@ class Hertz(ElasticFace):
         *,
         lenient: bool = False,
     ) -> Hertz:
-        """A sphere in a larger hollow one: 1/R = 1/R1 - 1/R2. ``other`` is the material of the cup if another."""
+        """A sphere in a larger hollow one: 1/R = 1/R1 - 1/R2. ``other`` is the material of the cup if another.
+
+        radius, cup_radius [m]. lenient: whether units that look like N and mm pass.
+        """
         R1, R2 = _radius("radius", radius), _radius("cup_radius", cup_radius)
         if not R1 < R2:
             raise ModelError(f"radius: {R1:g} m was given, expected less than cup_radius, {R2:g} m")
@@ -99,6 +108,8 @@ class Hertz(ElasticFace):
         """Spheres with the radii of two surfaces of a scene: a disc on another one, in a hole, or on a half-plane.
 
         ``material`` is that of the body of a, ``other`` that of the body of b if another.
+
+        lenient: whether units that look like N and mm pass.
         """
         first, second = radii_between(a, b)
         if math.inf in (first, second):

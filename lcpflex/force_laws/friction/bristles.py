@@ -105,6 +105,8 @@ class LuGre:
 
         Where mu is 0 there is none, as in a run.
 
+        slip: velocity [m/s].
+
         Raises
         ------
         ModelError

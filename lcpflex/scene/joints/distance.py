@@ -20,6 +20,9 @@ class Distance:
 
     ``length`` [m] is a number > 0, a function of time (:mod:`lcpflex.scene.functions_of_time`), or the distance of the
     start configuration if omitted. Raises ModelError for points that cannot be joined or a length <= 0.
+
+    P, Q: points of two bodies, or of a body and of the ground. name: of the joint, for results and messages;
+    joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

@@ -21,6 +21,9 @@ class DrivenAngle:
     Python function of time. ``angle`` [rad] is the relative angle of the start configuration if omitted, so that f is
     the rotation since then; 0 makes f the relative angle itself. Raises ModelError for points that cannot be joined or
     a motion that is none.
+
+    P, Q: points of two bodies, or of a body and of the ground. name: of the joint, for results and messages;
+    joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

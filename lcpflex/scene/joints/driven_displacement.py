@@ -22,6 +22,8 @@ class DrivenDisplacement:
     :class:`~lcpflex.scene.functions_of_time.Harmonic`,
     :class:`~lcpflex.scene.functions_of_time.Table` or Python function of time. Raises ModelError for points that
     cannot be joined, a zero axis or a motion that is none.
+
+    P: the point that is driven. name: of the joint, for results and messages; joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

@@ -19,6 +19,8 @@ class PointOnLine:
 
     ``axis`` (2,) is the direction of the line, fixed in the material at Q, and n_Q its normal. Raises ModelError for
     points that cannot be joined or a zero axis.
+
+    name: of the joint, for results and messages; joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

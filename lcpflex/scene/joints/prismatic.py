@@ -20,6 +20,8 @@ class Prismatic:
     ``axis`` (2,) is the direction of the line, fixed in the material at Q, and n_Q its normal. ``angle`` [rad] is the
     relative angle of the start configuration if omitted. Raises ModelError for points that cannot be joined, a
     zero axis, numbers that are not finite.
+
+    name: of the joint, for results and messages; joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

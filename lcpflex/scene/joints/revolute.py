@@ -13,7 +13,10 @@ __all__ = ["Revolute"]
 
 @dataclass(frozen=True, slots=True)
 class Revolute:
-    """Pin: P and Q coincide, r_P - r_Q = 0 (2 rows). Raises ModelError for points that cannot be joined."""
+    """Pin: P and Q coincide, r_P - r_Q = 0 (2 rows). Raises ModelError for points that cannot be joined.
+
+    name: of the joint, for results and messages; joint1, joint2, ... if empty.
+    """
 
     P: PlacedPoint
     Q: PlacedPoint

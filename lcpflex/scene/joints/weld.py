@@ -17,6 +17,8 @@ class Weld:
 
     ``angle`` [rad] is the relative angle of the start configuration if omitted. Raises ModelError for points
     that cannot be joined or an angle that is not finite.
+
+    name: of the joint, for results and messages; joint1, joint2, ... if empty.
     """
 
     P: PlacedPoint

@@ -22,6 +22,8 @@ class Force:
 
     ``value`` is a pair of functions of time, one for each component, or one Python function f(t) or f(t, state)
     that returns both. Raises ModelError for a point on the ground or a value that is none of these.
+
+    name: of the load, for messages.
     """
 
     P: PlacedPoint

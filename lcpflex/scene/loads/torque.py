@@ -16,6 +16,8 @@ class Torque:
     """Torque [N m] on the material at P, counter-clockwise: a function of time, f(t) or f(t, state).
 
     Raises ModelError for a point on the ground or a value that is none of these.
+
+    name: of the load, for messages.
     """
 
     P: PlacedPoint

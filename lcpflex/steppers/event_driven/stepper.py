@@ -310,7 +310,10 @@ class EventDriven:
         as_solver(self.solver)
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
-        """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events."""
+        """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events.
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         tangential = system.model.contacts.tangential_restitution
         if not isinstance(self.impact, Newton) and tangential.any():
             raise ModelError(

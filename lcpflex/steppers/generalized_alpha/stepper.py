@@ -285,7 +285,10 @@ class GeneralizedAlpha:
         )
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
-        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         refuse_laws(system, "GeneralizedAlpha", "its implicit steps have no derivatives of such laws")
         settings = self.settings(scales_of(system, duration))
         if self.adaptive is None:

@@ -232,6 +232,8 @@ class MasslessBoundaryScheme:
 class MasslessBoundary:
     """Massless-boundary scheme: no impulse, no restitution, the energy of a contact goes into the modes.
 
+    solver_tolerance: largest residual of a contact problem that counts as solved [-].
+
     Attributes
     ----------
     step
@@ -296,7 +298,10 @@ class MasslessBoundary:
         return name in self.compliance
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun:
-        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         reason = "its contacts carry forces at massless points; an elastic law goes into compliance={contact: law}"
         refuse_laws(system, "MasslessBoundary", reason)
         return FixedRun(MasslessBoundaryScheme(system, self, duration), duration, interval)

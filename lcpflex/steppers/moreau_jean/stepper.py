@@ -190,6 +190,8 @@ class MoreauJeanScheme:
 class MoreauJean:
     """Moreau-Jean time stepping.
 
+    solver_tolerance: largest residual of a contact problem that counts as solved [-].
+
     Attributes
     ----------
     step
@@ -241,7 +243,10 @@ class MoreauJean:
         return Settings(self.step, self.theta, self.activation, gap, self.projection, self.solver_tolerance, 0.0)
 
     def start(self, system: System, duration: float, interval: float) -> FixedRun | AdaptiveRun:
-        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         refuse_states(system)
         run: FixedRun | AdaptiveRun
         settings = self.settings(scales_of(system, duration))

@@ -172,7 +172,10 @@ class Smooth:
         return True
 
     def start(self, system: System, duration: float, interval: float) -> SmoothRun:
-        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s]."""
+        """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
+
+        system: what a scene or a system of the user's own is compiled to.
+        """
         laws = [law.row() for law in self._chosen(system)]
         system = replace(system, laws=())  # no contact is left out of detection for being by law
         run = self._run(system, laws, duration, interval)

@@ -169,6 +169,8 @@ class WorkPrecision:
 
     ``str()`` gives table and advice; ``a + b`` holds the scenes of both. After an interruption by Ctrl-C ``complete``
     is False, and there is only what was measured before.
+
+    studies: of one scene each.
     """
 
     studies: tuple[SceneStudy, ...]
@@ -208,7 +210,10 @@ class WorkPrecision:
         return self.of(scene).cheapest(tolerance, output, at_equal_times=at_equal_times)
 
     def advice(self, tolerances: Sequence[float] = TOLERANCES, output: str | None = None) -> str:
-        """A sentence for each scene and tolerance: which method is the cheapest, what it costs, and its error."""
+        """A sentence for each scene and tolerance: which method is the cheapest, what it costs, and its error.
+
+        tolerances: relative errors to be reached. output: its name, the first one if omitted.
+        """
         several = len(self.studies) > 1
         return "\n".join(
             f"{study.scene}: {sentence}" if several else sentence
@@ -221,7 +226,10 @@ class WorkPrecision:
         return "\n\n".join(table(study) for study in self.studies)
 
     def csv(self, path: str | os.PathLike[str]) -> None:
-        """Write every run to a CSV file. Raises ModelError where it cannot be written."""
+        """Write every run to a CSV file. Raises ModelError where it cannot be written.
+
+        path: of the file.
+        """
         target = writable_path("path", path)
         names = tuple(dict.fromkeys(output.name for study in self.studies for output in study.outputs))
         columns = ("scene", "method", "told", "steps", "wall_time", "fastest", "slowest", "repeats")
@@ -247,6 +255,8 @@ class WorkPrecision:
         In the grey band errors are below that of the reference, and not known: markers are hollow there, and half full
         where the stored instants are to blame. Below the dashed line no independent method confirms the reference.
         Each family of steppers has its own colour.
+
+        output: its name, the first one if omitted.
         """
         return chart(self, output)
 

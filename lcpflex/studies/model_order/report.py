@@ -294,7 +294,10 @@ class RightSize:
         return [(error, bodies) for error, bodies in found if math.isfinite(error)]
 
     def csv(self, path: str | os.PathLike[str]) -> None:
-        """Write every run to a CSV file. Raises ModelError where it cannot be written."""
+        """Write every run to a CSV file. Raises ModelError where it cannot be written.
+
+        path: of the file.
+        """
         target = writable_path("path", path)
         bodies = tuple(self.runs[0].levels)
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))

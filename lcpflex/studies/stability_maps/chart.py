@@ -103,7 +103,10 @@ def draw_map(
 
 
 def outcome_legend(*maps: StabilityMap, curves: Iterable[str] = ()) -> list[Any]:
-    """Handles for ``figure.legend``: a patch for each outcome that occurs in the maps, a line for each curve."""
+    """Handles for ``figure.legend``: a patch for each outcome that occurs in the maps, a line for each curve.
+
+    curves: labels of lines that were drawn over the maps.
+    """
     curves = sequence_of(
         "curves", list(curves) if isinstance(curves, Mapping) else curves, "a sequence of labels", MANY
     )

@@ -81,11 +81,16 @@ class StabilityMap:
         A paradox that is named and resolved is a success, too; what was compared with no truth is none, for that see
         :meth:`largest_untroubled`. NaN where not even the smallest is. Raises ModelError where the values are no
         numbers.
+
+        method: its label.
         """
         return self._largest(method, (Outcome.SOUND, Outcome.RESOLVED))
 
     def largest_untroubled(self, method: str) -> FloatArray:
-        """The same of cells that are sound or show no sign of trouble."""
+        """The same of cells that are sound or show no sign of trouble.
+
+        method: its label.
+        """
         return self._largest(method, (Outcome.SOUND, Outcome.RESOLVED, Outcome.NO_TROUBLE))
 
     def _largest(self, method: str, kinds: tuple[Outcome, ...]) -> FloatArray:
@@ -123,7 +128,10 @@ class StabilityMap:
         return as_markdown(lines)
 
     def csv(self, path: str | os.PathLike[str]) -> Path:
-        """Write one line a cell: method, the values of the axes, outcome, error, message, seconds."""
+        """Write one line a cell: method, the values of the axes, outcome, error, message, seconds.
+
+        path: of the file.
+        """
         target = writable_path("path", path)
         with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -154,7 +162,10 @@ class StabilityMap:
         method: str,
         curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
     ) -> None:
-        """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend."""
+        """The panel of one method into axes of your own; :func:`outcome_legend` gives the handles of a legend.
+
+        curves: by label the places (x, y) of lines to draw over the map.
+        """
         check_axes(axes, needed=True)
         draw_map(axes, self, method, check_curves("curves", curves))
 
