@@ -157,7 +157,6 @@ def carry_out(
     else:  # compiles, or loads from the cache; a loop in Python does so when it comes to a kernel
         message, cause = _guarded(run, limits, 1 if system.hooks else 0)
     clock.started()
-    limits.begin()
     if keeper is not None:
         keeper.begin(setup, run, clock, spent, kept is not None)
     interrupted = False
@@ -233,6 +232,7 @@ def _advance_all(
         bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]",
     )  # fmt: skip
     chunk = 16
+    limits.begin()
     with bar:
         while not run.finished:
             began = time.perf_counter()
