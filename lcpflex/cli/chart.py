@@ -8,7 +8,7 @@ from typing import Any
 
 from lcpflex.cli import later
 from lcpflex.cli.reading import add_files, check_files, deliver, duration_of, methods_named, outputs_named
-from lcpflex.cli.scenes import scene_named
+from lcpflex.cli.scenes import Loader, scene_named
 from lcpflex.errors import ModelError, in_range
 from lcpflex.studies.outputs import known_outputs, standard_outputs
 
@@ -17,8 +17,8 @@ __all__ = ["add_chart"]
 LIMIT = 1.0  # wall time [s] of a run: with three repetitions a series of factors 3 takes about six times as long
 
 
-def add_chart(commands: Any) -> None:
-    """Add the command to the subparsers."""
+def add_chart(commands: Any, load: Loader = scene_named) -> None:
+    """Add the command to the subparsers; ``load`` makes scene, duration and stepper of the text that names a scene."""
     chart = commands.add_parser("chart", help="work against precision: which method reaches an accuracy soonest")
     chart.add_argument("scene", metavar="SCENE", help="a name from `lcpflex gallery`, or file.py:function")
     chart.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated, the first is drawn and "
@@ -30,10 +30,10 @@ def add_chart(commands: Any) -> None:
     chart.add_argument("--repeats", type=int, default=3, metavar="N", help="timed runs whose median counts")
     chart.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
                        help=f"refine a method while a run takes no longer (default: {LIMIT:g})")  # fmt: skip
-    chart.set_defaults(command=_chart)
+    chart.set_defaults(command=lambda request: _chart(request, load))
 
 
-def _chart(request: argparse.Namespace) -> int:
+def _chart(request: argparse.Namespace, load: Loader) -> int:
     """Run the study, print table and advice, write the files. 1 if no method has a sound run, 130 after Ctrl-C."""
     check_files(request)
     if request.repeats < 1:
@@ -41,7 +41,7 @@ def _chart(request: argparse.Namespace) -> int:
     in_range("--limit", request.limit, 0.0, math.inf, open_ends=True)
     asked = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
     others = [output.name for output in standard_outputs() if output.name not in asked]
-    scene, duration, _ = scene_named(request.scene)
+    scene, duration, _ = load(request.scene)
     duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
     methods = methods_named("--method", request.method or (), lambda: later.standard_methods(duration))
     work = later.work_precision(

@@ -17,7 +17,7 @@ from lcpflex.cli.reading import (
     load_named,
     outputs_named,
 )
-from lcpflex.cli.scenes import scene_named
+from lcpflex.cli.scenes import Loader, scene_named
 from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["add_right_size"]
@@ -26,8 +26,8 @@ TOLERANCE = 1e-2
 LIMIT = 60.0  # wall time of a run [s]
 
 
-def add_right_size(commands: Any) -> None:
-    """Add the command to the subparsers."""
+def add_right_size(commands: Any, load: Loader = scene_named) -> None:
+    """Add the command to the subparsers; ``load`` makes scene, duration and stepper of the text that names a scene."""
     command = commands.add_parser(
         "right-size",
         help="the smallest bodies that will do: rigid, a few modes, or the full mesh",
@@ -49,17 +49,17 @@ def add_right_size(commands: Any) -> None:
                          "that makes one")  # fmt: skip
     command.add_argument("--limit", type=float, default=LIMIT, metavar="SECONDS",
                          help=f"leave out what takes longer for one run (default: {LIMIT:g})")  # fmt: skip
-    command.set_defaults(command=_right_size)
+    command.set_defaults(command=lambda request: _right_size(request, load))
 
 
-def _right_size(request: argparse.Namespace) -> int:
+def _right_size(request: argparse.Namespace, load: Loader) -> int:
     """Run the study, print table and sentence, write the files. 1 if nothing will do, 130 after Ctrl-C."""
     check_files(request)
     in_range("--tolerance", request.tolerance, 0.0, 1.0, open_ends=True)
     in_range("--limit", request.limit, 0.0, math.inf, open_ends=True)
     given = _stepper(request)
     outputs = outputs_named("--quantity", request.quantity or (), later.known_outputs())
-    scene, duration, stepper = scene_named(request.scene)
+    scene, duration, stepper = load(request.scene)
     duration = in_range("--duration", duration_of(request, duration), 0.0, math.inf, open_ends=True)
     case = SimpleNamespace(build=lambda: scene, duration=duration, stepper=stepper)
     found = later.right_size(

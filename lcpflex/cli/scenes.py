@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from lcpflex.basics.names import meant
 from lcpflex.cli import later
@@ -12,7 +13,9 @@ from lcpflex.errors import ModelError
 if TYPE_CHECKING:
     from lcpflex.runs.case import Case
 
-__all__ = ["case_named", "case_or_function", "scene_named"]
+__all__ = ["Loader", "case_named", "case_or_function", "scene_named"]
+
+Loader: TypeAlias = Callable[[str], tuple[Any, float | None, Any]]  # scene, duration [s] and stepper of a text
 
 
 def case_named(name: str) -> Case:

@@ -36,8 +36,8 @@ STEPPED = "moreau-jean"
 STEP = 1e-4  # of methods where neither an axis nor the scene's own stepper gives one [s]
 
 
-def add_stability(commands: Any) -> None:
-    """Add the command to the subparsers."""
+def add_stability(commands: Any, find: Callable[[str], Any] = case_or_function) -> None:
+    """Add the command to the subparsers; ``find`` makes a Case, or a function that builds one, of SCENE."""
     command = commands.add_parser(
         "stability",
         help="map where in a plane of two parameters the methods work and how they fail elsewhere",
@@ -72,10 +72,10 @@ def add_stability(commands: Any) -> None:
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="computing time of a cell; default: none")
     command.add_argument("--plot", type=Path, metavar="FILE", help="write the map to this png, pdf or svg file")
     command.add_argument("--csv", type=Path, metavar="FILE", help="write every cell to this file")
-    command.set_defaults(command=_run)
+    command.set_defaults(command=lambda request: _run(request, find))
 
 
-def _run(request: argparse.Namespace) -> int:
+def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     check_picture("--plot", request.plot)
     if request.csv is not None:
         writable_path("--csv", request.csv)
@@ -88,7 +88,7 @@ def _run(request: argparse.Namespace) -> int:
     tolerance = Criteria().error if request.tolerance is None else request.tolerance
     criteria = Criteria(error=in_range("--tolerance", tolerance, 0.0, 1.0, open_ends=True))
     quantities = outputs_named("--quantity", request.quantity or (), tuple(known_outputs()))
-    scene = case_or_function(request.scene)
+    scene = find(request.scene)
     if not (callable(scene) or hasattr(scene, "build")):
         raise ModelError(
             f"SCENE: {shown(request.scene)} is {shown(scene)}; expected a Case or a function that builds a scene"

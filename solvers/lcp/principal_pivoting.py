@@ -351,10 +351,7 @@ class PrincipalPivoting:
         keep_settings(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Why not: the matrix is not symmetric.
-
-        problem: an :class:`Lcp`, a :class:`ContactProblem` or another problem that is posed as one.
-        """
+        """Why the problem cannot be taken: its matrix is not symmetric."""
         lcp = problem if isinstance(problem, Lcp) else posed(problem).lcp()
         return "" if lcp.symmetric else "M is not symmetric: principal pivoting needs M = M^T, Lemke takes every matrix"
 

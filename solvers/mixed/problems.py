@@ -209,10 +209,7 @@ class MixedLcp:
         return self.boxed.slack(z)
 
     def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
-        """Natural-map residual of z (n,): |w_i| of bilateral rows, else as for an :class:`Lcp`.
-
-        scaled: relative to the terms that cancel, and not in the units of the problem.
-        """
+        """Natural-map residual of z (n,), ``scaled`` or not: |w_i| of bilateral rows, else as for an :class:`Lcp`."""
         return self.boxed.residual(z, scaled)
 
     def lcp(self) -> Lcp:
