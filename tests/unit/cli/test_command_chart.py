@@ -51,8 +51,8 @@ def chart(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
         "Moreau-Jean": [lf.MoreauJean(step=h) for h in (1e-2, 3e-3, 1e-3)],
         "event-driven": [lf.EventDriven(rtol=r) for r in (1e-5, 1e-7)],
     }
-    for module in ("standard_methods", "work_precision"):  # the functions hide the modules of their names
-        monkeypatch.setattr(sys.modules[f"lcpflex.studies.{module}"], "standard_methods", lambda duration: short)
+    for module in ("cli.later", "studies.convergence.work_precision"):  # who asks for them
+        monkeypatch.setattr(sys.modules[f"lcpflex.{module}"], "standard_methods", lambda duration: short)
     monkeypatch.setattr(sys.modules["lcpflex.studies.convergence.work_precision"], "MOST", 2000)  # instants: quick
     parser = argparse.ArgumentParser()
     case = gallery.scenes()["stick_slip"]
