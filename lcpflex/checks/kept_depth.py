@@ -37,7 +37,7 @@ DIFFERENCE = 1e-6  # of the largest coordinate, at least of 1
 def kept_depths(result: Result) -> tuple[str, ...]:
     """A warning for each contact whose force is off for the depth at which it is kept."""
     compiled = result.compiled
-    if compiled is None or not np.isfinite(result.q[-1:]).all():
+    if compiled is None or len(result.times) == 0 or not np.isfinite(result.q[-1:]).all():
         return ()
     lasting = result.force[-max(2, int(LASTING * len(result.times))) :, :, 0].min(axis=0) > 0.0
     deep = lasting & (result.gap[-1] < 0.0) & ~np.isin(result.contact_names, result.compliant)

@@ -21,9 +21,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.detection import refresh
+from lcpflex.dynamics.contact_forces import add_contact_forces
 from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, joint_impulses, row_velocity
-from lcpflex.dynamics.law_contacts import law_forces
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -126,7 +126,7 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     """Condensed operator and free accelerations of the first n contacts; ``work.free_u`` = M^-1 h [m/s^2]."""
     lay_rows(model, t, q, u, n, work, sets)
     forces(model, t, q, u, work)
-    law_forces(model, t, q, u, 0.0, work)
+    add_contact_forces(model, q, u, work)
     contact_biases(model, q, u, n, work.n_tangents, work.n_joint, work)
     for i in range(len(q)):
         work.free_u[i] = work.total[i]

@@ -17,17 +17,14 @@ import numpy as np
 
 from lcpflex.contact.concave_corners import YIELDED, yield_to_deeper
 from lcpflex.contact.detection import refresh
+from lcpflex.dynamics.contact_forces import pair_energy, pair_force, pair_stiffness
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.force_laws.elastic.kernels import (
-    elastic_force,
-    elastic_stiffness,
-    indentation_at,
-    stored_energy,
-)
-from lcpflex.force_laws.layout import END, LIMIT, PARAMETERS, LawRow
+from lcpflex.force_laws.elastic.kernels import indentation_at
+from lcpflex.force_laws.history import ContactMemory, contact_memory
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
-from lcpflex.model.arrays import Model
+from lcpflex.model.arrays import Contacts, Model
 
 __all__ = [
     "ALL",
@@ -44,6 +41,7 @@ __all__ = [
 ACCURATE = 1e-9  # error of a force, relative to the largest of those that laws give, that ends the passes
 ROUNDING = 2e-15  # of an indentation, relative to coordinates
 ALL = 2  # ContactCompliance.some
+NO_PLACE = -1  # in the history: these laws do without
 HARD, FOLLOWS, YIELDS = 0, 1, 2  # Workspace.closed: no law; follows its law; yields to another pair of one hollow
 
 
@@ -52,41 +50,21 @@ class ContactCompliance(NamedTuple):
 
     some: IntArray  # (1,) 0: none has, 1: some, ALL
     soft: IntArray  # (laws,) whether it has one
-    kinds: IntArray  # (laws, 4), see lcpflex.force_laws.layout
-    parameters: FloatArray  # (laws, PARAMETERS)
-    stop: FloatArray  # (laws,) indentation beyond which a run must not go on [m]
     least: FloatArray  # (laws,) force that does not matter, only those smaller by ACCURATE need not be right [N]
-    worst: FloatArray  # (laws,) largest indentation of the steps so far [m]
+    history: ContactMemory  # the laws, and the largest indentations so far: they remember nothing else
 
 
-def contact_compliance(rows: Sequence[LawRow | None]) -> ContactCompliance:
-    """The laws ``rows`` of all declared contacts, None for those without, as kernels take them."""
-    n = len(rows)
-    arrays = ContactCompliance(
-        some=np.zeros(1, dtype=np.int64),
-        soft=np.zeros(n, dtype=np.int64),
-        kinds=np.zeros((n, 4), dtype=np.int64),
-        parameters=np.zeros((n, PARAMETERS)),
-        stop=np.full(n, np.inf),
-        least=np.zeros(n),
-        worst=np.zeros(n),
-    )
-    for law, row in enumerate(rows):
-        if row is not None:
-            arrays.soft[law] = 1
-            arrays.kinds[law] = row.kinds
-            arrays.parameters[law] = row.parameters
-            arrays.stop[law] = row.parameters[END if row.lenient else LIMIT]
-    if arrays.soft.any():
-        arrays.some[0] = ALL if arrays.soft.all() else 1
-    return pack(arrays)
+def contact_compliance(contacts: Contacts, laws: Sequence[LawRow | None]) -> ContactCompliance:
+    """The elastic ``laws`` of all declared contacts, None for those without, as kernels take them."""
+    soft = np.array([law is not None for law in laws], dtype=np.int64)
+    some = ALL if soft.all() and soft.any() else int(soft.any())
+    return pack(ContactCompliance(np.array([some]), soft, np.zeros(len(laws)), contact_memory(contacts, laws)))
 
 
 @kernel
 def law_force(compliance: ContactCompliance, work: Workspace, k: int) -> float:
     """Force of the law of contact k at its present gap [N]."""
-    law = work.table.law[k]
-    return elastic_force(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
+    return pair_force(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k], 0.0)[1]
 
 
 @kernel
@@ -118,13 +96,12 @@ def soften(compliance: ContactCompliance, work: Workspace, n: int, total: int) -
     for k in range(n):
         law = work.table.law[k]
         if work.closed[k] == FOLLOWS:
-            kinds = compliance.kinds[law]
-            p = compliance.parameters[law]
-            shallow = indentation_at(kinds, p, 0.5 * ACCURATE * max(largest, compliance.least[law]))
-            depth = max(-work.table.gap[k], shallow)
-            stiffness = elastic_stiffness(kinds, p, depth)
+            history = compliance.history
+            force = 0.5 * ACCURATE * max(largest, compliance.least[law])
+            depth = max(-work.table.gap[k], indentation_at(history.kinds[law], history.parameters[law], force))
+            stiffness = pair_stiffness(history, law, NO_PLACE, depth)
             work.problem.delassus[k, k] += 1.0 / stiffness
-            work.problem.free[k] += depth - elastic_force(kinds, p, depth) / stiffness
+            work.problem.free[k] += depth - pair_force(history, law, NO_PLACE, depth, 0.0)[1] / stiffness
         elif work.closed[k] == YIELDS:
             for r in range(total):
                 if r != k:
@@ -149,8 +126,7 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
     worst = 0.0
     for k in range(work.n_contacts):
         if work.closed[k] == FOLLOWS:
-            law = work.table.law[k]
-            stiffness = elastic_stiffness(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
+            stiffness = pair_stiffness(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k])
             wrong = abs(work.normal[k] - law_force(compliance, work, k))
             worst = max(worst, wrong / (allowed + ROUNDING * extent * stiffness))
     return worst
@@ -159,12 +135,13 @@ def misfit(compliance: ContactCompliance, unit: FloatArray, work: Workspace) -> 
 @kernel
 def note_depths(compliance: ContactCompliance, work: Workspace) -> int:
     """Keep the largest indentation of each law; returns the first that has left its range, or -1."""
+    history = compliance.history
     if compliance.some[0] != 0:
         for k in range(work.n_contacts):
             law = work.table.law[k]
-            if work.closed[k] == FOLLOWS and -work.table.gap[k] > compliance.worst[law]:
-                compliance.worst[law] = -work.table.gap[k]
-                if compliance.worst[law] > compliance.stop[law]:
+            if work.closed[k] == FOLLOWS and -work.table.gap[k] > history.worst[law]:
+                history.worst[law] = -work.table.gap[k]
+                if history.worst[law] > history.stop[law]:
                     return law
     return -1
 
@@ -175,7 +152,6 @@ def compliance_energy(compliance: ContactCompliance, work: Workspace) -> float:
     total = 0.0
     if compliance.some[0] != 0:
         for k in range(work.n_contacts):
-            law = work.table.law[k]
             if work.closed[k] == FOLLOWS:
-                total += stored_energy(compliance.kinds[law], compliance.parameters[law], -work.table.gap[k])
+                total += pair_energy(compliance.history, work.table.law[k], NO_PLACE, -work.table.gap[k])
     return total

@@ -13,7 +13,7 @@ from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored
 from lcpflex.dynamics.inertia import factorise as factorise_bodies
 from lcpflex.dynamics.inertia import multiply as multiply_bodies
 from lcpflex.dynamics.inertia import solve_block
-from lcpflex.dynamics.workspace import Workspace
+from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 
@@ -72,7 +72,7 @@ def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
 
 
 @kernel
-def solve_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
     """solved[r] <- A^-1 rows[r] for first <= r < last."""
     for r in range(first, last):
         for i in range(2):
@@ -82,7 +82,7 @@ def solve_rows(model: Model, work: Workspace, first: int, last: int) -> None:
 
 
 @kernel
-def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Workspace) -> int:
+def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Rows) -> int:
     """Rows of the first n contacts of the table at q, behind the joint rows: normals, then tangents where mu > 0.
 
     Returns the number of tangential rows.

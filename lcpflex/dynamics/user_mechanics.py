@@ -14,7 +14,7 @@ from lcpflex.contact import rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
-from lcpflex.dynamics.workspace import Workspace
+from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics import joint_rows as constraint_rows
@@ -71,7 +71,7 @@ def _inertia_hooks(system: Mechanics) -> Hooks:
     def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
         cholesky_solve(work.dense, len(x), x)
 
-    def solve_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+    def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
         work.solved[first:last, 0] = work.rows[first:last, 0]
         for r in range(first, last):
             cholesky_solve(work.dense, system.n, work.solved[r, 0])
@@ -113,7 +113,7 @@ def _contact_hooks(system: Mechanics) -> Hooks:
     def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
         return np.nan, np.nan
 
-    def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Workspace) -> int:
+    def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Rows) -> int:
         if n == 0:
             return 0
         laws = work.table.law[:n]

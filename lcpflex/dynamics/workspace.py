@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
-from lcpflex.dynamics.inertia import Arrow, arrow
-from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.inertia import Arrow
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory, contact_data, prepare
 
-__all__ = ["DOUBTFUL_CONTACTS", "Workspace", "workspace"]
+__all__ = ["DOUBTFUL_CONTACTS", "Rows", "Workspace", "workspace"]
 
 DOUBTFUL_CONTACTS = 3  # of problems that are tested for several solutions
 DOUBTFUL_KEPT, DOUBTFUL_SIZE = 32, 64
@@ -29,7 +29,7 @@ class Workspace:
     span: FloatArray = array(2)  # [s] before and after the time asked for over which forces in time are averaged
     table: ContactTable
     arrow: Arrow
-    dense: FloatArray = array("dense", "dense")  # Cholesky factor of the matrix of a step; user-defined systems only
+    dense: FloatArray  # Cholesky factor of the matrix of a step; user-defined systems only
     middle: FloatArray = array("ndof")  # configuration at which the step is linearised
     ahead: FloatArray = array("ndof")  # configuration at which contacts are detected
     free_u: FloatArray = array("ndof")  # velocity without constraint impulses
@@ -66,30 +66,28 @@ class Workspace:
     doubtful: FloatArray = array(DOUBTFUL_KEPT, DOUBTFUL_SIZE)  # problems that may have several solutions
     n_doubtful: int
     doubtful_kind: int  # of the present problem
-    laws: LawContacts  # contacts by a continuous force law beside the others, in a table of their own
+    compliant: CompliantContacts  # beside the rigid contacts, in a table of their own
+
+
+Rows = Workspace | CompliantContacts  # both hold a table, rows and factors, by the same names
 
 
 def workspace(
-    dof: IntArray,
     n_external: int,
     n_joint: int,
-    n_modes: int,
     table: ContactTable,
-    laws: LawContacts,
-    dense: bool = False,
-    shortening: IntArray | None = None,
+    compliant: CompliantContacts,
     solver: SolverMemory | None = None,
 ) -> Workspace:
-    """Allocate for bodies with offsets ``dof`` and as many contacts as ``table``, beside those by law.
+    """Allocate for as many contacts as ``table``, beside the compliant ones, with their offsets and factors.
 
-    ``shortening`` (nb,): modes of each body that gets shorter as it bends, 0 of others. ``solver``: of a smaller one,
-    what it knows goes on.
+    ``solver``: of a smaller one, what it knows goes on.
     """
     capacity = len(table.key)
+    dof = compliant.dof
     ndof = int(dof[-1])
     sizes = {
         "slots": n_external,
-        "dense": ndof if dense else 0,
         "ndof": ndof,
         "rows": n_joint + 2 * capacity + 1,
         "width": int(np.max(np.diff(dof), initial=1)),
@@ -100,11 +98,12 @@ def workspace(
     return allocate(
         Workspace,
         sizes,
-        dof=np.array(dof),
+        dof=dof,
         table=table,
-        arrow=arrow(len(dof) - 1, n_modes, shortening),
+        arrow=compliant.arrow,
+        dense=compliant.dense,
         row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
         problem=contact_data(capacity),
         solver=prepare(capacity, solver),
-        laws=laws,
+        compliant=compliant,
     )

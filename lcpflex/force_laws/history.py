@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.force_laws.layout import DAMPING_KIND, END, LIMIT, PARAMETERS, PERMANENT, LawRow
+from lcpflex.force_laws.layout import DAMPING_KIND, END, LIMIT, NO_LAW, PARAMETERS, PERMANENT, LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Contacts
@@ -41,8 +41,9 @@ class ContactMemory(NamedTuple):
     loading: IntArray  # (places,) 1 until the contact turns back from it
 
 
-def contact_memory(contacts: Contacts, rows: Sequence[LawRow]) -> ContactMemory:
-    """Empty memory for the declared contacts with the laws ``rows``."""
+def contact_memory(contacts: Contacts, laws: Sequence[LawRow | None]) -> ContactMemory:
+    """Empty memory for the declared contacts with these ``laws``; None, for rigid ones, remembers nothing."""
+    rows = [law or NO_LAW for law in laws]
     ranges = np.zeros((len(rows), 2, 3), dtype=np.int64)
     taken = np.zeros(len(rows), dtype=np.int64)
     places = 0

@@ -6,6 +6,7 @@ user's own law, the address of its compiled function. ``p`` (PARAMETERS,) holds 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -20,6 +21,7 @@ __all__ = [
     "FRICTION_KIND",
     "GUARD",
     "LIMIT",
+    "NO_LAW",
     "PARAMETERS",
     "Damping",
     "ElasticLaw",
@@ -81,6 +83,12 @@ class LawRow:
     bristles: bool  # whether its friction has states of its own
     lenient: bool  # whether an indentation beyond LIMIT is a warning instead of an error
     own: UserLaw | None = None  # a user's own law: what stands at the ADDRESS, and says what went wrong there
+
+
+# stands for the law of a rigid contact, which is never asked for a force
+NO_LAW = LawRow(
+    (0, 0, 0, 0), (0.0,) * LIMIT + (math.inf, math.inf), 0.0, remembers=False, bristles=False, lenient=False
+)
 
 
 class ElasticLaw(Protocol):

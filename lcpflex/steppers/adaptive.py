@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.instants import longest_look, time_left
-from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
@@ -223,17 +223,17 @@ def position_tolerance(limits: Limits, q: FloatArray) -> float:
 
 
 @kernel
-def unmet(model: Model, q: FloatArray, laws: LawContacts, table: ContactTable) -> float:
+def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: ContactTable) -> float:
     """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
-    if len(laws.friction) == 0:
+    if len(compliant.friction) == 0:
         return 0.0
     touching = 0.0
     count = detect(model, q, touching, table)
     sunk = 0.0
     for k in range(min(count, len(table.key))):
         known = table.by_law[table.law[k]] == SET_VALUED
-        for i in range(laws.n_touching):
-            known = known or (laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k])
+        for i in range(compliant.n_contacts):
+            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k])
         if not known:
             sunk = max(sunk, -table.gap[k])
     return sunk

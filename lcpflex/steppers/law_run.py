@@ -1,13 +1,13 @@
 """Contacts by a continuous force law in runs of steppers whose other contacts are set-valued: what is refused and said.
 
-Such a stepper takes them as forces (:mod:`lcpflex.dynamics.law_contacts`). Their memory is that of the impact.
+Such a stepper takes them as forces (:mod:`lcpflex.dynamics.contact_forces`). Their history is that of the impact.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lcpflex.dynamics.law_contacts import take_note
+from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.history import ContactMemory
@@ -59,9 +59,9 @@ def refuse_states(system: System) -> None:
 
 
 def begin_laws(system: System, work: Workspace) -> None:
-    """Let contacts by law take note of the start."""
+    """The history of compliant contacts at the start."""
     if system.by_law:
-        take_note(system.model, 0.0, system.q, system.u, work)
+        update_history(system.model, 0.0, system.q, system.u, 0.0, True, work.compliant.states, work)
 
 
 def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
@@ -78,8 +78,9 @@ def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
 def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed: FloatArray) -> list[str]:
     """A warning for each lasting contact by law whose friction was not that of its slip at the end of the steps.
 
-    ``impulses`` as in :class:`lcpflex.dynamics.law_memory.LawContacts`; ``pressed``: share of the run that each contact
-    was closed. In an impact the slip adapts within a few steps, and its friction is right where it counts.
+    ``impulses``: ``missed`` of :class:`lcpflex.dynamics.compliant_contacts.CompliantContacts`; ``pressed``: share of
+    the run that each contact was closed. In an impact the slip adapts within a few steps, and its friction is right
+    where it counts.
     """
     if impulses is None:
         return []
@@ -94,10 +95,10 @@ def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed
 
 def law_trouble(names: Sequence[str], work: Workspace) -> str:
     """Why a run cannot go on after contacts by law have taken note."""
-    laws = work.laws
-    if laws.too_small:
-        return f"more than {len(laws.table.key)} pairs of contacts by law are near at once"
-    return too_deep(names, laws.memory, int(laws.out_of_range))
+    contacts = work.compliant
+    if contacts.needed:
+        return f"more than {len(contacts.table.key)} pairs of contacts by law are near at once"
+    return too_deep(names, contacts.history, contacts.out_of_range)
 
 
 def too_deep(names: Sequence[str], memory: ContactMemory, law: int) -> str:

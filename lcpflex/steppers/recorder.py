@@ -6,7 +6,7 @@ import numpy as np
 
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.rows import contact_point
-from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
@@ -17,9 +17,9 @@ __all__ = [
     "Tape",
     "copy_counts",
     "note_certificate",
+    "note_compliant",
     "note_contact",
     "note_gain",
-    "note_laws",
     "store_contacts",
     "store_state",
     "tape",
@@ -128,13 +128,14 @@ def note_contact(
 
 
 @kernel
-def note_laws(model: Model, q: FloatArray, laws: LawContacts, tape: Tape) -> None:
-    """Add the contacts by law, with the forces that ``law_forces`` found at q."""
-    for k in range(laws.n_touching):
-        if laws.table.gap[k] < 0.0:
-            place = contact_point(model, q, laws.table, k)
-            state = STICK if laws.sticks[k] == 1 else SLIP
-            note_contact(tape, laws.table.law[k], place, laws.table.normal[k], laws.p[k, 0], laws.p[k, 1], state)
+def note_compliant(model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, tape: Tape) -> None:
+    """Add the compliant contacts with the forces found at q; ``touching``: those with an indentation of zero, too."""
+    table = contacts.table
+    for k in range(contacts.n_contacts):
+        if touching or table.gap[k] < 0.0:
+            place = contact_point(model, q, table, k)
+            state = STICK if contacts.sticks[k] == 1 else SLIP
+            note_contact(tape, table.law[k], place, table.normal[k], contacts.p[k, 0], contacts.p[k, 1], state)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +10,13 @@ import numpy as np
 from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
 from lcpflex.contact.thickness import farthest, pass_thickness
 from lcpflex.dynamics.compiled_function import CompiledFunction
-from lcpflex.dynamics.law_memory import LawContacts, law_contacts
+from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
+from lcpflex.dynamics.inertia import arrow
 from lcpflex.dynamics.time_functions import Calls
 from lcpflex.dynamics.workspace import Workspace, workspace
+from lcpflex.force_laws.history import contact_memory
 from lcpflex.force_laws.law import Law
+from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
@@ -84,30 +87,35 @@ class System:
         """A table for ``capacity`` contacts, for the set-valued ones alone."""
         return contact_table(capacity, self.n_surfaces, self.by_law, collects if self.by_law else ALL)
 
-    def law_contacts(self) -> LawContacts:
-        """Memory for the contacts by law."""
-        rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws
-        return law_contacts(self.model.contacts, rows, self.model.bodies.dof, self.n_joint, self.n_surfaces)
+    def compliant(
+        self,
+        laws: Sequence[LawRow | None] | None = None,
+        capacity: int | None = None,
+        before: CompliantContacts | None = None,
+    ) -> CompliantContacts:
+        """Memory for the contacts with ``laws``, those of the scene if omitted, or more of it than ``before``."""
+        bodies, contacts = self.model.bodies, self.model.contacts
+        rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws if laws is None else laws
+        if before is None:
+            shortening = np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0)
+            ndof = len(self.q) if self.dense else 0
+            factors = arrow(len(bodies.dof) - 1, len(bodies.stiffness), shortening)
+            shared = contact_memory(contacts, rows), np.array(bodies.dof), factors, np.zeros((ndof, ndof))
+        else:
+            shared = before.history, before.dof, before.arrow, before.dense
+        history, dof, factors, dense = shared
+        room = sufficient_capacity(contacts, rows) if capacity is None else capacity
+        return compliant_contacts(rows, history, dof, self.n_joint, self.n_surfaces, factors, dense, room)
 
     def workspace(
-        self, capacity: int, laws: LawContacts | None = None, solver: SolverMemory | None = None
+        self, capacity: int, compliant: CompliantContacts | None = None, solver: SolverMemory | None = None
     ) -> Workspace:
-        """Work memory for ``capacity`` simultaneous contacts.
+        """Work memory for ``capacity`` simultaneous rigid contacts, beside the compliant ones.
 
-        What those by law remember goes on in ``laws``, and what the solver knows in ``solver``.
+        What the solver knows goes on in ``solver``.
         """
-        bodies = self.model.bodies
-        return workspace(
-            bodies.dof,
-            self.n_external,
-            self.n_joint,
-            len(bodies.stiffness),
-            self.table(capacity),
-            self.law_contacts() if laws is None else laws,
-            self.dense,
-            np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0),
-            solver,
-        )
+        given = self.compliant() if compliant is None else compliant
+        return workspace(self.n_external, self.n_joint, self.table(capacity), given, solver)
 
     def tape(self, table_capacity: int, spots: int) -> Tape:
         """An empty tape."""

@@ -10,7 +10,6 @@ import math
 
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect, refresh
 from lcpflex.contact.rows import gap_rate
-from lcpflex.dynamics.law_memory import LawContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
@@ -151,17 +150,18 @@ def carried(work: Workspace, key: int) -> bool:
 
 
 @kernel
-def met(work: Workspace, laws: LawContacts, table: ContactTable, k: int, gap: float, dip: float) -> bool:
-    """Whether the slave of entry k carried something no less deep in another feature; or force laws found it."""
+def met(work: Workspace, table: ContactTable, k: int, gap: float, dip: float) -> bool:
+    """Whether the slave of entry k carried something no less deep in another feature, or was found as compliant."""
     for i in range(work.n_contacts):
         if work.p[work.n_joint + i] <= 0.0:
             continue
         same = work.table.law[i] == table.law[k] and work.table.slave[i] == table.slave[k]
         if same and gap > min(work.table.gap[i], 0.0) - dip:
             return True
-    if len(laws.friction) > 0:
-        for i in range(laws.n_touching):
-            if laws.table.law[i] == table.law[k] and laws.table.slave[i] == table.slave[k]:
+    compliant = work.compliant
+    if len(compliant.friction) > 0:
+        for i in range(compliant.n_contacts):
+            if compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k]:
                 return True
     return False
 
@@ -195,8 +195,7 @@ def parts_of(model: Model, h: float, speed: float, u: FloatArray, kept: Backup) 
 
 @kernel
 def first_unmet(
-    model: Model, h: float, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, laws: LawContacts,
-    tape: Tape, kept: Backup,
+    model: Model, h: float, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup,
 ) -> float:  # fmt: skip
     """Share of the step from what is kept to (q, u) at which a pair first closes that was not met; above 1: none.
 
@@ -225,7 +224,7 @@ def first_unmet(
                 continue
             now = table.gap[k]
             gap = gap_on_way(model, q, u, h, high, kept, table, k, tolerance)
-            if now + gap < room and not met(work, laws, table, k, gap, dip):
+            if now + gap < room and not met(work, table, k, gap, dip):
                 share = closing_share(model, q, u, h, kept, table, k, low, high, room, tolerance, dip)
                 first = min(first, share)
         if first <= 1.0:

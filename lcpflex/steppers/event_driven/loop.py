@@ -10,8 +10,9 @@ import math
 from lcpflex.contact.detection import SET_VALUED
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
+from lcpflex.dynamics.contact_forces import elastic_energy
+from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import row_velocity
-from lcpflex.dynamics.law_contacts import take_note
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -25,7 +26,7 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
-from lcpflex.steppers.recorder import Tape, note_contact, note_laws, store_contacts, store_state
+from lcpflex.steppers.recorder import Tape, note_compliant, note_contact, store_contacts, store_state
 from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 from lcpflex.steppers.status import RunStatus
 
@@ -49,7 +50,7 @@ def record(
     u = y[ndof : 2 * ndof]
     slope(model, t, y, work, memory, memory.slope)
     n = memory.n_contacts
-    spots = n + work.laws.n_touching
+    spots = n + work.compliant.n_contacts
     if tape.n_instants >= len(tape.times) or (tape.n_points + spots > len(tape.spots) and tape.n_points > 0):
         return RunStatus.TAPE_FULL
     needed = store_contacts(model, q, tape)
@@ -78,9 +79,9 @@ def record(
                 state = STICK
         place = contact_point(model, q, work.table, k)
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
-    note_laws(model, q, work.laws, tape)
+    note_compliant(model, q, work.compliant, False, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored, potential)
+    store_state(tape, t, q, u, kinetic, elastic + elastic_energy(model, work.compliant), potential)
     return RunStatus.DONE
 
 
@@ -251,7 +252,7 @@ def advance(
             if phase == CLOSING_STEP:
                 tape.counts.worst_penetration = max(tape.counts.worst_penetration, gap_drift)
                 tape.counts.worst_drift = max(tape.counts.worst_drift, joint_drift)
-                if not take_note(model, memory.time, q, u, work):
+                if not update_history(model, memory.time, q, u, 0.0, False, work.compliant.states, work):
                     return RunStatus.OUT_OF_RANGE
             memory.phase = next_phase(memory)
             if not finite(memory):

@@ -8,10 +8,19 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.contact_forces import (
+    add_impulses,
+    compression,
+    fill_rows,
+    find_contacts,
+    mobility,
+    parting_time,
+)
+from lcpflex.dynamics.contact_forces_history import has_begun
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.instants import longest_look, time_left
-from lcpflex.dynamics.law_contacts import begun, law_horizon
-from lcpflex.dynamics.law_memory import LawContacts
+from lcpflex.dynamics.mechanics import solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
@@ -35,30 +44,25 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
+from lcpflex.steppers.short_steps import ALL_OF_IT, onset_share, travel_time
 
 __all__ = ["FORCE_TOLERANCE", "measure", "search", "slope", "step", "watch"]
 
 NOTHING = -1
 SAMPLES = 4
-TURN = 0.25  # [rad] between samples
-TRAVEL = 1.0  # extents of the smallest surface between samples
 FORCE_TOLERANCE = 1e-9  # of the largest contact force: a smaller wrong sign is rounding
 LEAST_SHARE = 1e-6  # of a step: what is not understood in so short a time is told
-HALVINGS = 45  # of a step, to find where a contact by law begins
 REPEATS = 3  # of a step, to end where it begins
-ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated for that
 
 
 @kernel
-def add_laws(laws: LawContacts, u: FloatArray, base: int, out: FloatArray) -> None:
-    """Friction and impulses of contacts by law; what their damping takes is among that of all damping."""
-    for i in range(len(laws.friction)):
-        power = laws.friction[i] * u[i]
+def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: FloatArray) -> None:
+    """Friction and impulses of compliant contacts; what their damping takes is among that of all damping."""
+    for i in range(len(contacts.friction)):
+        power = contacts.friction[i] * u[i]
         out[base] -= power
         out[base + 1] += power
-    for k in range(laws.n_touching):
-        for c in range(2):
-            out[base + 3 + 2 * laws.table.law[k] + c] += laws.p[k, c]
+    add_impulses(contacts, base + 3, out)
 
 
 @kernel
@@ -82,7 +86,7 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
     for r in range(n_joint):
         if work.rate[r] != 0.0:
             out[base + 2] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    add_laws(work.laws, u, base, out)
+    add_compliant(work.compliant, u, base, out)
     for k in range(n):
         law = base + 3 + 2 * work.table.law[k]
         out[law] += work.p[n_joint + k]
@@ -133,32 +137,6 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
 
 
 @kernel
-def longest_step(model: Model, memory: EventMemory) -> float:
-    """Step [s] over which no body turns by more than TURN nor travels farther than TRAVEL smallest surfaces a sample.
-
-    Error control does not see that contacts would be passed over: free flight is exact at any step.
-    """
-    size = math.inf
-    for extent in model.contacts.surface_extent:
-        if extent > 0.0:
-            size = min(size, extent)
-    longest = math.inf
-    ndof = len(memory.u)
-    for b in range(len(model.bodies.mass)):
-        d = ndof + model.bodies.dof[b]
-        speed = math.hypot(memory.y[d], memory.y[d + 1])
-        pull = math.hypot(memory.slopes[0, d], memory.slopes[0, d + 1])
-        spin = abs(memory.y[d + 2]) + math.sqrt(TURN * abs(memory.slopes[0, d + 2]))
-        if spin > 0.0:
-            longest = min(longest, SAMPLES * TURN / spin)
-        if size < math.inf:
-            speed += math.sqrt(TRAVEL * size * pull)
-            if speed > 0.0:
-                longest = min(longest, SAMPLES * TRAVEL * size / speed)
-    return longest
-
-
-@kernel
 def unseen_step(model: Model, margin: float, memory: EventMemory) -> float:
     """Step [s] in which no two bodies come nearer by more than ``margin`` [m]: nothing farther apart is looked at."""
     size = 0.0
@@ -180,23 +158,33 @@ def unseen_step(model: Model, margin: float, memory: EventMemory) -> float:
 
 
 @kernel
-def touch_share(model: Model, h: float, work: Workspace, memory: EventMemory) -> float:
-    """Share of the step of length h [s] at which a contact by law begins that will be remembered; 1: none does."""
+def compliant_step(model: Model, margin: float, last: float, work: Workspace, memory: EventMemory) -> float:
+    """Longest step [s] that passes over no compliant contact, after ``slope`` at y.
+
+    It ends where the first pair nearer than ``margin`` [m] closes, with the present accelerations, and goes a part of
+    the compression further; nor does it go far beyond the end of an indentation, measured by the ``last`` step [s].
+    """
     ndof = len(memory.u)
-    if len(work.laws.memory.feature) == 0 or not begun(
-        model, memory.end[:ndof], memory.end[ndof : 2 * ndof], 0.0, work
-    ):
-        return 1.0
-    low = 0.0
-    high = 1.0
-    for _ in range(HALVINGS):
-        share = 0.5 * (low + high)
-        interpolate(memory.y, memory.slopes, h, share, memory.at)
-        if begun(model, memory.at[:ndof], memory.at[ndof : 2 * ndof], 0.0, work):
-            high = share
-        else:
-            low = share
-    return high
+    contacts = work.compliant
+    a = memory.slopes[0, ndof : 2 * ndof]
+    longest = math.inf
+    find_contacts(model, memory.y[:ndof], margin, contacts)
+    fill_rows(model, memory.y[:ndof], contacts)
+    for k in range(contacts.n_contacts):
+        gap = contacts.table.gap[k]
+        r = contacts.n_joint + k
+        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, memory.y[ndof : 2 * ndof])
+        if gap > 0.0:
+            pull = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, a)
+            square = approach * approach + 2.0 * pull * gap  # of the speed at which they meet
+            if square > 0.0 and (approach > 0.0 or pull > 0.0):
+                solve_rows(model, contacts, r, r + 1)
+                speed = math.sqrt(square)
+                depth = compression(contacts, k, square, mobility(contacts, r))
+                longest = min(longest, 2.0 * gap / (approach + speed) + depth / speed)
+        elif gap < 0.0 and approach < 0.0:  # where damping is clipped, nothing else tells of the end of the spring
+            longest = min(longest, parting_time(gap, approach, last))
+    return longest
 
 
 @kernel
@@ -213,10 +201,9 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
         h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
     rejected = False
-    longest = longest_step(model, memory)
-    if len(work.laws.friction) > 0:  # which no sample looks for
-        u = memory.y[ndof : 2 * ndof]
-        reach = law_horizon(model, memory.y[:ndof], u, memory.slopes[0, ndof : 2 * ndof], settings.margin, h, work)
+    longest = SAMPLES * travel_time(model, memory.y, memory.slopes[0])
+    if len(work.compliant.friction) > 0:  # which no sample looks for
+        reach = compliant_step(model, settings.margin, h, work, memory)
         longest = min(longest / SAMPLES, reach, unseen_step(model, settings.margin, memory))
     longest = min(settings.max_step, longest, longest_look(model.signals))
     left = REPEATS
@@ -230,7 +217,12 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         # impulses and work, too: a body that sticks under a changing load does not move, and would hide it
         error = error_norm(memory.y, memory.end, memory.slopes, h, len(memory.y), settings.rtol, settings.atol)
         if error <= 1.0:
-            share = touch_share(model, h, work, memory)
+            share = 1.0
+            contacts = work.compliant
+            if len(contacts.history.feature) > 0 and has_begun(
+                model, memory.end[:ndof], memory.end[ndof : 2 * ndof], contacts
+            ):
+                share = onset_share(model, memory.y, memory.slopes, h, memory.at, contacts)
             if share < ALL_OF_IT and left > 0:  # its stages would mix what is before and behind
                 if left == REPEATS:
                     memory.step = h

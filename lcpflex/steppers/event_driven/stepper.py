@@ -86,7 +86,7 @@ class EventDrivenRun:
         self._memory.last_event = -math.inf
         self._memory.gentlest = math.inf
         begin_laws(system, self._work)
-        self.records.indentation = self._work.laws.memory.worst
+        self.records.indentation = self._work.compliant.history.worst
         self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
@@ -210,7 +210,7 @@ class EventDrivenRun:
     def _warnings(self) -> list[str]:
         """What the run has met so far that a reader must know."""
         return [
-            *law_warnings(self.system.names, self._work.laws.memory),
+            *law_warnings(self.system.names, self._work.compliant.history),
             *event_remarks(self._memory, self.system.contact_name, self._proven, self._first_jam),
             *self._overlap(),
             *self._thresholds.remarks(self.system.contact_name),
@@ -227,7 +227,7 @@ class EventDrivenRun:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
         old_work, old = self._work, self._memory
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
-        self._work = self.system.workspace(capacity, old_work.laws, old_work.solver)
+        self._work = self.system.workspace(capacity, old_work.compliant, old_work.solver)
         new = event_memory(self.system, capacity, near)
         copy_parts(old_work.table, self._work.table)
         copy_parts(old.sets, new.sets)

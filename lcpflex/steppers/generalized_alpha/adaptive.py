@@ -255,7 +255,7 @@ def advance_adaptive(
         error = 0.0
         sunk = 0.0
         if status == STEPPED and part == SECOND and doubling_error(limits, q, u, kept) <= 1.0:
-            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
+            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, tape, kept)
             share = min(share, touch_down(h, limits, clock, memory))
             late = (1.0 - share) * h
             if share < 0.0 or late > limits.shortest:

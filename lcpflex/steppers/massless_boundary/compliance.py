@@ -13,11 +13,11 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.contact_law import law_row
 from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, indentation_of
 from lcpflex.force_laws.friction.laws import SmoothedCoulomb
-from lcpflex.force_laws.layout import LIMIT, OWN, ElasticLaw, LawRow
+from lcpflex.force_laws.layout import OWN, ElasticLaw, LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 
-__all__ = ["beyond_range", "checked_compliance", "compliance_rows", "expected_compliance", "out_of_range"]
+__all__ = ["checked_compliance", "compliance_rows", "expected_compliance"]
 
 FALL = 10.0  # times the distance up to which gaps are measured: a height of fall that is hardly exceeded
 DENT = 1e-6  # times the same, an indentation where nothing tells what to expect
@@ -74,27 +74,9 @@ def expected_compliance(system: System, compliance: ContactCompliance) -> FloatA
                 own = slice(model.bodies.dof[b], model.bodies.dof[b + 1])
                 speed = math.sqrt(system.u[own] @ mass[own, own] @ system.u[own] / model.bodies.mass[b])
                 energy += 0.5 * model.bodies.mass[b] * (speed + fall) ** 2
-        kinds, p = compliance.kinds[law], compliance.parameters[law]
+        kinds, p = compliance.history.kinds[law], compliance.history.parameters[law]
         depth = indentation_of(kinds, p, energy) if energy > 0.0 else DENT * system.margin
         compliance.least[law] = max(compliance.least[law], NEGLIGIBLE * elastic_force(kinds, p, depth))
         if energy > 0.0:
             give[w] = 1.0 / elastic_stiffness(kinds, p, depth)
     return give
-
-
-def out_of_range(compliance: ContactCompliance, law: int, name: str) -> str:
-    """That a contact is deeper than its law is valid, or exists."""
-    return (
-        f"the indentation of contact {name!r} is {compliance.worst[law]:.4g} m, its law is valid up to "
-        f"{compliance.stop[law]:.4g} m: see the range of validity of its elastic law"
-    )
-
-
-def beyond_range(compliance: ContactCompliance, names: tuple[str, ...]) -> list[str]:
-    """A warning for each contact that has left the range of its law with the consent of the user."""
-    return [
-        f"the indentation of contact {name!r} has reached {depth:.4g} m, beyond the {limit:.4g} m up to which its law "
-        "is valid"
-        for name, depth, limit in zip(names, compliance.worst, compliance.parameters[:, LIMIT], strict=True)
-        if depth > limit > 0.0
-    ]

@@ -49,13 +49,11 @@ from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
-from lcpflex.steppers.law_run import refuse_laws
+from lcpflex.steppers.law_run import law_warnings, refuse_laws, too_deep
 from lcpflex.steppers.massless_boundary.compliance import (
-    beyond_range,
     checked_compliance,
     compliance_rows,
     expected_compliance,
-    out_of_range,
 )
 from lcpflex.steppers.massless_boundary.memory import Settings, boundary_of
 from lcpflex.steppers.massless_boundary.step import (
@@ -86,7 +84,9 @@ class MasslessBoundaryScheme:
 
     def __init__(self, system: System, stepper: MasslessBoundary, duration: float) -> None:
         _refuse(system)
-        self._compliance = contact_compliance(compliance_rows(stepper.compliance, system.names, system.n_laws))
+        self._compliance = contact_compliance(
+            system.model.contacts, compliance_rows(stepper.compliance, system.names, system.n_laws)
+        )
         soft = self._compliance.soft
         flexibility = flexibilities(system.model, stepper.dynamic_modes, soft, system.contact_modes)
         _refuse_shortening(system.model, flexibility)
@@ -178,7 +178,7 @@ class MasslessBoundaryScheme:
         if status == RunStatus.TOO_LONG:
             return self._limit()
         if status == RunStatus.OUT_OF_RANGE:
-            return out_of_range(self._compliance, number, self._system.names[number])
+            return too_deep(self._system.names, self._compliance.history, number)
         if status == RunStatus.UNSETTLED:
             return RunStatus.UNSETTLED.sentence
         message = contact_trouble(self.work, self._rescue, status, number, self._settings.tolerance, time)
@@ -191,7 +191,7 @@ class MasslessBoundaryScheme:
 
     def warn(self, steps: int) -> None:
         """Of what the start lost, and of steps that were divided."""
-        outside = beyond_range(self._compliance, self._system.names)
+        outside = law_warnings(self._system.names, self._compliance.history)
         wedged = self._rescue.remarks(self._system.contact_name)
         self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps), *wedged]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.law_contacts import take_note
+from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -97,7 +97,7 @@ def advance_adaptive(
         if status == RunStatus.DONE:
             error = 0.0 if alone else doubling_error(limits, q, u, kept)
         if error <= 1.0 and not alone:
-            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, work.laws, tape, kept)
+            share = first_unmet(model, h, q, u, settings.gap_tolerance, work, tape, kept)
             if share < 0.0:
                 put_back(q, u, work, tape, kept)
                 clock.number = -share
@@ -110,7 +110,7 @@ def advance_adaptive(
             closing = closed_pairs(model, q, u, settings.gap_tolerance, work, tape, kept)
         if error <= 1.0 and not alone:
             # one that has gone far beyond what it closed with
-            late = max(closing[0] - clock.deepest, unmet(model, q, work.laws, tape.table))
+            late = max(closing[0] - clock.deepest, unmet(model, q, work.compliant, tape.table))
             error = max(error, late / position_tolerance(limits, q))
         if status == RunStatus.GROW or (alone and status != RunStatus.DONE):
             if status != RunStatus.NOT_FINITE:
@@ -125,7 +125,7 @@ def advance_adaptive(
         accept(limits, clock, h, error, alone, closing[0])
         clock.stopped = work.stopped
         after_impact(limits, clock, closing[1], closing[2] * limits.shortest / h, alone)
-        if not take_note(model, clock.time, q, u, work):
+        if not update_history(model, clock.time, q, u, 0.0, False, work.compliant.states, work):
             return RunStatus.OUT_OF_RANGE
 
 
@@ -137,8 +137,8 @@ class ControlledMoreauJean:
         self.work = system.workspace(16)
         self.work.solver.method = solver_method(solver)
         begin_laws(system, self.work)
-        self.records.indentation = self.work.laws.memory.worst
-        self.records.missed_friction = self.work.laws.missed
+        self.records.indentation = self.work.compliant.history.worst
+        self.records.missed_friction = self.work.compliant.missed
         self.clock = allocate(StepClock, {})
         self.clock.step = self.clock.recent = min(max(settings.step, limits.shortest), limits.longest)
         self._system, self._settings = system, settings
@@ -167,9 +167,9 @@ class ControlledMoreauJean:
 
     def remarks(self) -> list[str]:
         """Contacts out of the range of their laws or off them, steps that might have gone another way."""
-        laws, names = self.work.laws, self._system.names
+        names = self._system.names
         return [
-            *law_warnings(names, laws.memory),
+            *law_warnings(names, self.work.compliant.history),
             *self._several.remarks(self.work, self._system.contact_name),
             *self._rescue.remarks(self._system.contact_name),
         ]

@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from lcpflex.contact.detection import detect, refresh
 from lcpflex.contact.rows import contact_point
+from lcpflex.dynamics.contact_forces import elastic_energy
+from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose
 from lcpflex.dynamics.inertia import stiffened
-from lcpflex.dynamics.law_contacts import law_forces, law_forces_after
-from lcpflex.dynamics.law_friction import compare_friction
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     energies,
@@ -38,9 +38,9 @@ from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
     Tape,
     note_certificate,
+    note_compliant,
     note_contact,
     note_gain,
-    note_laws,
     store_contacts,
     store_state,
 )
@@ -89,7 +89,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     supply(model, t + lean, work.middle, u, work)
     forces(model, t + lean, work.middle, u, work)
     factorise(model, work.middle, lean, lean * lean, work)
-    law_forces(model, t + lean, work.middle, u, h, work)
+    add_balanced_forces(model, t + lean, work.middle, u, h, work)
     spare_spin(model, lean, u, work)
     for i in range(len(q)):
         work.free_u[i] = h * work.total[i]
@@ -137,14 +137,14 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
         both = u[i] + work.free_u[i]
         tape.counts.lost_damping -= half * work.dissipative[i] * both
         tape.counts.supplied += half * work.driving[i] * both
-    laws = work.laws
-    for i in range(len(laws.friction)):
-        lost = half * laws.friction[i] * (u[i] + work.free_u[i])
+    contacts = work.compliant
+    for i in range(len(contacts.friction)):
+        lost = half * contacts.friction[i] * (u[i] + work.free_u[i])
         tape.counts.lost_friction -= lost
         tape.counts.lost_damping += lost
-    for k in range(laws.n_touching):
+    for k in range(contacts.n_contacts):
         for c in range(2):
-            tape.total_impulse[laws.table.law[k], c] += settings.step * laws.p[k, c]
+            tape.total_impulse[contacts.table.law[k], c] += settings.step * contacts.p[k, c]
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
@@ -178,7 +178,7 @@ def correct(
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(model, settings, t, work, u, tape)
-    compare_friction(model, work.middle, work.free_u, h, work)
+    compare_friction(work.free_u, h, work)
     largest = 0.0
     for i in range(len(u)):
         u[i] = settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i]
@@ -198,7 +198,7 @@ def correct(
 @kernel
 def spots_of(work: Workspace) -> int:
     """Touching points that a record of this state may have, at most."""
-    return work.n_contacts + work.laws.n_touching
+    return work.n_contacts + work.compliant.n_contacts
 
 
 @kernel
@@ -224,10 +224,10 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
-    law_forces_after(model, q, u, work)
-    note_laws(model, q, work.laws, tape)
+    forces_after(model, q, u, work)
+    note_compliant(model, q, work.compliant, False, tape)
     kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + work.laws.stored, potential)
+    store_state(tape, t, q, u, kinetic, elastic + elastic_energy(model, work.compliant), potential)
     return needed
 
 
@@ -258,7 +258,7 @@ def whole_step(
 
 def grown(system: System, old: Workspace, capacity: int) -> Workspace:
     """A larger workspace; the contacts that are held stay so."""
-    work = system.workspace(capacity, old.laws, old.solver)
+    work = system.workspace(capacity, old.compliant, old.solver)
     held = int(old.n_held)
     work.n_held = held
     work.held_key[:, :held] = old.held_key[:, :held]

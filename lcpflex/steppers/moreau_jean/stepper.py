@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
-from lcpflex.dynamics.law_contacts import take_note
+from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
@@ -82,7 +82,7 @@ def advance(
         if status != RunStatus.DONE:
             return status
         clock.made += 1
-        if not take_note(model, t + settings.step, q, u, work):
+        if not update_history(model, t + settings.step, q, u, 0.0, True, work.compliant.states, work):
             return RunStatus.OUT_OF_RANGE
         if may_pass(model, q, tape):
             return RunStatus.PASSED
@@ -99,8 +99,8 @@ class MoreauJeanScheme:
         self.work = system.workspace(16)
         self.work.solver.method = solver_method(solver)
         begin_laws(system, self.work)
-        self.records.indentation = self.work.laws.memory.worst
-        self.records.missed_friction = self.work.laws.missed
+        self.records.indentation = self.work.compliant.history.worst
+        self.records.missed_friction = self.work.compliant.missed
         self._product = 0.0  # largest sqrt(k G_nn) step of contacts by law
         self.clock = allocate(StepCount, {}, stored=-1)
         self._system, self._settings = system, settings
@@ -146,7 +146,7 @@ class MoreauJeanScheme:
     def warn(self, steps: int) -> None:
         """Say so where contacts by law are too stiff for the step, or out of their range."""
         self.records.warnings[:] = [
-            *law_warnings(self._system.names, self.work.laws.memory),
+            *law_warnings(self._system.names, self.work.compliant.history),
             *self._instability(),
             *self._several.remarks(self.work, self._system.contact_name),
             *self._rescue.remarks(self._system.contact_name),
@@ -154,7 +154,7 @@ class MoreauJeanScheme:
 
     def _instability(self) -> list[str]:
         """That forces of contacts by law, explicit in the middle of a step, make the motion grow."""
-        frequency, limit = float(self.work.laws.stiffest), 2.0 / math.sqrt(4.0 * self._settings.theta - 1.0)
+        frequency, limit = float(self.work.compliant.stiffest), 2.0 / math.sqrt(4.0 * self._settings.theta - 1.0)
         self._product = max(self._product, frequency * self._settings.step)
         if self._product <= limit:
             return []
@@ -169,7 +169,8 @@ class MoreauJeanScheme:
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
-        return (self._q, self._u, self.clock, *carried(self.work), *((self.work.laws,) if self._system.by_law else ()))
+        compliant = (self.work.compliant,) if self._system.by_law else ()
+        return (self._q, self._u, self.clock, *carried(self.work), *compliant)
 
     def half_steps(self, time: float, done: int, count: int) -> int:
         """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""

@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.dynamics.acceleration import project
-from lcpflex.dynamics.contact_memory import pair_place
-from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.contact_forces import mobility, pair_place
+from lcpflex.dynamics.contact_forces_history import note_depths, onset, roundings, update_history
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
+from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import may_pass, set_out
@@ -28,16 +29,10 @@ from lcpflex.steppers.runge_kutta import (
     stage_state,
     step_factor,
 )
-from lcpflex.steppers.smooth.memory import (
-    WORK,
-    SmoothMemory,
-    begun,
-    early,
-    note,
-)
+from lcpflex.steppers.short_steps import ALL_OF_IT, onset_share
+from lcpflex.steppers.smooth.memory import WORK, SmoothMemory
 from lcpflex.steppers.smooth.slope import (
     horizon,
-    mobility,
     natural_frequency,
     record,
     slope,
@@ -49,17 +44,13 @@ __all__ = [
     "advance",
     "advance_fixed",
     "close_step",
-    "note_depths",
-    "share_before",
     "step",
     "step_fixed",
-    "take_note",
+    "renew_history",
 ]
 
 BEFORE, STARTING, STEPPING, EMITTING, CLOSING, NOTING, ENDING = range(7)  # memory.phase
 SAME = 1e-12  # of the duration: instants nearer than that are one
-HALVINGS = 45  # of a step, to find where a contact begins
-ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
 NONE_OF_IT = 1e-6  # and below: a repeated step might fall short by its rounding, and the next one likewise
 STALL, MOST_STALLS = 1e-13, 100  # of the time, of a step of no length; how many may follow each other
 SMALL = 1e-5  # share of a state of friction by which it is moved for a difference
@@ -76,36 +67,6 @@ class SmoothSettings(NamedTuple):
     max_step: float
     margin: float  # pairs farther apart are not looked at [m]
     stride: int  # steps of fixed length between stored instants
-
-
-@kernel
-def share_before(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> float:
-    """Share of the accepted step h [s] at which the first contact that is to be remembered begins, or turns back.
-
-    After ``slope`` at its end. 1 where there is none; negative: the table must hold as many entries.
-    """
-    n_joint = work.n_joint
-    ndof = len(work.free_u)
-    if len(memory.contacts.feature) == 0:
-        return 1.0
-    for k in range(work.n_contacts):
-        r = n_joint + k
-        work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, memory.end[ndof : 2 * ndof])
-    if not early(model, work, memory):
-        return 1.0
-    low = 0.0
-    high = 1.0
-    for _ in range(HALVINGS):
-        share = 0.5 * (low + high)
-        interpolate(memory.y, memory.slopes, h, share, memory.at)
-        found = begun(model, memory.at, work, memory)
-        if found < 0:
-            return float(found)
-        if found == 1:
-            high = share
-        else:
-            low = share
-    return high
 
 
 @kernel
@@ -137,15 +98,12 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
             copy_state(memory.y, memory.end)
         else:
             stage_state(memory.y, memory.slopes, h, stage, memory.end)
-        found = slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage])
-        if found > len(work.table.key):
-            memory.detail = found
+        if not slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage]):
             return RunStatus.GROW
         stage += 1
         if stage == 1:
             limit = horizon(model, memory.y, memory.slopes[0], settings.margin, work, memory)
-            if limit < 0.0:
-                memory.detail = -limit
+            if work.compliant.needed > 0:
                 return RunStatus.GROW
             longest = min(longest, limit)
             if not h > 0.0:
@@ -162,9 +120,10 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                 factor = step_factor(error, memory.error)
                 if rejected:
                     factor = min(factor, 1.0)
-                share = share_before(model, h, work, memory)
-                if share < 0.0:
-                    memory.detail = -share
+                share = 1.0
+                if len(work.compliant.history.feature) > 0 and onset(model, work.compliant):
+                    share = onset_share(model, memory.y, memory.slopes, h, memory.at, work.compliant)
+                if work.compliant.needed > 0:
                     return RunStatus.GROW
                 if NONE_OF_IT < share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
                     shortened = True
@@ -213,14 +172,6 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
 
 
 @kernel
-def note_depths(work: Workspace, memory: SmoothMemory) -> None:
-    """Keep the largest indentations, of contacts as last looked at: laws that remember nothing take no note."""
-    worst = memory.contacts.worst
-    for k in range(work.n_contacts):
-        worst[work.table.law[k]] = max(worst[work.table.law[k]], -work.table.gap[k])
-
-
-@kernel
 def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
     ndof = len(work.free_u)
@@ -229,7 +180,7 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     if memory.time > settings.duration * (1.0 - 1e-14):
         memory.time = settings.duration
     memory.steps += 1
-    note_depths(work, memory)
+    note_depths(work.compliant)
     if len(work.residual) > 0:
         q = memory.y[:ndof]
         u = memory.y[ndof : 2 * ndof]
@@ -243,18 +194,18 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
 
 
 @kernel
-def take_note(model: Model, work: Workspace, memory: SmoothMemory) -> int:
-    """Let contacts take note of the state y, where a law asks for it; DONE, GROW or OUT_OF_RANGE."""
-    if memory.contacts.watched[0] == 0:
+def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
+    """Renew the history of contacts in the state y, where a law asks for it; DONE, GROW or OUT_OF_RANGE."""
+    contacts = work.compliant
+    if contacts.history.watched[0] == 0:
         return RunStatus.DONE
-    found, outside = note(model, memory.time, memory.y, work, memory)
-    if found > len(work.table.key):
-        memory.detail = found
-        return RunStatus.GROW
-    if outside >= 0:
-        memory.detail = outside
-        return RunStatus.OUT_OF_RANGE
-    return RunStatus.DONE
+    ndof = len(work.free_u)
+    q = memory.y[:ndof]
+    u = memory.y[ndof : 2 * ndof]
+    states = memory.y[memory.states :].reshape(-1, PLACES)
+    if update_history(model, memory.time, q, u, roundings(u), False, states, work):
+        return RunStatus.DONE
+    return RunStatus.GROW if contacts.needed > 0 else RunStatus.OUT_OF_RANGE
 
 
 @kernel
@@ -275,7 +226,7 @@ def advance(
             status = close_step(model, settings, work, memory, tape)
             memory.phase = NOTING
         elif phase in (NOTING, BEFORE):
-            status = take_note(model, work, memory)
+            status = renew_history(model, work, memory)
             if status == RunStatus.DONE:
                 memory.phase = ENDING if phase == NOTING else STARTING
         else:
@@ -302,20 +253,20 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
 
     After ``natural_frequency`` of the middle of the step. Returns the highest sqrt(|dF/dz| G_tt) [rad/s].
     """
-    contacts = memory.contacts
-    ndof = len(work.free_u)
-    first = work.n_joint + work.n_contacts
+    contacts = work.compliant
+    history = contacts.history
+    first = contacts.n_joint + contacts.n_contacts
     highest = 0.0
-    for j in range(work.n_tangents):
-        k = work.tangent[j]
-        place = pair_place(model, contacts, work.table, k)
-        normal = work.p[work.n_joint + k]
+    for j in range(contacts.n_tangents):
+        k = contacts.tangent[j]
+        place = pair_place(model, history, contacts.table, k)
+        normal = contacts.p[k, 0]
         if place < 0 or not normal > 0.0:
             continue
-        slip = row_velocity(work.rows, work.row_body, first + j, work.dof, memory.y[ndof : 2 * ndof])
-        law = work.table.law[k]
-        kinds = contacts.kinds[law]
-        p = contacts.parameters[law]
+        slip = contacts.slip[k]
+        law = contacts.table.law[k]
+        kinds = history.kinds[law]
+        p = history.parameters[law]
         at = memory.states + 2 * place
         z = memory.end[at]
         w = memory.end[at + 1]
@@ -324,12 +275,12 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
             move = SMALL * (abs(memory.end[at + i]) + h * abs(rate))
             if move > 0.0:
                 moved = (z + move, w) if i == 0 else (z, w + move)
-                rates = bristle_rates(kinds, p, slip, normal, work.mu[k], moved[0], moved[1])
+                rates = bristle_rates(kinds, p, slip, normal, contacts.mu[k], moved[0], moved[1])
                 slope_of_rate = ((rates[0] if i == 0 else rates[1]) - rate) / move
                 memory.end[at + i] += h * rate / (1.0 - h * min(slope_of_rate, 0.0))
                 if i == 0:
-                    change = friction_force(kinds, p, slip, normal, work.mu[k], moved[0], w) - work.p[first + j]
-                    highest = max(highest, abs(change) / move * mobility(work, first + j))
+                    change = friction_force(kinds, p, slip, normal, contacts.mu[k], moved[0], w) - contacts.p[k, 1]
+                    highest = max(highest, abs(change) / move * mobility(contacts, first + j))
     return math.sqrt(highest)
 
 
@@ -342,9 +293,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
     copy_state(memory.y, memory.end)
     for i in range(ndof):
         memory.end[i] += 0.5 * h * memory.y[ndof + i]
-    found = slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope)
-    if found > len(work.table.key):
-        memory.detail = found
+    if not slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope):
         return RunStatus.GROW
     memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
     if memory.states < len(memory.end):
@@ -368,7 +317,7 @@ def advance_fixed(
     """
     while True:
         if memory.phase != STEPPING:
-            status = take_note(model, work, memory)
+            status = renew_history(model, work, memory)
             if status != RunStatus.DONE:
                 return status
             memory.phase = STEPPING

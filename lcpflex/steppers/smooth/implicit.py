@@ -11,23 +11,21 @@ import numpy.typing as npt
 from scipy.integrate import BDF, Radau
 
 from lcpflex.dynamics.acceleration import project
+from lcpflex.dynamics.contact_forces_history import has_begun, note_depths
 from lcpflex.dynamics.instants import time_left
 from lcpflex.force_laws.history import FREE
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.scales import scales_of, usual_state
+from lcpflex.steppers.short_steps import ALL_OF_IT, HALVINGS
 from lcpflex.steppers.smooth.explicit import (
-    ALL_OF_IT,
-    HALVINGS,
     NONE_OF_IT,
     SAME,
     STEPPING,
     SmoothSettings,
-    note_depths,
-    take_note,
+    renew_history,
 )
-from lcpflex.steppers.smooth.memory import begun
 from lcpflex.steppers.smooth.run import SmoothRun
 from lcpflex.steppers.smooth.slope import horizon, record, slope
 from lcpflex.steppers.status import RunStatus
@@ -49,8 +47,8 @@ class StiffRun(SmoothRun):
     def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, method: type[Any]) -> None:
         super().__init__(system, laws, settings)
         self._method = method
-        kernels = (slope, horizon, record, project, begun, take_note)
-        self._slope, self._horizon, self._record, self._project, self._begun, self._take_note = (
+        kernels = (slope, horizon, record, project, has_begun, renew_history)
+        self._slope, self._horizon, self._record, self._project, self._has_begun, self._renew = (
             link(kernel, system.hooks) for kernel in kernels
         )
         scales = scales_of(system, self.duration)
@@ -107,12 +105,9 @@ class StiffRun(SmoothRun):
         """dy/dt, with tables that grow as needed."""
         memory = self._memory
         memory.at[:] = y
-        while True:
-            found = int(self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope))
-            if found <= len(self._work.table.key):
-                return memory.slope.copy()
-            memory.detail = found
+        while not self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope):
             self._handle(RunStatus.GROW)
+        return memory.slope.copy()
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """d(dy/dt)/dy by differences; the quadratures have no influence on anything.
@@ -135,7 +130,7 @@ class StiffRun(SmoothRun):
             return "the state is no longer finite"
         begin = self.time
         memory.slopes[0] = self._rate(begin, self._ode.y)
-        note_depths(self._work, memory)
+        note_depths(self._work.compliant)
         memory.y[:] = self._ode.y
         longest = min(self._settings.max_step, self._ahead(), *self.system.model.signals.longest.tolist())
         share, between = self._try(longest)
@@ -191,7 +186,7 @@ class StiffRun(SmoothRun):
         if ode.status == "failed":
             return 1.0, None
         between: Dense = ode.dense_output()
-        if len(self._memory.contacts.feature) == 0 or not self._early(ode.y):
+        if len(self._history.feature) == 0 or not self._early(ode.y):
             return 1.0, between
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
@@ -204,26 +199,24 @@ class StiffRun(SmoothRun):
 
     def _early(self, y: FloatArray) -> bool:
         """Whether y lies behind the beginning or the turn of a contact that is remembered."""
-        memory = self._memory
+        ndof = len(self.system.q)
         while True:
-            memory.at[:] = y
-            found = int(self._begun(self.system.model, memory.at, self._work, memory))
-            if found >= 0:
-                return found == 1
-            memory.detail = -found
+            found = self._has_begun(self.system.model, y[:ndof], y[ndof : 2 * ndof], self._work.compliant)
+            if not self._work.compliant.needed:
+                return bool(found)
             self._handle(RunStatus.GROW)
 
     def _note(self) -> tuple[str, bool]:
         """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
-        contacts = self._memory.contacts
-        feature, loading = contacts.feature.copy(), contacts.loading.copy()
+        history = self._history
+        feature, loading = history.feature.copy(), history.loading.copy()
         while True:
-            status = int(self._take_note(self.system.model, self._work, self._memory))
+            status = int(self._renew(self.system.model, self._work, self._memory))
             if status != RunStatus.GROW:
                 break
             self._handle(RunStatus.GROW)
-        begun = ((feature == FREE) & (contacts.feature != FREE)).any()
-        turned = contacts.turns.any() and (loading != contacts.loading).any()
+        begun = ((feature == FREE) & (history.feature != FREE)).any()
+        turned = history.turns.any() and (loading != history.loading).any()
         return self._handle(RunStatus.OUT_OF_RANGE) if status == RunStatus.OUT_OF_RANGE else "", bool(begun or turned)
 
     def _ahead(self) -> float:
@@ -233,11 +226,9 @@ class StiffRun(SmoothRun):
             limit = float(
                 self._horizon(self.system.model, memory.y, memory.slopes[0], self._settings.margin, self._work, memory)
             )
-            if limit >= 0.0:
+            if not self._work.compliant.needed:
                 return limit
-            memory.detail = -limit
             self._handle(RunStatus.GROW)
-            self._rate(self.time, memory.y)  # the larger memory needs the factors of this state
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.steppers.law_run import law_warnings, too_deep
@@ -39,10 +40,11 @@ class SmoothRun:
         self.records.by_law, self.records.laws = system.names, list(laws)
         self.duration = settings.duration
         self._settings = settings
-        self._work = system.workspace(16)
-        self._memory = smooth_memory(system, laws)
+        self._laws = laws
+        self._work = system.workspace(1, system.compliant(laws, 16))
+        self._memory = smooth_memory(system, self._history, laws)
         self._memory.step = first_step
-        self.records.indentation = self._memory.contacts.worst
+        self.records.indentation = self._history.worst
         self._advance = link(advance, system.hooks)
         bouncing = [
             name for name, e in zip(system.names, system.model.contacts.restitution.tolist(), strict=True) if e > 0.0
@@ -53,6 +55,10 @@ class SmoothRun:
                 "rebound follows from the damping of the force law"
             )
         self._own = list(self.records.warnings)
+
+    @property
+    def _history(self) -> ContactMemory:
+        return self._work.compliant.history
 
     @property
     def time(self) -> float:
@@ -72,7 +78,8 @@ class SmoothRun:
     @property
     def touching(self) -> list[int]:
         """Declared contacts that touched at the last evaluation."""
-        return sorted(set(self._work.table.law[: self._work.n_contacts].tolist()))
+        contacts = self._work.compliant
+        return sorted(set(contacts.table.law[: contacts.n_contacts].tolist()))
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
@@ -93,7 +100,7 @@ class SmoothRun:
 
     def _warn(self) -> None:
         """Keep in the records what there is to warn of at present, each once."""
-        self.records.warnings[:] = [*self._own, *law_warnings(self.system.names, self._memory.contacts)]
+        self.records.warnings[:] = [*self._own, *law_warnings(self.system.names, self._history)]
 
     def _handle(self, status: int) -> str:
         """Make room for what there was none, and go on; or why not."""
@@ -106,10 +113,14 @@ class SmoothRun:
             self.records.grow(detail)
         elif status == RunStatus.GROW:
             span = self._work.span
-            self._work = self.system.workspace(2 * detail)
+            before = self._work.compliant
+            more = self.system.compliant(self._laws, 2 * before.needed, before)
+            self._work = self.system.workspace(1, more)
             self._work.span[:] = span
         elif status == RunStatus.OUT_OF_RANGE:
-            return too_deep(self.system.names, self._memory.contacts, detail)
+            return too_deep(self.system.names, self._history, self._work.compliant.out_of_range)
+        elif status == RunStatus.NOT_FINITE:
+            return "the state is no longer finite: the step is too long for the forces of this scene"
         else:
             return RunStatus(status).sentence
         return ""
@@ -139,7 +150,7 @@ class FixedRun(SmoothRun):
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
         ndof, y = len(self.system.q), self._memory.y
-        return (y[:ndof], y[ndof : 2 * ndof], self._memory)
+        return (y[:ndof], y[ndof : 2 * ndof], self._memory, self._history)
 
     def half_steps(self, time: float, done: int, count: int) -> int:
         """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""

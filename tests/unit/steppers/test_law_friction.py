@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lcpflex as lf
-from lcpflex.dynamics import law_friction
-from lcpflex.dynamics.law_friction import balanced_friction
+from lcpflex.dynamics import contact_forces_friction
+from lcpflex.dynamics.contact_forces_friction import balanced_friction
 from lcpflex.force_laws.friction.kernels import friction_force
 from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
@@ -50,7 +50,7 @@ LAWS = [
 def test_the_first_balance_on_the_way(law: Any, before: float, free: float, power: float, normal: float) -> None:
     """The slip in the end balances, and on the way to it from the slip before there is no other that does."""
     memory, share = OneLaw(law), 10.0**power
-    plain = {name: getattr(law_friction, name).py_func for name in ("excess", "fold", "turn", "rise")}
+    plain = {name: getattr(contact_forces_friction, name).py_func for name in ("excess", "fold", "turn", "rise")}
     plain |= {"friction_force": friction_force.py_func}
     plain = {name: interpreted(kernel, **plain) for name, kernel in plain.items()}
     for kernel in plain.values():

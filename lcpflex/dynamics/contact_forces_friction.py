@@ -1,4 +1,4 @@
-"""Friction of contacts by a continuous law in a step of Moreau-Jean: balanced at its end; explicit steps would be tiny.
+"""Friction of compliant contacts in a step of Moreau-Jean: balanced at its end; explicit steps would be tiny.
 
 The slope of friction at rest, mu N over the slip speed, is too steep for an explicit step. With the velocities u_f that
 the step would have at its end without friction, and G_TT with the joints, the slip v at the end solves
@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.contact_forces import add_contact_forces, add_force, add_friction, add_normal_forces
+from lcpflex.dynamics.contact_forces_history import condensed_mobility, factor_joints
 from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
-from lcpflex.dynamics.inertia import solve_block
-from lcpflex.dynamics.law_memory import LawContacts
-from lcpflex.dynamics.law_rows import couple_joints, factor_joints, lay, mobility, push
+from lcpflex.dynamics.mechanics import solve_rows, solve_vector
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import friction_force
 from lcpflex.force_laws.history import ContactMemory
@@ -26,7 +27,7 @@ from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRIC
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 
-__all__ = ["balanced_friction", "compare_friction", "rub"]
+__all__ = ["add_balanced_forces", "balanced_friction", "compare_friction", "forces_after"]
 
 SWEEPS = 10  # over the friction of several contacts, at most
 SETTLED = 1e-4  # of a contact's mu N: changes of a sweep that end them
@@ -124,105 +125,138 @@ def balanced_friction(
 
 
 @kernel
-def recall(laws: LawContacts, k: int) -> float:
+def recall(contacts: CompliantContacts, k: int) -> float:
     """Friction over normal force that entry k had in the step before: from there the sweeps set out."""
-    for i in range(laws.n_before):
-        if laws.before[i, 0] == laws.table.key[k]:
-            return laws.before[i, 1]
+    for i in range(contacts.n_before):
+        if contacts.before[i, 0] == contacts.table.key[k]:
+            return contacts.before[i, 1]
     return 0.0
 
 
 @kernel
 def free_velocities(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
-    """laws.free: velocities at the end of a step without friction and set-valued contacts, but with the joints."""
-    laws = work.laws
-    dof = model.bodies.dof
-    n_joint = len(laws.joint)
+    """contacts.free: velocities at the end of a step without friction and rigid contacts, but with the joints."""
+    contacts = work.compliant
+    n_joint = contacts.n_joint
     for i in range(len(q)):
-        laws.free[i] = u[i]
-        laws.push[i] = h * (work.conservative[i] + work.dissipative[i] + work.driving[i])
-    for b in range(len(dof) - 1):
-        block = laws.push[dof[b] : dof[b + 1]]
-        solve_block(model.bodies, work.arrow, b, block, block)
+        contacts.push[i] = h * (work.conservative[i] + work.dissipative[i] + work.driving[i])
+    solve_vector(model, work, contacts.push)
     for i in range(len(q)):
-        laws.free[i] += laws.push[i]
+        contacts.free[i] = u[i] + contacts.push[i]
     if n_joint == 0:
         return
     factor_joints(model, t, q, u, work)
     for r in range(n_joint):
-        laws.joint[r] = -laws.bias[0, r] - row_velocity(laws.rows, laws.row_body, r, dof, laws.free)
-    cholesky_solve(laws.lower, n_joint, laws.joint)
-    apply_impulses(laws.solved, laws.row_body, 0 * n_joint, n_joint, laws.joint, dof, laws.free)
+        velocity = row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, contacts.free)
+        contacts.joint[r] = -contacts.bias[0, r] - velocity
+    cholesky_solve(contacts.lower, n_joint, contacts.joint)
+    apply_impulses(
+        contacts.solved, contacts.row_body, 0 * n_joint, n_joint, contacts.joint, contacts.dof, contacts.free
+    )
 
 
 @kernel
-def rub(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
-    """Friction of the contacts whose normal forces are known, to ``laws.p`` and ``laws.friction``.
+def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
+    """Friction of the contacts whose normal forces are known, to ``contacts.p`` and ``contacts.friction``.
 
-    Explicit at h = 0. In a step of h > 0 [s] at its end, as it would be without set-valued contacts; then M is to be
-    factorised.
+    At the end of a step of h > 0 [s], as it would be without rigid contacts; M is factorised.
     """
-    laws = work.laws
-    n = laws.n_touching
-    n_joint = len(laws.joint)
-    dof = model.bodies.dof
+    contacts = work.compliant
+    n = contacts.n_contacts
+    n_joint = contacts.n_joint
+    first = n_joint + n
+    dof = contacts.dof
     for i in range(len(q)):
-        laws.free[i] = u[i]
-        laws.friction[i] = 0.0
-    if h > 0.0:
+        contacts.friction[i] = 0.0
+    if contacts.n_tangents > 0:
         free_velocities(model, t, q, u, h, work)
-    sweeps = SWEEPS if h > 0.0 and n > 1 else 1
+    solve_rows(model, contacts, first, first + contacts.n_tangents)
+    sweeps = SWEEPS if n > 1 else 1
     for sweep in range(-1 if sweeps > 1 else 0, sweeps):  # before the first, what they had in the step before
         worst = 0.0
-        for k in range(n):
-            law = laws.table.law[k]
-            mu = model.contacts.friction[law]
-            normal = laws.p[k, 0]
-            if not (normal > 0.0 and mu > 0.0):
+        for j in range(contacts.n_tangents):
+            k = contacts.tangent[j]
+            law = contacts.table.law[k]
+            mu = contacts.mu[k]
+            normal = contacts.p[k, 0]
+            if not normal > 0.0:
                 continue
-            r = lay(model, q, k, laws) + 1
-            share = 0.0
-            if h > 0.0:
-                inverse = mobility(model, laws, r, work)
-                share = h * max(inverse - couple_joints(laws, r), 0.0)
-            force = recall(laws, k) * normal
+            r = first + j
+            share = h * max(condensed_mobility(contacts, r), 0.0)
+            force = recall(contacts, k) * normal
             if sweep >= 0:
-                slip = row_velocity(laws.rows, laws.row_body, r, dof, laws.free) - share * laws.p[k, 1]
-                begun = row_velocity(laws.rows, laws.row_body, r, dof, u)
-                force = balanced_friction(laws.memory, law, mu, normal, begun, slip, share)
-                laws.sticks[k] = 1 if abs(slip + share * force) < laws.memory.slip_speed[law] else 0
-            change = force - laws.p[k, 1]
-            laws.p[k, 1] = force
-            push(model, laws, laws.rows, r, change, laws.friction)
+                slip = row_velocity(contacts.rows, contacts.row_body, r, dof, contacts.free) - share * contacts.p[k, 1]
+                start = row_velocity(contacts.rows, contacts.row_body, r, dof, u)
+                force = balanced_friction(contacts.history, law, mu, normal, start, slip, share)
+                contacts.sticks[k] = 1 if abs(slip + share * force) < contacts.history.slip_speed[law] else 0
+            change = force - contacts.p[k, 1]
+            contacts.p[k, 1] = force
+            add_force(contacts, contacts.rows, r, change, contacts.friction)
             worst = max(worst, abs(change) / (mu * normal))
-            if h > 0.0:
-                push(model, laws, laws.solved, r, h * change, laws.free)
-                for j in range(n_joint):
-                    laws.joint[j] *= h * change
-                apply_impulses(laws.solved, laws.row_body, 0 * n_joint, n_joint, laws.joint, dof, laws.free)
+            add_force(contacts, contacts.solved, r, h * change, contacts.free)
+            for i in range(n_joint):
+                contacts.joint[i] *= h * change
+            apply_impulses(
+                contacts.solved, contacts.row_body, 0 * n_joint, n_joint, contacts.joint, dof, contacts.free
+            )  # fmt: skip
         if sweep >= 0 and worst <= SETTLED:
             break
-    if h > 0.0:
-        laws.n_before = n
-        for k in range(n):
-            laws.before[k, 0] = laws.table.key[k]
-            laws.before[k, 1] = laws.p[k, 1] / laws.p[k, 0] if laws.p[k, 0] > 0.0 else 0.0
+    contacts.n_before = n
+    for k in range(n):
+        contacts.before[k, 0] = contacts.table.key[k]
+        contacts.before[k, 1] = contacts.p[k, 1] / contacts.p[k, 0] if contacts.p[k, 0] > 0.0 else 0.0
 
 
 @kernel
-def compare_friction(model: Model, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
-    """Add up how far the friction of a step at q is from that of the slip at its end, where the velocities are u.
+def add_balanced_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
+    """Add the forces of compliant contacts to those in ``work``: normal ones at (q, u), friction at the end of a step.
 
-    ``rub`` knows nothing of set-valued contacts: what they hold, friction by law was made to hold, too.
+    h [s]: the step, whose matrix is factorised.
     """
-    laws = work.laws
-    for k in range(laws.n_touching):
-        law = laws.table.law[k]
-        mu = model.contacts.friction[law]
-        normal = laws.p[k, 0]
-        if normal > 0.0 and mu > 0.0:
-            r = lay(model, q, k, laws) + 1
-            slip = row_velocity(laws.rows, laws.row_body, r, model.bodies.dof, u)
-            force = friction_force(laws.memory.kinds[law], laws.memory.parameters[law], slip, normal, mu, 0.0, 0.0)
-            laws.missed[law, 0] += h * abs(force - laws.p[k, 1])
-            laws.missed[law, 1] += h * mu * normal
+    if len(work.compliant.friction) == 0:
+        return
+    add_normal_forces(model, q, u, work)
+    balance(model, t, q, u, h, work)
+    add_friction(work)
+
+
+@kernel
+def forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
+    """Forces of compliant contacts in the state (q, u) that a step with ``add_balanced_forces`` led to, with the
+    friction of it.
+
+    Part of the slip at its end is what rigid contacts did not let happen: friction of that slip did not act.
+    """
+    contacts = work.compliant
+    n = contacts.n_contacts
+    for k in range(n):
+        contacts.last[k, 0] = contacts.table.key[k] if contacts.p[k, 0] > 0.0 else -1.0
+        contacts.last[k, 1] = contacts.p[k, 1] / contacts.p[k, 0] if contacts.p[k, 0] > 0.0 else 0.0
+        contacts.last[k, 2] = contacts.sticks[k]
+    add_contact_forces(model, q, u, work)
+    for k in range(contacts.n_contacts):
+        for i in range(n):
+            if contacts.last[i, 0] == contacts.table.key[k]:
+                contacts.p[k, 1] = contacts.last[i, 1] * contacts.p[k, 0]
+                contacts.sticks[k] = 1 if contacts.last[i, 2] > 0.0 else 0
+
+
+@kernel
+def compare_friction(u: FloatArray, h: float, work: Workspace) -> None:
+    """Add up how far the friction of a step is from that of the slip at its end, where the velocities are u.
+
+    ``balance`` knows nothing of rigid contacts: what they hold, friction of compliant ones was made to hold, too.
+    """
+    contacts = work.compliant
+    history = contacts.history
+    for j in range(contacts.n_tangents):
+        k = contacts.tangent[j]
+        law = contacts.table.law[k]
+        mu = contacts.mu[k]
+        normal = contacts.p[k, 0]
+        if normal > 0.0:
+            r = contacts.n_joint + contacts.n_contacts + j
+            slip = row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
+            force = friction_force(history.kinds[law], history.parameters[law], slip, normal, mu, 0.0, 0.0)
+            contacts.missed[law, 0] += h * abs(force - contacts.p[k, 1])
+            contacts.missed[law, 1] += h * mu * normal

@@ -1,0 +1,102 @@
+"""Compliant contacts: those whose force is a continuous law of the indentation, as against rigid, set-valued ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lcpflex.contact.detection import BY_LAW, ContactTable, contact_table
+from lcpflex.dynamics.inertia import Arrow
+from lcpflex.force_laws.history import ContactMemory
+from lcpflex.force_laws.layout import LawRow
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.model.arrays import Contacts
+
+__all__ = ["CompliantContacts", "compliant_contacts", "sufficient_capacity"]
+
+SPARE = 64  # entries of the table beyond those that the slaves are expected to need
+
+
+@struct
+class CompliantContacts:
+    """Compliant contacts at the state last asked for, their rows and forces, and their history; empty where none is.
+
+    Rows are those of joints, then of normals, then of tangents where mu > 0, then one scratch row, as in a workspace.
+    """
+
+    table: ContactTable  # of compliant contacts alone
+    history: ContactMemory
+    dof: IntArray  # this and the factors of the mass matrix are those of the workspace
+    arrow: Arrow
+    dense: FloatArray
+    rows: FloatArray = array("rows", 2, "width")
+    solved: FloatArray = array("rows", 2, "width")  # M^-1 rows
+    row_body: IntArray  # (rows, 2)
+    mu: FloatArray = array("contacts")
+    tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
+    bias: FloatArray = array(2, "joints")  # scratch
+    G: FloatArray = array("unknowns", "joints")  # Delassus operator of the joints, and their row with a contact
+    lower: FloatArray = array("joints", "joints")
+    joint: FloatArray = array("joints")
+    rate: FloatArray = array("contacts")  # of the gaps [m/s]
+    slip: FloatArray = array("contacts")  # [m/s]
+    inverse: FloatArray = array("contacts")  # G_NN where a contact begins [1/kg]
+    p: FloatArray = array("contacts", 2)  # normal and tangential force [N]
+    elastic: FloatArray = array("contacts")  # part of the normal force that stores energy [N]
+    sticks: IntArray = array("contacts")  # 1: slips slower than the slip speed of the law
+    last: FloatArray = array("contacts", 3)  # key, friction over normal force, sticking in the last step
+    before: FloatArray = array("contacts", 2)  # key and friction over normal force of the entries of the last step
+    missed: FloatArray = array("laws", 2)  # [N s] by how much friction is not that of the slip; mu times the normal one
+    friction: FloatArray = array("ndof")  # generalised forces of friction
+    free: FloatArray = array("ndof")  # velocities at the end of a step with the friction found so far
+    push: FloatArray = array("ndof")  # scratch
+    states: FloatArray = array(0, 2)  # none of friction: a stepper that advances some has them in its own state
+    stiffest: float  # 2 / (step that bears stiffness and damping) [1/s]
+    n_contacts: int
+    n_joint: int
+    n_tangents: int
+    out_of_range: int  # a law out of its range, or -1
+    needed: int  # entries that the table lacked room for, 0 if it had it
+    n_before: int  # entries of ``before``
+
+
+def compliant_contacts(
+    laws: Sequence[LawRow | None],
+    history: ContactMemory,
+    dof: IntArray,
+    n_joint: int,
+    n_surfaces: int,
+    factors: Arrow,
+    dense: FloatArray,
+    capacity: int,
+) -> CompliantContacts:
+    """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid."""
+    by_law = [int(law is not None) for law in laws]
+    n, ndof, width = (n_joint, int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(by_law) else (0, 0, 1)
+    sizes = {"joints": n, "unknowns": n + 1, "rows": n + 2 * capacity + 1, "width": width, "contacts": capacity}
+    return allocate(
+        CompliantContacts,
+        sizes | {"laws": len(laws), "ndof": ndof},
+        table=contact_table(capacity, n_surfaces if any(by_law) else 0, by_law, BY_LAW),
+        history=history,
+        dof=dof,
+        arrow=factors,
+        dense=dense,
+        row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
+        n_joint=n,
+        out_of_range=-1,
+    )
+
+
+def sufficient_capacity(contacts: Contacts, laws: Sequence[object]) -> int:
+    """Entries that suffice: a slave touches few features, but looks at many. 0 where no contact has a law."""
+    if not any(laws):
+        return 0
+    slaves, features = 0, 0
+    for a, b, law in zip(contacts.pass_slave, contacts.pass_feature, contacts.pass_law, strict=True):
+        if laws[law] is not None:
+            slaves += int(contacts.slave_start[a + 1] - contacts.slave_start[a])
+            features = max(features, int(contacts.feature_start[b + 1] - contacts.feature_start[b]))
+    return 4 * slaves + features + SPARE
