@@ -129,12 +129,12 @@ def note_contact(
 
 @kernel
 def note_compliant(model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, tape: Tape) -> None:
-    """Add the compliant contacts with the forces found at q; ``touching``: those with an indentation of zero, too."""
+    """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
     table = contacts.table
     for k in range(contacts.n_contacts):
         if touching or table.gap[k] < 0.0:
             place = contact_point(model, q, table, k)
-            state = STICK if contacts.sticks[k] == 1 else SLIP
+            state = STICK if contacts.sticks[k] == 1 and (touching or contacts.p[k, 0] > 0.0) else SLIP
             note_contact(tape, table.law[k], place, table.normal[k], contacts.p[k, 0], contacts.p[k, 1], state)
 
 
