@@ -18,7 +18,7 @@ import lcpflex as lf
 def ball():
     scene = lf.Scene()
     ball = scene.add(lf.Disc(radius=0.05, mass=1.0), name="ball", position=(0.0, 0.06))
-    scene.contact(ball.surface(), floor_of(scene), name="floor")
+    scene.contact(ball.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor")
     return scene
 
 def of_mass(mass):
