@@ -24,7 +24,7 @@ from lcpflex.kinematics.points import local_place
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table", "detect", "refresh"]
+__all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table", "detect"]
 
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.contact.detection import refresh
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_forces import add_contact_forces
 from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, joint_impulses, row_velocity

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.contact.concave_corners import YIELDED, yield_to_deeper
-from lcpflex.contact.detection import refresh
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_forces import pair_energy, pair_force, pair_stiffness
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import indentation_at

@@ -12,6 +12,7 @@ import numpy as np
 from lcpflex.contact import detection
 from lcpflex.contact import rows as kinematics
 from lcpflex.contact.detection import ContactTable
+from lcpflex.contact.narrow_phase import feature
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Rows, Workspace
@@ -139,7 +140,7 @@ def _contact_hooks(system: Mechanics) -> Hooks:
 
     return {
         detection.detect: detect,
-        detection.refresh: refresh,
+        feature.refresh: refresh,
         kinematics.gap_rate: gap_rate,
         kinematics.contact_point: contact_point,
         mechanics.fill_contact_rows: fill_contact_rows,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.contact.detection import ContactTable, detect, refresh
-from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.contact.narrow_phase.feature import SEGMENT, refresh
 from lcpflex.contact.thickness import law_thickness, pass_thickness
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import advance, difference

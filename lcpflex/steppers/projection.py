@@ -5,7 +5,7 @@ The metric is the matrix of the step, so that stiff modes follow statically.
 
 from __future__ import annotations
 
-from lcpflex.contact.detection import refresh
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace

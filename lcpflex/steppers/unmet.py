@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import SET_VALUED, ContactTable, detect, refresh
+from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import gap_rate
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel

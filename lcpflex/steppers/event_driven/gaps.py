@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import ContactTable, detect, refresh
-from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.contact.detection import ContactTable, detect
+from lcpflex.contact.narrow_phase.feature import SEGMENT, refresh
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import point_angle, point_position

@@ -5,7 +5,8 @@ See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme.
 
 from __future__ import annotations
 
-from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
     SLIDE_FORTH,

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity

@@ -8,7 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after

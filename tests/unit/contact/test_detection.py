@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from lcpflex.bodies import surface as shapes
-from lcpflex.contact.detection import detect, refresh
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
 
 PI = math.pi
 UP = (0.0, 1.0)
