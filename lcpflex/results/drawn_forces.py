@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.results.places import world_places
 from lcpflex.results.summary import with_unit
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["arrow_tips", "draw_forces", "usual_force"]
 
 _FORCE = "#D55E00"
-_ARC = 1  # a kind of feature
 _ARROW = 0.2  # largest length of an arrow of the usual force, relative to the picture
 _SHORTEST = 0.07  # likewise, where the bodies that touch are small
 _BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
@@ -152,7 +152,7 @@ def _outward(compiled: CompiledScene, q: FloatArray, surface: int, place: FloatA
     for f in range(contacts.feature_start[surface], contacts.feature_start[surface + 1]):
         a, b = world_places(compiled.model, q, contacts.feature_point[f])
         radius = abs(contacts.feature_radius[f])
-        if contacts.feature_kind[f] == _ARC:
+        if contacts.feature_kind[f] != SEGMENT:
             away = place - a
             size = float(np.hypot(*away))
             corner = radius == 0.0 or size == 0.0  # its segments are as near and have a normal

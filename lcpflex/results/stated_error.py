@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.planar import N_RIGID
@@ -222,12 +223,12 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
         float(np.max(contacts.slave_radius[a:b], initial=0.0)) for a, b in pairwise(contacts.slave_start.tolist())
     ]
     for body, kind in zip(contacts.surface_body.tolist(), kinds, strict=True):
-        if body >= 0 and (kind == 0).any():
+        if body >= 0 and (kind == SEGMENT).any():
             cornered[body] = 1.0
     for slave, feature, law in zip(contacts.pass_slave, contacts.pass_feature, contacts.pass_law, strict=True):
         bodies = [int(b) for b in contacts.surface_body[[slave, feature]] if b >= 0]
         partners[law].update(bodies)
-        if (kinds[feature] == 1).all() and widest[slave] > 0.0:
+        if (kinds[feature] != SEGMENT).all() and widest[slave] > 0.0:
             own = slice(contacts.feature_start[feature], contacts.feature_start[feature + 1])
             radius = widest[slave] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
             curved[law] = max(curved[law], 1.0 / radius)

@@ -8,6 +8,7 @@ import pytest
 import scipy.optimize
 import scipy.sparse.linalg
 
+from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.solvers import (
     Auto,
@@ -346,7 +347,7 @@ class TestForeignExceptions:
         def fails(*arguments, **settings):
             raise ValueError("the solver broke")
 
-        monkeypatch.setattr(scipy.optimize, "linprog", fails)
+        monkeypatch.setattr(libs, "linprog", fails)
         found = Auto().solve(UNSOLVABLE)
         assert found.status is Status.NO_SOLUTION
         assert "linear program of Farkas (failed)" in found.route

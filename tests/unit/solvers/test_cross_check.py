@@ -393,9 +393,7 @@ class TestCommand:
         assert "only Lemke solved it" in capsys.readouterr().out
 
     def test_a_wrong_claim_is_an_error(self, tmp_path, monkeypatch):
-        monkeypatch.setattr(
-            "lcpflex.solvers.benchmark.comparison.all_solvers", lambda: {"liar": _Liar(), "Lemke": Lemke()}
-        )
+        monkeypatch.setattr("lcpflex.cli.later.all_solvers", lambda: {"liar": _Liar(), "Lemke": Lemke()})
         assert main(["cross-check", self._file(tmp_path)]) == 1
         assert main(["cross-check", self._file(tmp_path), "--index", "0"]) == 1
         assert main(["cross-check", self._file(tmp_path), "--solver", "Lemke"]) == 0

@@ -14,6 +14,7 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.force_laws.penalty import Penalty
+from lcpflex.model.arrays import SLIP
 from lcpflex.steppers.smooth.stepper import ExplicitRungeKutta, Smooth, Stiff, Verlet
 from tests.scenes import disc_on_floor, floor_of
 
@@ -193,7 +194,7 @@ def test_states_follow_the_slip_speed() -> None:
     result = lf.simulate(scene, 0.5, Smooth(Penalty(1e6, damping=100.0, slip_speed=0.05)), record=1e-3)
     slip = result.u[:, 0] * math.cos(math.radians(30.0)) + result.u[:, 1] * math.sin(math.radians(30.0))
     settled = result.times > 0.05
-    assert set(result.state[settled & (np.abs(slip) > 0.06), 0].tolist()) == {lf.model.SLIP}
+    assert set(result.state[settled & (np.abs(slip) > 0.06), 0].tolist()) == {SLIP}
     assert set(result.state[settled & (np.abs(slip) < 0.04), 0].tolist()) == {CREEP}
     normal, tangential = result.force[settled, 0].T
     np.testing.assert_array_less(np.abs(tangential), 0.4 * normal * (1.0 + 1e-12))
