@@ -54,7 +54,7 @@ def key_of(function: Callable[..., Any], arguments: Iterable[Any], result: Any, 
     if source is None or any(map(ADDRESS.search, names)):
         return None
     try:
-        stamp = _stamp(source)
+        stamp = _stamp(source), _version()
     except (OSError, ChangedSourceError):
         return None
     code = function.__code__
@@ -129,6 +129,23 @@ def sources_of(path: Path) -> set[Path]:
             sources.add(source)
             waiting.extend(_imports(source))
     return sources
+
+
+@cache
+def _version() -> str:
+    """Hash of all sources of the package with kernels or structs.
+
+    Files of one version of the package do not meet those of another: runs that took some of their kernels from a folder
+    which an earlier version had filled have ended in a crash, though each file was right by its own sources.
+    """
+    roots = [Path(root) for root in sys.modules["lcpflex"].__path__]
+    places = sorted({*(s for root in roots for s in root.rglob("*.py")), *(s for r in roots for s in _solvers(r))})
+    return derived(*(_digest(source) for source in places if b"lcpflex.jit" in source.read_bytes()))
+
+
+def _solvers(root: Path) -> list[Path]:
+    """Sources behind the link ``lcpflex/solvers``, which a search below ``root`` does not follow."""
+    return list((root / "solvers").rglob("*.py"))
 
 
 @cache
