@@ -182,5 +182,5 @@ def test_the_whole_library_for_all_processors(tmp_path: Path) -> None:
     again = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
     assert "compiling its kernels" not in again.stderr
-    assert not list(empty.iterdir())
+    assert not empty.exists() or not list(empty.iterdir())  # made for the first file
     assert sorted(path.name for path in folder.iterdir()) == names
