@@ -29,7 +29,7 @@ from typing import Any, TypeVar, cast, dataclass_transform
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "struct", "with_parts"]
+__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "shapes_of", "struct", "with_parts"]
 
 T = TypeVar("T")
 NUMBERS = {"int": np.dtype(np.int64), "float": np.dtype(np.float64)}
@@ -147,12 +147,18 @@ def allocate(kind: type[T], dimensions: Mapping[str, int], **given: Any) -> T:
     """A struct with the ``given`` fields; the other arrays are zeros of their declared shapes, other numbers zero."""
     declared: Any = kind
     made = dict(given)
-    for name, shape in declared._shapes.items():
-        if name not in made and shape is not None:
+    for name, shape in shapes_of(kind).items():
+        if name not in made:
             sizes = tuple(dimensions[size] if isinstance(size, str) else size for size in shape)
             made[name] = np.zeros(sizes, DTYPES[declared.__annotations__[name]])
     make = cast(Callable[..., T], kind)
     return make(**made)
+
+
+def shapes_of(kind: type) -> dict[str, tuple[int | str, ...]]:
+    """The declared shapes of the arrays of a struct, by name."""
+    declared: Any = kind
+    return {name: shape for name, shape in declared._shapes.items() if shape is not None}
 
 
 def parts_of(values: Any) -> dict[str, Any]:

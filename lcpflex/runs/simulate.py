@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -275,14 +275,9 @@ def _collect(
         Event(time=at, kind=kind, contact=names[law] if law >= 0 else "", energy_change=change)
         for at, kind, law, change in run.events
     )
+    stored: dict[str, Any] = {field.name: data[field.name] for field in fields(Result) if field.name in data}
     return Result(
-        times=data["times"],
-        q=data["q"],
-        u=data["u"],
-        force=data["force"],
-        impulse=data["impulse"],
-        state=state,
-        gap=data["gap"],
+        **stored | {"state": state, "energies": energies},
         contact_points=ContactPoints(
             record=spots[:, 0].astype(np.int64),
             contact=spots[:, 1].astype(np.int64),
@@ -291,12 +286,6 @@ def _collect(
             force=spots[:, 6:8],
             state=creeping(laws, spots[:, 1].astype(np.int64), spots[:, 8]).astype(np.int8),
         ),
-        energies=energies,
-        residual=data["peaks"][:, 0],
-        strict=data["peaks"][:, 5],
-        penetration=data["peaks"][:, 1],
-        joint_drift=data["peaks"][:, 2],
-        size=data["peaks"][:, 3].astype(np.int64),
         events=events,
         warnings=(
             *(compiled.warnings if compiled is not None else ()),

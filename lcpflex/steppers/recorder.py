@@ -7,12 +7,15 @@ import numpy as np
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import allocate, array, shapes_of, struct
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
 __all__ = [
+    "FIELDS",
+    "RUNNING",
     "Counts",
     "Tape",
     "copy_counts",
@@ -38,7 +41,6 @@ class Counts:
     worst_penetration: float  # [m]
     worst_drift: float  # of joints
     worst_size: float  # of the contact problem
-    worst_pivots: float
     worst_relative: float  # residual relative to the free velocity alone
     gained: float  # energy created by contact impulses [J]
     largest_gain: float  # at once [J]
@@ -47,7 +49,12 @@ class Counts:
 
 @struct
 class Tape:
-    """Room for ``capacity`` instants and for a number of touching points over all of them."""
+    """Room for ``capacity`` instants and for a number of touching points over all of them.
+
+    What is stored of each instant is declared here, "capacity" being its first dimension, and written in
+    :func:`store_state`; a field of the same name in ``Result`` shows it to the user. All between (pages, checkpoints,
+    the file of a result) follows from the declaration.
+    """
 
     n_instants: int  # written
     n_points: int
@@ -59,7 +66,11 @@ class Tape:
     state: IntArray = array("capacity", "laws")
     gap: FloatArray = array("capacity", "laws")
     energies: FloatArray = array("capacity", 7)  # kinetic, elastic, potential; lost to friction, impacts, damping; work
-    peaks: FloatArray = array("capacity", 6)  # the worst ones of Counts, in their order
+    residual: FloatArray = array("capacity")  # from here on the worst ones of Counts
+    strict: FloatArray = array("capacity")
+    penetration: FloatArray = array("capacity")
+    joint_drift: FloatArray = array("capacity")
+    size: IntArray = array("capacity")
     spots: FloatArray = array("spots", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]
@@ -70,13 +81,19 @@ class Tape:
     sway: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
     before: FloatArray = array("ndof")  # configuration at the start of the step
     after: FloatArray = array("ndof")  # and at its end, where it is to be examined
-    free: FloatArray  # (ndof,) where its first velocity leads; NaN under schemes that move no body out of another
+    free: FloatArray = array(
+        "ndof"
+    )  # where its first velocity leads; NaN under schemes that move no body out of another
     # running values
     local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
     counts: Counts
     total_impulse: FloatArray = array("laws", 2)
     now_force: FloatArray = array("laws", 2)
     now_state: IntArray = array("laws")
+
+
+FIELDS = tuple(name for name, shape in shapes_of(Tape).items() if shape[0] == "capacity")  # stored of each instant
+RUNNING = tuple(name for name, shape in shapes_of(Tape).items() if shape[0] not in ("capacity", "spots"))
 
 
 def tape(
@@ -93,7 +110,7 @@ def tape(
     """Allocate an empty tape."""
     return allocate(
         Tape,
-        {"ndof": ndof, "laws": n_laws, "capacity": capacity, "spots": spots},
+        {"ndof": ndof, "bodies": len(sway), "laws": n_laws, "capacity": capacity, "spots": spots},
         table=table,
         margin=margin,
         thinnest=pass_thickness.min(initial=np.inf),
@@ -150,10 +167,9 @@ def note_gain(tape: Tape, t: float, work: float) -> None:
 
 @kernel
 def note_certificate(work: Workspace, tape: Tape) -> None:
-    """Keep the worst residuals, size and pivots of the contact problems."""
+    """Keep the worst residuals and size of the contact problems."""
     tape.counts.worst_residual = max(tape.counts.worst_residual, work.solver.residual)
     tape.counts.worst_size = max(tape.counts.worst_size, work.solver.size)
-    tape.counts.worst_pivots = max(tape.counts.worst_pivots, work.solver.iterations)
     tape.counts.worst_relative = max(tape.counts.worst_relative, work.solver.strict)
 
 
@@ -185,7 +201,6 @@ def forget_worst(counts: Counts) -> None:
     counts.worst_penetration = 0.0
     counts.worst_drift = 0.0
     counts.worst_size = 0.0
-    counts.worst_pivots = 0.0
     counts.worst_relative = 0.0
 
 
@@ -200,7 +215,6 @@ def copy_counts(source: Counts, target: Counts) -> None:
     target.worst_penetration = source.worst_penetration
     target.worst_drift = source.worst_drift
     target.worst_size = source.worst_size
-    target.worst_pivots = source.worst_pivots
     target.worst_relative = source.worst_relative
     target.gained = source.gained
     target.largest_gain = source.largest_gain
@@ -209,28 +223,31 @@ def copy_counts(source: Counts, target: Counts) -> None:
 
 @kernel
 def store_state(
-    tape: Tape, t: float, q: FloatArray, u: FloatArray, kinetic: float, elastic: float, potential: float
+    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, in_contacts: float, tape: Tape
 ) -> None:
-    """Close the instant: copy the state, energies, sums and peaks, and reset what is counted per instant."""
+    """Close the instant: store the state, energies, sums and worst ones, and reset what is counted per instant.
+
+    in_contacts: elastic energy of compliant contacts [J].
+    """
     row = tape.n_instants
+    kinetic, elastic, potential = energies(model, q, u, work)
     tape.times[row] = t
     for i in range(len(q)):
         tape.q[row, i] = q[i]
         tape.u[row, i] = u[i]
     tape.energies[row, 0] = kinetic
-    tape.energies[row, 1] = elastic
+    tape.energies[row, 1] = elastic + in_contacts
     tape.energies[row, 2] = potential
     counts = tape.counts
     tape.energies[row, 3] = counts.lost_friction
     tape.energies[row, 4] = counts.lost_impacts
     tape.energies[row, 5] = counts.lost_damping
     tape.energies[row, 6] = counts.supplied
-    tape.peaks[row, 0] = counts.worst_residual
-    tape.peaks[row, 1] = counts.worst_penetration
-    tape.peaks[row, 2] = counts.worst_drift
-    tape.peaks[row, 3] = counts.worst_size
-    tape.peaks[row, 4] = counts.worst_pivots
-    tape.peaks[row, 5] = counts.worst_relative
+    tape.residual[row] = counts.worst_residual
+    tape.strict[row] = counts.worst_relative
+    tape.penetration[row] = counts.worst_penetration
+    tape.joint_drift[row] = counts.worst_drift
+    tape.size[row] = int(counts.worst_size)
     forget_worst(counts)
     for law in range(len(tape.total_impulse)):
         for i in range(2):

@@ -10,13 +10,10 @@ from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import copy_parts
 from lcpflex.steppers.passages import Passages, swallowed
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import FIELDS, RUNNING, Tape
 from lcpflex.steppers.system import System
 
 __all__ = ["Records"]
-
-FIELDS = ("times", "q", "u", "force", "impulse", "state", "gap", "energies", "peaks")
-RUNNING = ("local", "total_impulse", "now_force", "now_state", "before", "after", "free")
 
 
 class Records:

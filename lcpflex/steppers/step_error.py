@@ -22,7 +22,8 @@ from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.clock import StepCount
-from lcpflex.steppers.run import FIELDS, Records
+from lcpflex.steppers.recorder import FIELDS
+from lcpflex.steppers.run import Records
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried", "half_steps"]

@@ -13,7 +13,6 @@ from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import row_velocity
-from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
@@ -80,8 +79,7 @@ def record(
         place = contact_point(model, q, work.table, k)
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
     note_compliant(model, q, work.compliant, False, tape)
-    kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + elastic_energy(model, work.compliant), potential)
+    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
     return RunStatus.DONE
 
 

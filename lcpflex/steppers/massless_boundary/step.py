@@ -14,7 +14,7 @@ from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
-from lcpflex.dynamics.mechanics import energies, factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
+from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -228,9 +228,7 @@ def record(
             state = STICK if abs(slip) <= STICKING else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
-    kinetic, elastic, potential = energies(model, q, u, work)
-    elastic += compliance_energy(boundary.compliance, work)
-    store_state(tape, t, q, u, kinetic, elastic, potential)
+    store_state(model, t, q, u, work, compliance_energy(boundary.compliance, work), tape)
     return needed
 
 

@@ -18,7 +18,6 @@ from lcpflex.dynamics.impulse import distribute, pose
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.mechanics import (
     contact_biases,
-    energies,
     factorise,
     fill_contact_rows,
     forces,
@@ -227,8 +226,7 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
             note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
     forces_after(model, q, u, work)
     note_compliant(model, q, work.compliant, False, tape)
-    kinetic, elastic, potential = energies(model, q, u, work)
-    store_state(tape, t, q, u, kinetic, elastic + elastic_energy(model, work.compliant), potential)
+    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
     return needed
 
 
