@@ -15,7 +15,7 @@ import numpy as np
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
-from lcpflex.dynamics.delassus import dot, row_velocity
+from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.mechanics import fill_contact_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import indentation_of
@@ -24,6 +24,7 @@ from lcpflex.force_laws.history import ContactMemory, place_of
 from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.semidefinite import dot
 
 __all__ = [
     "add_contact_forces",

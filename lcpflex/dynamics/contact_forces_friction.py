@@ -18,7 +18,7 @@ import math
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import add_contact_forces, add_force, add_friction, add_normal_forces
 from lcpflex.dynamics.contact_forces_history import condensed_mobility, factor_joints
-from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.mechanics import solve_rows, solve_vector
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import friction_force
@@ -26,6 +26,7 @@ from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.semidefinite import cholesky_solve
 
 __all__ = ["add_balanced_forces", "balanced_friction", "compare_friction", "forces_after"]
 

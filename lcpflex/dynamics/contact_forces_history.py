@@ -17,7 +17,7 @@ from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import fill_rows, find_contacts, mobility, pair_force, pair_place, pair_stiffness
-from lcpflex.dynamics.delassus import cholesky, cholesky_solve, delassus, dot, row_velocity
+from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import factorise, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import stored_energy
@@ -25,6 +25,7 @@ from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.semidefinite import cholesky, cholesky_solve, dot
 
 __all__ = ["condensed_mobility", "factor_joints", "has_begun", "note_depths", "onset", "roundings", "update_history"]
 

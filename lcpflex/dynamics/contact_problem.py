@@ -7,9 +7,10 @@ With the right-hand side b of the rows (velocities, accelerations or gaps withou
 
 from __future__ import annotations
 
-from lcpflex.dynamics.delassus import cholesky, condense, delassus
+from lcpflex.dynamics.delassus import condense, delassus
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
+from lcpflex.solvers.semidefinite import cholesky
 
 __all__ = ["describe_contacts", "pose_contacts"]
 

@@ -21,12 +21,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.dynamics.delassus import cholesky_solve
 from lcpflex.dynamics.shortening import factorise_tangent, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.semidefinite import cholesky_solve
 
 __all__ = [
     "Arrow",

@@ -14,10 +14,10 @@ Sources: von Karman 1910 (strain); Simo & Hughes 1986 (assumed strains).
 
 from __future__ import annotations
 
-from lcpflex.dynamics.delassus import cholesky
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.semidefinite import cholesky
 
 __all__ = ["add_tangent", "factorise_tangent", "shortening_energy", "shortening_forces", "shortens"]
 

@@ -14,12 +14,12 @@ from lcpflex.contact import rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.narrow_phase import feature
 from lcpflex.dynamics import mechanics
-from lcpflex.dynamics.delassus import cholesky, cholesky_solve
 from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics import joint_rows as constraint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
 
 __all__ = ["Mechanics", "hooks"]
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact.compiled import motion_of
 
 __all__ = ["keep_doubtful"]
 
@@ -32,10 +33,9 @@ def keep_doubtful(work: Workspace, t: float) -> None:
         work.doubtful_kind = 0
         return
     for k in range(n):
-        kind = 4 * kind + (2 if work.problem.free[k] < 0.0 else 0) + (1 if work.solver.z[k] > 0.0 else 0)
+        kind = 4 * kind + (2 if work.problem.free[k] < 0.0 else 0) + (1 if work.solver.normal[k] > 0.0 else 0)
     for j in range(work.n_tangents):
-        right, left = work.solver.z[n + j] > 0.0, work.solver.z[n + work.n_tangents + j] > 0.0
-        kind = 4 * kind + (2 if right else 0) + (1 if left else 0)
+        kind = 4 * kind + motion_of(work.problem, work.solver, j)
     if kind == work.doubtful_kind:
         return
     work.doubtful_kind = kind
@@ -46,7 +46,7 @@ def keep_doubtful(work: Workspace, t: float) -> None:
 
 @kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
-    """Time, sizes, laws, friction, free velocities, Delassus operator and solution, one after the other."""
+    """Time, sizes, laws, friction, free velocities, Delassus operator and forces, one after the other."""
     n = work.n_contacts
     m = n + work.n_tangents
     row[0], row[1], row[2] = t, n, m
@@ -60,5 +60,7 @@ def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
         for s in range(m):
             row[at + m + r * m + s] = work.problem.delassus[r, s]
     at += m + m * m
-    for i in range(work.solver.size):
-        row[at + i] = work.solver.z[i]
+    for k in range(n):
+        row[at + k] = work.solver.normal[k]
+    for j in range(m - n):
+        row[at + n + j] = work.solver.tangential[j]

@@ -14,12 +14,20 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.certificate import guarded_residual
 from lcpflex.solvers.contact.compiled import solve_contacts
-from lcpflex.solvers.contact.memory import WEDGED_KNOWN, ContactData, SolverMemory
+from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.contact.methods import AUTO, METHODS
-from lcpflex.solvers.contact.posed import posed_lcp, posed_problem, put_solution, take_solution
+from lcpflex.solvers.contact.posed import (
+    measured,
+    posed_lcp,
+    posed_problem,
+    put_solution,
+    put_wedged,
+    take_solution,
+    tried_point,
+)
 from lcpflex.solvers.problem import LcpSolver, Solution, Status
 from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
-from lcpflex.steppers.wedged import Wedged, parts
+from lcpflex.steppers.wedged import Wedged
 
 __all__ = [
     "Watch",
@@ -122,11 +130,11 @@ class Rescue:
         if self._times > MOST_RESCUES:
             return False
         data, memory = work.problem, work.solver
-        points = [memory.z[: memory.size].copy()]
+        points = [tried_point(memory)]
         if type(self._solver) is Auto:
             solution = self._solver.attempt(posed_problem(data, memory), None, TRIALS)
             # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
-            stands = self._times == 0 or guarded_residual(*parts(data, memory, solution.z)) <= self._tolerance
+            stands = self._times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
             if solution.residual <= self._tolerance and stands:
                 put_solution(data, memory, solution)
                 return True
@@ -135,8 +143,7 @@ class Rescue:
         if best is None:
             return False
         self._wedged.note(data, at)
-        memory.z[: len(best)] = best
-        memory.known = WEDGED_KNOWN
+        put_wedged(memory, best)
         return True
 
     def remarks(self, name: Callable[[int], str]) -> list[str]:

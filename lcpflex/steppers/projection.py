@@ -6,13 +6,14 @@ The metric is the matrix of the step, so that stiff modes follow statically.
 from __future__ import annotations
 
 from lcpflex.contact.narrow_phase.feature import refresh
-from lcpflex.dynamics.delassus import apply_impulses, cholesky_solve, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import solve_normals
+from lcpflex.solvers.semidefinite import cholesky_solve
 from lcpflex.steppers.recorder import Tape
 
 __all__ = ["project_contacts", "project_joints"]
@@ -103,6 +104,6 @@ def project_contacts(
         return False
     for i in range(m):
         r = n_joint + work.closed[i]
-        work.bias[r] = work.solver.z[i]
+        work.bias[r] = work.drift[i]
         apply_impulses(work.solved, work.row_body, r, r + 1, work.bias, work.dof, q)
     return True

@@ -41,7 +41,7 @@ class SeveralMotions:
 
     def _look(self, row: FloatArray) -> None:
         n, m = int(row[1]), int(row[2])
-        laws, friction, free, delassus, z = np.split(row[3:], np.cumsum([n, n, m, m * m]))
+        laws, friction, free, delassus, forces = np.split(row[3:], np.cumsum([n, n, m, m * m]))
         problem = ContactProblem(delassus.reshape(m, m), free, friction)
         found = Enumeration().solve(problem)
         motions = [problem.velocity(np.concatenate(problem.forces(point))) for point in found.solutions]
@@ -49,13 +49,12 @@ class SeveralMotions:
         if not any(np.abs(v - motions[0]).max() > APART * size for v in motions[1:]):
             return
         self._first = float(row[0])
-        pressed, _ = problem.forces(z[: problem.size])
-        velocity = problem.velocity(np.concatenate(problem.forces(z[: problem.size])))
+        velocity = problem.velocity(forces[:m])
         slip = dict(zip(problem.tangent.tolist(), velocity[n:].tolist(), strict=True))
         self._taken = [
             (
                 int(laws[k]),
-                "opens" if pressed[k] <= 0.0 else "sticks" if abs(slip.get(k, size)) <= STILL * size else "slides",
+                "opens" if forces[k] <= 0.0 else "sticks" if abs(slip.get(k, size)) <= STILL * size else "slides",
             )
             for k in range(n)
         ]

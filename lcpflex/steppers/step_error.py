@@ -21,6 +21,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.solvers.contact.memory import known
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.recorder import FIELDS
 from lcpflex.steppers.run import Records
@@ -118,8 +119,7 @@ def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
-    held = (work.held_key, work.held_gap, work.solver.last_key, work.solver.last_basis)
-    return (*held, work.span, numbers_of(work), numbers_of(work.problem), numbers_of(work.solver))
+    return (work.held_key, work.held_gap, work.span, numbers_of(work), numbers_of(work.problem), *known(work.solver))
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:

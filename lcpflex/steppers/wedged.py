@@ -9,24 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
-
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.certificate import ROUNDING, residual_parts, strict_residual, terms_residual
-from lcpflex.solvers.contact.compiled import pose_lcp
+from lcpflex.solvers.certificate import ROUNDING, strict_residual, terms_residual
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
+from lcpflex.solvers.contact.posed import measured
 from lcpflex.steppers.named import listed
 
-__all__ = ["Wedged", "parts"]
-
-
-def parts(data: ContactData, memory: SolverMemory, z: FloatArray) -> tuple[float, float, float]:
-    """Of the residual of z (m,) for the LCP of a contact problem: what is left, its terms, its load."""
-    pose_lcp(data, memory)
-    m = memory.size
-    with np.errstate(all="ignore"):  # what is not finite is judged so
-        worst, size, load = residual_parts(memory.alike, memory.load, z[:m] / memory.units[:m], m)
-    return float(worst), float(size), float(load)
+__all__ = ["Wedged"]
 
 
 class Wedged:
@@ -42,8 +31,7 @@ class Wedged:
     ) -> FloatArray | None:
         """The best of some points z (m,) for the LCP of a contact problem; None if no one is right by its terms."""
         chosen, least, terms = None, math.inf, 0.0
-        for z in points:
-            worst, size, load = parts(data, memory, z)
+        for z, (worst, size, load) in zip(points, measured(data, memory, *points), strict=True):
             worst = max(worst, ROUNDING * size)  # w is not known any better
             strict = strict_residual(worst, load)
             if terms_residual(worst, size, load) <= tolerance and strict < least:

@@ -10,7 +10,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.auto import TARGET, auto
 from lcpflex.solvers.balance import contact_units, in_units, unknown_units
 from lcpflex.solvers.certificate import ROUNDING, guarded_residual, residual_parts, strict_residual, terms_residual
-from lcpflex.solvers.contact.index_sets import reduce_columns
+from lcpflex.solvers.contact.index_sets import STICKING, reduce_columns, sliding_sign
 from lcpflex.solvers.contact.lcp_forms import assemble_friction_lcp
 from lcpflex.solvers.contact.memory import (
     BASIS_KNOWN,
@@ -25,9 +25,11 @@ from lcpflex.solvers.problem import SOLVED
 
 __all__ = [
     "pose_lcp",
+    "motion_of",
     "read_forces",
     "recall_basis",
     "remember_basis",
+    "row_forces",
     "slip_of",
     "solve_contacts",
     "solve_normals",
@@ -154,6 +156,22 @@ def read_forces(data: ContactData, memory: SolverMemory) -> None:
 
 
 @kernel
+def row_forces(data: ContactData, memory: SolverMemory, z: FloatArray, p: FloatArray) -> None:
+    """Forces p of all contact rows, normals and tangents, at a point z of the LCP of the problem posed."""
+    n = data.n_contacts
+    stuck = 0
+    for k in range(n):
+        p[k] = z[k]
+    for j in range(data.n_tangents):
+        k = data.tangent[j]
+        if data.on_sets == 1 and data.mode[k] != STICKING:
+            p[n + j] = -sliding_sign(data.mode[k]) * data.friction[k] * z[k]
+        else:
+            p[n + j] = z[n + stuck] - data.friction[k] * z[k]
+            stuck += 1
+
+
+@kernel
 def recall_basis(data: ContactData, memory: SolverMemory) -> None:
     """Start the present problem from the basis of the last one, contact by contact; a contact that is new starts open.
 
@@ -202,6 +220,17 @@ def remember_basis(data: ContactData, memory: SolverMemory) -> None:
 
 
 @kernel
+def motion_of(data: ContactData, memory: SolverMemory, j: int) -> int:
+    """What tangential row j does in the solution of a problem without index sets: four numbers for four kinds.
+
+    0: slides forth, or is open and moves so; 1: is open and moves back; 2: sticks; 3: slides back.
+    """
+    n = data.n_contacts
+    pushed, back = memory.z[n + j] > 0.0, memory.z[n + data.n_tangents + j] > 0.0
+    return (2 if pushed else 0) + (1 if back else 0)
+
+
+@kernel
 def slip_of(memory: SolverMemory, r: int) -> float:
     """Velocity of the tangential row r, behind the normals, in the solution of a problem without index sets."""
     slip: float = memory.q[r]
@@ -218,15 +247,18 @@ def sticks(data: ContactData, memory: SolverMemory, j: int) -> bool:
 
 
 @kernel
-def solve_normals(data: ContactData, chosen: IntArray, free: FloatArray, m: int, memory: SolverMemory) -> int:
-    """Forces ``memory.z`` of m ``chosen`` contacts alone, without friction, for other free velocities; 0 where solved.
+def solve_normals(data: ContactData, chosen: IntArray, x: FloatArray, m: int, memory: SolverMemory) -> int:
+    """Forces of m ``chosen`` contacts alone, without friction, for other free velocities; 0 where solved.
 
-    0 <= z _|_ G_NN z + free >= 0; not certified, for corrections that may as well be left out.
+    0 <= z _|_ G_NN z + free >= 0; not certified, for corrections that may as well be left out. x (m,): in, the free
+    velocities; out, the forces.
     """
     for i in range(m):
-        memory.q[i] = free[i]
+        memory.q[i] = x[i]
         for j in range(m):
             memory.M[i, j] = data.delassus[chosen[i], chosen[j]]
     symmetric, warm = m > 0, m < 0  # true and false; literals would have it compiled once more
     status, _ = auto(memory.M, memory.q, m, memory.z, memory.tableau, memory.basis, symmetric, warm)
+    for i in range(m):
+        x[i] = memory.z[i]
     return status

@@ -7,8 +7,12 @@ problem is posed in between, as an LCP of three unknowns a contact or otherwise,
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy.typing as npt
+
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import allocate, array, numbers_of, struct
 from lcpflex.solvers.auto import auto_workspace
 
 __all__ = [
@@ -19,6 +23,7 @@ __all__ = [
     "ContactData",
     "SolverMemory",
     "contact_data",
+    "known",
     "prepare",
 ]
 
@@ -68,6 +73,9 @@ class SolverMemory:
     contact_units: FloatArray = array("contacts")
     tableau: FloatArray
     basis: IntArray
+    first: IntArray = array("lcp")  # of least forces: row of each unknown
+    second: IntArray = array("lcp")  # row that it has a part in by sliding friction
+    ratio: FloatArray = array("lcp")  # that part
     n_remembered: int  # contacts of the last problem that counts
     last_key: IntArray = array("contacts")
     last_basis: IntArray = array("contacts", 3)  # whether their lambda_N, lambda_R, xi_L were basic
@@ -76,6 +84,11 @@ class SolverMemory:
 def contact_data(capacity: int) -> ContactData:
     """Room for the problem of so many contacts."""
     return allocate(ContactData, {"contacts": capacity, "pairs": 2 * capacity})
+
+
+def known(memory: SolverMemory) -> tuple[npt.NDArray[Any], ...]:
+    """What a solve may take over from the one before, as arrays that are written to; all else is written anew."""
+    return memory.last_key, memory.last_basis, numbers_of(memory)
 
 
 def prepare(capacity: int, before: SolverMemory | None = None) -> SolverMemory:

@@ -7,13 +7,23 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.certificate import residual_parts
 from lcpflex.solvers.contact.compiled import pose_lcp, read_forces
 from lcpflex.solvers.contact.index_sets import STICKING, sliding_sign
-from lcpflex.solvers.contact.memory import SOLUTION_KNOWN, ContactData, SolverMemory
+from lcpflex.solvers.contact.memory import SOLUTION_KNOWN, WEDGED_KNOWN, ContactData, SolverMemory
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.problem import Lcp, Solution
 
-__all__ = ["own_pull", "posed_lcp", "posed_problem", "put_solution", "take_solution"]
+__all__ = [
+    "measured",
+    "own_pull",
+    "posed_lcp",
+    "posed_problem",
+    "put_solution",
+    "put_wedged",
+    "take_solution",
+    "tried_point",
+]
 
 
 def posed_lcp(data: ContactData, memory: SolverMemory) -> Lcp:
@@ -59,6 +69,25 @@ def own_pull(data: ContactData) -> FloatArray:
         sign = 1.0 if not data.on_sets or data.mode[k] == STICKING else sliding_sign(int(data.mode[k]))
         pull[k] -= sign * data.friction[k] * G[k, n + j]
     return pull
+
+
+def tried_point(memory: SolverMemory) -> FloatArray:
+    """The point that the last solve came to, in the unknowns of :func:`posed_lcp`."""
+    return memory.z[: memory.size].copy()
+
+
+def measured(data: ContactData, memory: SolverMemory, *points: FloatArray) -> list[tuple[float, float, float]]:
+    """Of the residual of points z (m,) of :func:`posed_lcp`: what is left, the size of its terms, its load."""
+    pose_lcp(data, memory)
+    m = memory.size
+    with np.errstate(all="ignore"):  # what is not finite is judged so
+        return [residual_parts(memory.alike, memory.load, z[:m] / memory.units[:m], m) for z in points]
+
+
+def put_wedged(memory: SolverMemory, z: FloatArray) -> None:
+    """Leave there the best point that could be found of wedged bodies, for when the problem is posed again."""
+    memory.z[: len(z)] = z
+    memory.known = WEDGED_KNOWN
 
 
 def put_solution(data: ContactData, memory: SolverMemory, solution: Solution) -> None:

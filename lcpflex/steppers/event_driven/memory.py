@@ -15,7 +15,7 @@ from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.solvers.lcp.enumeration import enumeration_workspace
+from lcpflex.solvers.contact.several_motions import Trials, trials
 from lcpflex.steppers.event_driven.root import Bracket
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
@@ -28,8 +28,6 @@ EVENT_KINDS = (
 IMPACT, TOUCH_DOWN, LIFT_OFF, STICKS, SLIPS, REVERSES, JAMS_UP = range(7)
 EVENT_CAPACITY = 256
 WINDOW = 1000  # events over which their rate is measured
-TESTED = 6  # unknowns: choices of sets up to this size are tested for several motions
-SEVERAL_KEPT = 8
 REMEMBERED = 64  # pairs whose last impact is remembered
 
 # watched functions of a maintained contact, all positive while its sets hold
@@ -70,11 +68,7 @@ class EventMemory:
     reflected: FloatArray = array("ndof")  # velocity that restitution reflects
     approach: FloatArray = array("contacts")  # normal velocities when last looked at
     segments: FloatArray = array(SEGMENTS, 2)  # impulses of the phases of an impact
-    found: FloatArray = array(SEVERAL_KEPT, TESTED)  # solutions of a choice of sets; work arrays of the enumeration
-    codes: IntArray = array(SEVERAL_KEPT)
-    singular: IntArray = array(1)
-    tried: FloatArray
-    order: IntArray
+    trials: Trials  # of choices of sets for several motions
     recent: FloatArray = array(WINDOW)  # times of the last events
     sets: ContactSets
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
@@ -144,12 +138,10 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
     ndof = len(system.q)
     laws = system.n_laws
     ny = 2 * ndof + 3 + 2 * laws
-    tried, order = enumeration_workspace(TESTED)
     memory = allocate(
         EventMemory,
         {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
-        tried=tried,
-        order=order,
+        trials=trials(),
         sets=contact_sets(capacity),
         seen=system.table(capacity),
         near=system.table(near),

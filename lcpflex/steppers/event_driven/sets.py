@@ -21,14 +21,13 @@ from lcpflex.dynamics.acceleration import (
     assemble,
     pose_sets,
     reduce_sets,
-    sliding_sign,
 )
 from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
-from lcpflex.solvers.contact.compiled import pose_lcp, solve_contacts
-from lcpflex.solvers.lcp.enumeration import enumerate_active_sets
+from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.several_motions import several_motions
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_driven.memory import (
     CONE,
@@ -37,10 +36,8 @@ from lcpflex.steppers.event_driven.memory import (
     LIFT_OFF,
     PRESSURE,
     REVERSES,
-    SEVERAL_KEPT,
     SLIPS,
     STICKS,
-    TESTED,
     TOUCH_DOWN,
     EventMemory,
     EventSettings,
@@ -56,7 +53,6 @@ NO_EVENT = -1
 SLIP_BACK = SLIP + 1  # tells the direction, for events
 CARRIES = 1e-10  # part of the largest contact force below which a contact carries nothing
 INSIDE = 1e-6  # part of the largest contact force by which a sticking contact must be inside its cone
-APART = 1e-6  # relative distance of two motions
 
 
 @kernel
@@ -157,63 +153,10 @@ def fall_back(memory: EventMemory) -> None:
 
 
 @kernel
-def difference(n: int, work: Workspace, sets: ContactSets, a: FloatArray, b: FloatArray) -> float:
-    """Distance of the accelerations of the contacts in two solutions of the LCP of the sets, relative to its terms."""
-    d = sets.solution
-    j = 0
-    for k in range(n):
-        d[k] = a[k] - b[k]
-        tangent = sets.tangent_of[k]
-        if sets.mode[k] == STICKING:
-            d[n + tangent] = a[n + j] - b[n + j] - work.mu[k] * d[k]
-            j += 1
-        elif tangent >= 0:
-            d[n + tangent] = -sliding_sign(sets.mode[k]) * work.mu[k] * d[k]
-    far = 0.0
-    size = 0.0
-    for r in range(n + work.n_tangents):
-        change = 0.0
-        terms = 0.0
-        for c in range(n + work.n_tangents):
-            change += work.problem.delassus[r, c] * d[c]
-            terms += abs(work.problem.delassus[r, c] * d[c])
-        far = max(far, abs(change))
-        size = max(size, max(terms, abs(work.problem.free[r])))
-    return far / size if size > 0.0 else 0.0
-
-
-@kernel
-def several_motions(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """Whether the LCP of the sets admits different accelerations; False for what is too large to be tested."""
-    m = work.solver.size
-    if m > TESTED or work.n_tangents == 0:
-        return False
-    pose_lcp(work.problem, work.solver)
-    kept, _ = enumerate_active_sets(
-        work.solver.alike,
-        work.solver.load,
-        m,
-        settings.tolerance,
-        memory.found,
-        memory.codes,
-        memory.singular,
-        memory.tried,
-        memory.order,
-    )
-    for i in range(min(kept, SEVERAL_KEPT)):
-        for c in range(m):
-            memory.found[i, c] *= work.solver.units[c]
-    for i in range(1, min(kept, SEVERAL_KEPT)):
-        if difference(n, work, memory.sets, memory.found[0], memory.found[i]) > APART:
-            return True
-    return False
-
-
-@kernel
 def note_paradox(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
     """Remember that n contacts just chosen for may move in several ways, and which contacts the first ones were."""
     memory.several_now = 0
-    if several_motions(n, settings, work, memory):
+    if several_motions(work.problem, work.solver, settings.tolerance, memory.trials):
         memory.several_now = 1
         memory.several += 1
         if memory.several == 1:

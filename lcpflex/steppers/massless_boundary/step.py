@@ -13,7 +13,7 @@ from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
-from lcpflex.dynamics.delassus import apply_impulses, cholesky, cholesky_solve, delassus, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, delassus, row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
@@ -24,6 +24,7 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, slip_of, solve_contacts
+from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
 from lcpflex.steppers.passing import may_pass, set_out

@@ -32,6 +32,7 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
+from lcpflex.solvers.contact.least_forces import least_forces
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.projection import project_contacts, project_joints
@@ -46,7 +47,6 @@ from lcpflex.steppers.recorder import (
 )
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
-from lcpflex.steppers.undetermined import least_impulses
 
 __all__ = [
     "Settings",
@@ -204,7 +204,7 @@ def spots_of(work: Workspace) -> int:
 @kernel
 def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length ``step`` [s]."""
-    least_impulses(work)
+    least_forces(work.problem, work.solver, work.p[work.n_joint :])
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed

@@ -28,13 +28,14 @@ from lcpflex.dynamics.contact_forces import (
     pair_stiffness,
     parting_time,
 )
-from lcpflex.dynamics.delassus import apply_impulses, cholesky, delassus, joint_impulses, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, delassus, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import factorise, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.semidefinite import cholesky
 from lcpflex.steppers.recorder import Tape, note_compliant, store_contacts, store_state
 from lcpflex.steppers.short_steps import travel_time
 from lcpflex.steppers.smooth.memory import (

@@ -30,14 +30,14 @@ from lcpflex.dynamics.acceleration import (
     contact_sets,
     lay_rows,
     pose_sets,
-    sliding_sign,
 )
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
-from lcpflex.solvers.contact.compiled import pose_lcp
+from lcpflex.solvers.contact.compiled import row_forces
+from lcpflex.solvers.contact.posed import posed_lcp
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.problem import Lcp, Status
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -234,28 +234,17 @@ class _Instant:
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
-        pose_lcp(work.problem, work.solver)
-        m = work.solver.size
-        return Lcp(work.solver.M[:m, :m], work.solver.q[:m])
+        return posed_lcp(work.problem, work.solver)
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
         """The motion that belongs to a solution z of the LCP."""
         work, sets, n = self._work, self._sets, self._n
         n_joint, n_tangent = int(work.n_joint), int(work.n_tangents)
         total = n_joint + n + n_tangent
+        row_forces(work.problem, work.solver, z, work.p[n_joint:])
         force = np.zeros((n, 2))
-        force[:, 0] = z[:n]
-        stuck = 0
-        for k in range(n):
-            if sets.mode[k] == STICKING:
-                force[k, 1] = z[n + stuck] - work.mu[k] * z[k]
-                stuck += 1
-            elif sets.mode[k] != SMOOTH:
-                force[k, 1] = -sliding_sign(sets.mode[k]) * work.mu[k] * z[k]
-        work.p[n_joint : n_joint + n] = force[:, 0]
-        for k in range(n):
-            if sets.tangent_of[k] >= 0:
-                work.p[n_joint + n + sets.tangent_of[k]] = force[k, 1]
+        force[:, 0] = work.p[n_joint : n_joint + n]
+        force[work.tangent[:n_tangent], 1] = work.p[n_joint + n : total]
         joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
         change = np.zeros_like(self._free)
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, change)

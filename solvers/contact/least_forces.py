@@ -1,11 +1,11 @@
 """Forces of contacts that share a load in more than one way: of all that give the same motion, the least.
 
 A box on its two lower corners may stand without friction, or with friction of both corners against each other: the
-motion does not tell, and a solver returns an extreme case. What is stored is the one of least norm,
+motion does not tell, and a solver returns an extreme case. The one of least norm is
 
     min |p|   with   G p = G p_0,   p_N >= 0,   |p_T| <= mu p_N,   p_T = -mu p_N sign(gdot_T) in slip,
 
-with the Delassus operator G of the last contact problem and its solution p_0. Where G determines p, nothing is changed,
+with the Delassus operator G of a contact problem and a solution p_0 of it. Where G determines p, nothing is changed,
 and the motion is not touched at all.
 """
 
@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.dynamics.delassus import cholesky, cholesky_solve
-from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.solvers.contact.memory import ContactData, SolverMemory
+from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
 
-__all__ = ["least_impulses"]
+__all__ = ["least_forces"]
 
 ZERO = 1e-9  # of its terms: a smaller velocity of a contact is none
 NULL = 1e-8  # of its row of the operator: what a null vector may leave
@@ -27,74 +27,67 @@ OUTSIDE = 1e-9  # of the largest impulse: by so much an impulse may be outside o
 
 
 @kernel
-def contact_velocity(work: Workspace, r: int) -> float:
-    """Velocity of contact row r after the step; 0 where it is rounding."""
-    n_joint = work.n_joint
-    total = work.problem.free[r]
+def contact_velocity(data: ContactData, p: FloatArray, r: int) -> float:
+    """Velocity of contact row r under the forces; 0 where it is rounding."""
+    total = data.free[r]
     size = abs(total)
-    for s in range(work.n_contacts + work.n_tangents):
-        part = work.problem.delassus[r, s] * work.p[n_joint + s]
+    for s in range(data.n_contacts + data.n_tangents):
+        part = data.delassus[r, s] * p[s]
         total += part
         size += abs(part)
     return 0.0 if abs(total) <= ZERO * size else total
 
 
 @kernel
-def list_unknowns(work: Workspace) -> int:
-    """Impulses that may differ from zero; returns their number.
+def list_unknowns(data: ContactData, memory: SolverMemory, p: FloatArray) -> int:
+    """Forces that may differ from zero; returns their number.
 
-    Unknown i is that of contact row basis[i] and, times bias[i] (sliding friction), of row basis[half + i]. A contact
-    that sticks has two in a row, normal and tangential.
+    Unknown i is that of contact row first[i] and, times ratio[i] (sliding friction), of row second[i]. A contact that
+    sticks has two in a row, normal and tangential.
     """
-    n_joint = work.n_joint
-    n = work.n_contacts
-    half = 2 * len(work.mu)
+    n = data.n_contacts
+    first, second, ratio = memory.first, memory.second, memory.ratio
     count = 0
     j = 0
     for k in range(n):
         tangent = -1
-        if j < work.n_tangents and work.tangent[j] == k:
+        if j < data.n_tangents and data.tangent[j] == k:
             tangent = n + j
             j += 1
-        normal = work.p[n_joint + k]
-        if normal <= 0.0 and contact_velocity(work, k) != 0.0:
+        normal = p[k]
+        if normal <= 0.0 and contact_velocity(data, p, k) != 0.0:
             continue
-        work.solver.basis[count] = k
-        work.solver.basis[half + count] = k
-        work.bias[count] = 0.0
+        first[count], second[count], ratio[count] = k, k, 0.0
         count += 1
         if tangent >= 0:
-            slip = contact_velocity(work, tangent)
+            slip = contact_velocity(data, p, tangent)
             if slip == 0.0:
-                work.solver.basis[count] = tangent
-                work.solver.basis[half + count] = tangent
-                work.bias[count] = 0.0
+                first[count], second[count], ratio[count] = tangent, tangent, 0.0
                 count += 1
             else:
-                work.solver.basis[half + count - 1] = tangent
-                ratio = work.p[n_joint + tangent] / normal if normal > 0.0 else math.copysign(work.mu[k], -slip)
-                work.bias[count - 1] = ratio
+                second[count - 1] = tangent
+                ratio[count - 1] = p[tangent] / normal if normal > 0.0 else math.copysign(data.friction[k], -slip)
     return count
 
 
 @kernel
-def reduced_entry(work: Workspace, i: int, k: int) -> float:
+def reduced_entry(data: ContactData, memory: SolverMemory, i: int, k: int) -> float:
     """Entry of the Delassus operator of the unknowns."""
-    half = 2 * len(work.mu)
-    a, b = work.solver.basis[i], work.solver.basis[half + i]
-    c, d = work.solver.basis[k], work.solver.basis[half + k]
-    f, g = work.bias[i], work.bias[k]
-    G = work.problem.delassus
-    return G[a, c] + g * G[a, d] + f * (G[b, c] + g * G[b, d])
+    a, b = memory.first[i], memory.second[i]
+    c, d = memory.first[k], memory.second[k]
+    f, g = memory.ratio[i], memory.ratio[k]
+    G = data.delassus
+    entry: float = G[a, c] + g * G[a, d] + f * (G[b, c] + g * G[b, d])
+    return entry
 
 
 @kernel
-def null_vectors(work: Workspace, count: int) -> int:
-    """Orthonormal impulses without effect, to the first rows of the tableau; returns their number."""
-    G, lower, rows = work.G, work.solver.M, work.solver.tableau
+def null_vectors(data: ContactData, memory: SolverMemory, count: int) -> int:
+    """Orthonormal forces without effect, to the first rows of the tableau; returns their number."""
+    G, lower, rows = memory.alike, memory.M, memory.tableau
     for i in range(count):
         for k in range(i + 1):
-            G[i, k] = reduced_entry(work, i, k)
+            G[i, k] = reduced_entry(data, memory, i, k)
             G[k, i] = G[i, k]
     cholesky(G, count, lower)
     found = 0
@@ -137,17 +130,17 @@ def take_off(rows: FloatArray, found: int, x: FloatArray, count: int) -> None:
 
 
 @kernel
-def to_cones(work: Workspace, count: int, x: FloatArray) -> float:
-    """Nearest impulses that contacts may have; returns by how much the farthest was moved."""
-    n = work.n_contacts
+def to_cones(data: ContactData, first: IntArray, count: int, x: FloatArray) -> float:
+    """Nearest forces that contacts may have; returns by how much the farthest was moved."""
+    n = data.n_contacts
     moved = 0.0
     for i in range(count):
-        if work.solver.basis[i] >= n:
+        if first[i] >= n:
             continue
         normal, tangential = x[i], 0.0
-        sticks = i + 1 < count and work.solver.basis[i + 1] >= n
+        sticks = i + 1 < count and first[i + 1] >= n
         if sticks:
-            mu = work.mu[work.solver.basis[i]]
+            mu = data.friction[first[i]]
             tangential = x[i + 1]
             if mu * abs(tangential) <= -normal:
                 x[i], x[i + 1] = 0.0, 0.0
@@ -162,23 +155,22 @@ def to_cones(work: Workspace, count: int, x: FloatArray) -> float:
 
 
 @kernel
-def least_impulses(work: Workspace) -> None:
-    """Replace the contact impulses in ``work.p`` by the least ones of the same effect.
+def least_forces(data: ContactData, memory: SolverMemory, p: FloatArray) -> None:
+    """Replace the forces p (rows,) that solve a contact problem by the least ones of the same effect.
 
-    Uses the memory of the solver, which begins each step anew, and the Delassus operator of all rows.
+    p: normals, then tangents. The memory serves as room to work in; what it knows of the next problem stays.
     """
-    n_joint = work.n_joint
-    if work.n_contacts < 2:
+    if data.n_contacts < 2:
         return
-    count = list_unknowns(work)
-    free = null_vectors(work, count)
+    count = list_unknowns(data, memory, p)
+    free = null_vectors(data, memory, count)
     if free == 0:
         return
-    rows = work.solver.tableau
+    rows, first = memory.tableau, memory.first
     start, x, y, rest = rows[free], rows[free + 1], rows[free + 2], rows[free + 3]
     largest = 0.0
     for i in range(count):
-        start[i] = work.p[n_joint + work.solver.basis[i]]
+        start[i] = p[first[i]]
         largest = max(largest, abs(start[i]))
         rest[i] = 0.0
         y[i] = 0.0
@@ -196,15 +188,14 @@ def least_impulses(work: Workspace) -> None:
         for i in range(count):
             y[i] = x[i] + rest[i]
             rest[i] = y[i]
-        to_cones(work, count, y)
+        to_cones(data, first, count, y)
         for i in range(count):
             rest[i] -= y[i]
     for i in range(count):
         y[i] = x[i]
-    if to_cones(work, count, y) > OUTSIDE * largest:
+    if to_cones(data, first, count, y) > OUTSIDE * largest:
         return
-    half = 2 * len(work.mu)
     for i in range(count):
-        work.p[n_joint + work.solver.basis[i]] = x[i]
-        if work.bias[i] != 0.0:
-            work.p[n_joint + work.solver.basis[half + i]] = work.bias[i] * x[i]
+        p[first[i]] = x[i]
+        if memory.ratio[i] != 0.0:
+            p[memory.second[i]] = memory.ratio[i] * x[i]
