@@ -12,70 +12,41 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
-    from lcpflex.solvers.auto import Auto, solve_lcp
-    from lcpflex.solvers.benchmark.comparison import CrossCheck, all_solvers, cross_check
-    from lcpflex.solvers.benchmark.fclib import load_fclib, save_fclib
-    from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
-    from lcpflex.solvers.benchmark.replays import Replay, replay
-    from lcpflex.solvers.benchmark.siconos_files import (
-        load_siconos,
-        load_siconos_contacts,
-        load_siconos_lcp,
-        load_siconos_mlcp,
+    from lcpflex.solvers.auto import Auto as Auto, solve_lcp as solve_lcp
+    from lcpflex.solvers.benchmark.comparison import (
+        CrossCheck as CrossCheck,
+        all_solvers as all_solvers,
+        cross_check as cross_check,
     )
-    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel
-    from lcpflex.solvers.contact.cone import ConvexFriction
-    from lcpflex.solvers.contact.problem import ContactProblem
-    from lcpflex.solvers.contact.spatial import SpatialContactProblem
-    from lcpflex.solvers.lcp.enumeration import Enumeration
-    from lcpflex.solvers.lcp.gauss_seidel import GaussSeidel
-    from lcpflex.solvers.lcp.lemke import Lemke
-    from lcpflex.solvers.lcp.newton import MinMapNewton
-    from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting
-    from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
-    from lcpflex.solvers.problem import Lcp, Solution, Status, accept
-    from lcpflex.solvers.quadratic_program import QuadraticProgram
-    from lcpflex.solvers.time_limit import TimeLimit
-    from lcpflex.solvers.user_solver import UserSolver
+    from lcpflex.solvers.benchmark.fclib import load_fclib as load_fclib, save_fclib as save_fclib
+    from lcpflex.solvers.benchmark.files import (
+        load_problems as load_problems,
+        load_text_lcp as load_text_lcp,
+        save_problems as save_problems,
+    )
+    from lcpflex.solvers.benchmark.replays import Replay as Replay, replay as replay
+    from lcpflex.solvers.benchmark.siconos_files import (
+        load_siconos as load_siconos,
+        load_siconos_contacts as load_siconos_contacts,
+        load_siconos_lcp as load_siconos_lcp,
+        load_siconos_mlcp as load_siconos_mlcp,
+    )
+    from lcpflex.solvers.contact.block_gauss_seidel import BlockGaussSeidel as BlockGaussSeidel
+    from lcpflex.solvers.contact.cone import ConvexFriction as ConvexFriction
+    from lcpflex.solvers.contact.problem import ContactProblem as ContactProblem
+    from lcpflex.solvers.contact.spatial import SpatialContactProblem as SpatialContactProblem
+    from lcpflex.solvers.lcp.enumeration import Enumeration as Enumeration
+    from lcpflex.solvers.lcp.gauss_seidel import GaussSeidel as GaussSeidel
+    from lcpflex.solvers.lcp.lemke import Lemke as Lemke
+    from lcpflex.solvers.lcp.newton import MinMapNewton as MinMapNewton
+    from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting as PrincipalPivoting
+    from lcpflex.solvers.mixed.problems import BoxedLcp as BoxedLcp, MixedLcp as MixedLcp
+    from lcpflex.solvers.problem import Lcp as Lcp, Solution as Solution, Status as Status, accept as accept
+    from lcpflex.solvers.quadratic_program import QuadraticProgram as QuadraticProgram
+    from lcpflex.solvers.time_limit import TimeLimit as TimeLimit
+    from lcpflex.solvers.user_solver import UserSolver as UserSolver
 
 if __name__ != "lcpflex.solvers":
     raise ImportError("this package is part of lcpflex: import it as `lcpflex.solvers`")
-
-__all__ = [
-    "Auto",
-    "BlockGaussSeidel",
-    "BoxedLcp",
-    "ContactProblem",
-    "ConvexFriction",
-    "CrossCheck",
-    "Enumeration",
-    "GaussSeidel",
-    "Lcp",
-    "Lemke",
-    "MinMapNewton",
-    "MixedLcp",
-    "UserSolver",
-    "PrincipalPivoting",
-    "QuadraticProgram",
-    "Replay",
-    "Solution",
-    "SpatialContactProblem",
-    "Status",
-    "TimeLimit",
-    "accept",
-    "all_solvers",
-    "cross_check",
-    "load_fclib",
-    "load_problems",
-    "load_siconos",
-    "load_siconos_contacts",
-    "load_siconos_lcp",
-    "load_siconos_mlcp",
-    "load_text_lcp",
-    "replay",
-    "save_fclib",
-    "save_problems",
-    "solve_lcp",
-]
 
 __getattr__, __dir__ = attach(__name__, renamed={"OwnSolver": "UserSolver"})

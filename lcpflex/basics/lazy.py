@@ -1,11 +1,12 @@
 """Names that a module loads when they are first used: those that it imports for type checkers.
 
     if TYPE_CHECKING:
-        from lcpflex.bodies.beam import Beam
+        from lcpflex.bodies.beam import Beam as Beam
 
     __getattr__, __dir__ = attach(__name__)
 
-So each name is written once, with its home: type checkers and the import linter read the lines that are carried out
+``as Beam`` tells type checkers that the name is public. ``__all__``, where it is not written, is all of the block. So
+each name is written once, with its home: type checkers and the import linter read the lines that are carried out
 later (PEP 562; packages of scientific Python do the same with stub files, SPEC 1). ``import lcpflex`` comes by here,
 and loads neither numpy nor what only the first use needs.
 """
@@ -31,8 +32,8 @@ def attach(
     Parameters
     ----------
     module
-        ``__name__`` of a module with ``__all__`` and a block ``if TYPE_CHECKING:`` of imports, each
-        ``from home import name`` or ``import home as name``.
+        ``__name__`` of a module with a block ``if TYPE_CHECKING:`` of imports, each ``from home import name`` or
+        ``import home as name``.
     label
         What messages call the module, its name if omitted.
     renamed
@@ -42,7 +43,7 @@ def attach(
     -------
     tuple
         ``__getattr__``, which loads a name of the block at its first use, and raises AttributeError with the nearest
-        public name for any other; and ``__dir__``, the names of the block and of ``__all__``.
+        public name for any other; and ``__dir__``, the names of the block and of ``__all__`` where that is written.
     """
 
     @cache
@@ -50,11 +51,13 @@ def attach(
         return _homes(module)
 
     def names() -> list[str]:
-        return sorted({*homes(), *sys.modules[module].__all__})
+        return sorted({*homes(), *vars(sys.modules[module]).get("__all__", ())})
 
     def load(name: str) -> Any:
         if renamed and name in renamed:
             return renamed_name(module, name, renamed, label or module)
+        if name == "__all__":
+            return names()
         if name.startswith("__") or name not in homes():
             from lcpflex.basics.names import nearest
 

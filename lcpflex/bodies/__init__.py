@@ -7,49 +7,30 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.bar import Bar
-    from lcpflex.bodies.beam import Beam
-    from lcpflex.bodies.body import Body, Chain, FidelityLevel, MaterialPoint, Resolution, Round, Shortening
-    from lcpflex.bodies.continuum import Continuum
-    from lcpflex.bodies.matrices import Matrices
-    from lcpflex.bodies.reduction.component_modes import (
-        craig_bampton,
-        free_interface,
-        residual_compliance,
-        sub_regional,
-        unreduced,
+    from lcpflex.bodies.bar import Bar as Bar
+    from lcpflex.bodies.beam import Beam as Beam
+    from lcpflex.bodies.body import (
+        Body as Body,
+        Chain as Chain,
+        FidelityLevel as FidelityLevel,
+        MaterialPoint as MaterialPoint,
+        Resolution as Resolution,
+        Round as Round,
+        Shortening as Shortening,
     )
-    from lcpflex.bodies.reduction.damping import Rayleigh
-    from lcpflex.bodies.reduction.interface import Interface
-    from lcpflex.bodies.reduction.stiffening import Stiffening
-    from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
-    from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
-
-__all__ = [
-    "Bar",
-    "Beam",
-    "Body",
-    "Box",
-    "Chain",
-    "Continuum",
-    "Disc",
-    "Interface",
-    "MaterialPoint",
-    "Matrices",
-    "Polygon",
-    "Rayleigh",
-    "Resolution",
-    "RigidBody",
-    "Round",
-    "FidelityLevel",
-    "Shortening",
-    "SolidOfRevolution",
-    "Stiffening",
-    "craig_bampton",
-    "free_interface",
-    "residual_compliance",
-    "sub_regional",
-    "unreduced",
-]
+    from lcpflex.bodies.continuum import Continuum as Continuum
+    from lcpflex.bodies.matrices import Matrices as Matrices
+    from lcpflex.bodies.reduction.component_modes import (
+        craig_bampton as craig_bampton,
+        free_interface as free_interface,
+        residual_compliance as residual_compliance,
+        sub_regional as sub_regional,
+        unreduced as unreduced,
+    )
+    from lcpflex.bodies.reduction.damping import Rayleigh as Rayleigh
+    from lcpflex.bodies.reduction.interface import Interface as Interface
+    from lcpflex.bodies.reduction.stiffening import Stiffening as Stiffening
+    from lcpflex.bodies.rigid import Box as Box, Disc as Disc, Polygon as Polygon, RigidBody as RigidBody
+    from lcpflex.bodies.solid_of_revolution import SolidOfRevolution as SolidOfRevolution
 
 __getattr__, __dir__ = attach(__name__, renamed={"Rung": "FidelityLevel"})

@@ -21,8 +21,7 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import array_of, whole_number
-from lcpflex.basics.arguments import mapping_of as named
+from lcpflex.basics.arguments import array_of, mapping_of as named, whole_number
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray

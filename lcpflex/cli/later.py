@@ -33,38 +33,4 @@ if TYPE_CHECKING:
     from lcpflex.studies.stability_maps.acceleration_level import acceleration_level
     from lcpflex.studies.stability_maps.study import stability
 
-__all__ = [
-    "Case",
-    "EventDriven",
-    "ExplicitRungeKutta",
-    "GeneralizedAlpha",
-    "LEVELS",
-    "MasslessBoundary",
-    "MoreauJean",
-    "Penalty",
-    "Recorded",
-    "Smooth",
-    "Verlet",
-    "acceleration_level",
-    "all_solvers",
-    "as_solver",
-    "check_repeats",
-    "check_time_limit",
-    "check_tolerance",
-    "known_outputs",
-    "load_fclib",
-    "load_problems",
-    "load_siconos",
-    "load_text_lcp",
-    "lost",
-    "replay",
-    "right_size",
-    "scenes",
-    "simulate",
-    "stability",
-    "standard_methods",
-    "warmup_cases",
-    "work_precision",
-]
-
 __getattr__, __dir__ = attach(__name__)

@@ -10,9 +10,7 @@ from lcpflex.contact.narrow_phase.feature import contact_bias
 from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
-from lcpflex.dynamics.inertia import factorise as factorise_bodies
-from lcpflex.dynamics.inertia import multiply as multiply_bodies
-from lcpflex.dynamics.inertia import solve_block
+from lcpflex.dynamics.inertia import factorise as factorise_bodies, multiply as multiply_bodies, solve_block
 from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model

@@ -9,8 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lcpflex.contact import detection
-from lcpflex.contact import rows as kinematics
+from lcpflex.contact import detection, rows as kinematics
 from lcpflex.contact.detection import ContactTable
 from lcpflex.contact.narrow_phase import feature
 from lcpflex.dynamics import mechanics

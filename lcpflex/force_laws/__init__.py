@@ -11,73 +11,51 @@ from typing import TYPE_CHECKING
 from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
-    from lcpflex.force_laws.contact_law import ContactLaw
+    from lcpflex.force_laws.contact_law import ContactLaw as ContactLaw
     from lcpflex.force_laws.damping.dissipative import (
-        Jankowski,
-        KelvinVoigt,
-        KuwabaraKono,
-        PermanentIndentation,
-        Ristow,
-        Tsuji,
+        Jankowski as Jankowski,
+        KelvinVoigt as KelvinVoigt,
+        KuwabaraKono as KuwabaraKono,
+        PermanentIndentation as PermanentIndentation,
+        Ristow as Ristow,
+        Tsuji as Tsuji,
     )
-    from lcpflex.force_laws.damping.hysteresis import HysteresisDamping, HysteresisFactor
-    from lcpflex.force_laws.damping.restitution import prescribed_restitution, restitution_of
-    from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
-    from lcpflex.force_laws.elastic.explicit_line_laws import LankaraniNikraveshCylinder, Liu, Pereira, Persson
-    from lcpflex.force_laws.elastic.hertz import Hertz
-    from lcpflex.force_laws.elastic.line_contact import DubowskyFreudenstein, Esdu78035, Goldsmith, Johnson, Radzimovsky
-    from lcpflex.force_laws.elastic.materials import Material
-    from lcpflex.force_laws.elastic.power_fit import PowerFit, fit_power_law
-    from lcpflex.force_laws.elastic.power_law import PowerLaw
-    from lcpflex.force_laws.friction.bristles import Bristle, LuGre
+    from lcpflex.force_laws.damping.hysteresis import (
+        HysteresisDamping as HysteresisDamping,
+        HysteresisFactor as HysteresisFactor,
+    )
+    from lcpflex.force_laws.damping.restitution import (
+        prescribed_restitution as prescribed_restitution,
+        restitution_of as restitution_of,
+    )
+    from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair as CylinderPair
+    from lcpflex.force_laws.elastic.explicit_line_laws import (
+        LankaraniNikraveshCylinder as LankaraniNikraveshCylinder,
+        Liu as Liu,
+        Pereira as Pereira,
+        Persson as Persson,
+    )
+    from lcpflex.force_laws.elastic.hertz import Hertz as Hertz
+    from lcpflex.force_laws.elastic.line_contact import (
+        DubowskyFreudenstein as DubowskyFreudenstein,
+        Esdu78035 as Esdu78035,
+        Goldsmith as Goldsmith,
+        Johnson as Johnson,
+        Radzimovsky as Radzimovsky,
+    )
+    from lcpflex.force_laws.elastic.materials import Material as Material
+    from lcpflex.force_laws.elastic.power_fit import PowerFit as PowerFit, fit_power_law as fit_power_law
+    from lcpflex.force_laws.elastic.power_law import PowerLaw as PowerLaw
+    from lcpflex.force_laws.friction.bristles import Bristle as Bristle, LuGre as LuGre
     from lcpflex.force_laws.friction.laws import (
-        Ambrosio,
-        ArctangentCoulomb,
-        BengisuAkay,
-        BrownMcPhee,
-        RampCoulomb,
-        SmoothedCoulomb,
-        Threlfall,
+        Ambrosio as Ambrosio,
+        ArctangentCoulomb as ArctangentCoulomb,
+        BengisuAkay as BengisuAkay,
+        BrownMcPhee as BrownMcPhee,
+        RampCoulomb as RampCoulomb,
+        SmoothedCoulomb as SmoothedCoulomb,
+        Threlfall as Threlfall,
     )
-    from lcpflex.force_laws.user_law import UserLaw
-
-__all__ = [
-    "Ambrosio",
-    "ArctangentCoulomb",
-    "BengisuAkay",
-    "Bristle",
-    "BrownMcPhee",
-    "ContactLaw",
-    "CylinderPair",
-    "DubowskyFreudenstein",
-    "Esdu78035",
-    "Goldsmith",
-    "Hertz",
-    "HysteresisDamping",
-    "HysteresisFactor",
-    "Jankowski",
-    "Johnson",
-    "KelvinVoigt",
-    "KuwabaraKono",
-    "LankaraniNikraveshCylinder",
-    "Liu",
-    "LuGre",
-    "Material",
-    "UserLaw",
-    "Pereira",
-    "PermanentIndentation",
-    "Persson",
-    "PowerFit",
-    "PowerLaw",
-    "Radzimovsky",
-    "RampCoulomb",
-    "Ristow",
-    "SmoothedCoulomb",
-    "Threlfall",
-    "Tsuji",
-    "fit_power_law",
-    "prescribed_restitution",
-    "restitution_of",
-]
+    from lcpflex.force_laws.user_law import UserLaw as UserLaw
 
 __getattr__, __dir__ = attach(__name__, "lcpflex.laws", {"OwnLaw": "UserLaw"})

@@ -13,8 +13,7 @@ from zlib import crc32
 import numpy as np
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.solvers.benchmark import contact_families as contact
-from lcpflex.solvers.benchmark import matrix_families as matrices
+from lcpflex.solvers.benchmark import contact_families as contact, matrix_families as matrices
 from lcpflex.solvers.benchmark.example import Example
 
 __all__ = ["FAMILIES", "SIZES", "Example", "examples", "family"]

@@ -18,8 +18,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.errors import ModelError
-from lcpflex.studies import Output, WorkPrecision
-from lcpflex.studies import work_precision as full_study
+from lcpflex.studies import Output, WorkPrecision, work_precision as full_study
 from tests.scenes import floor_of, grazing_disc
 
 EVENTS = [lf.EventDriven(rtol=r, atol=0.1 * r) for r in (1e-5, 1e-6, 1e-7)]

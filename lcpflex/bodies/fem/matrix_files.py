@@ -21,8 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
-from lcpflex.basics.arguments import lines_of
-from lcpflex.basics.arguments import numbers as numbers_in
+from lcpflex.basics.arguments import lines_of, numbers as numbers_in
 from lcpflex.bodies.body import array_of, named
 from lcpflex.bodies.matrices import Matrices
 from lcpflex.errors import ModelError, path_of, shown

@@ -12,8 +12,7 @@ import numpy as np
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.acceptance import measures
 from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity, Refused
-from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases
-from lcpflex.gallery.mechanisms.flexible import pendulum
+from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases, pendulum
 from lcpflex.gallery.mechanisms.rigid import cases, painleve_rod
 from lcpflex.gallery.mechanisms.user_systems import cases as user_cases
 from lcpflex.steppers.event_driven.stepper import EventDriven

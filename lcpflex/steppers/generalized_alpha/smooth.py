@@ -12,11 +12,11 @@ from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
     SLIDE_FORTH,
+    SMOOTH as FRICTIONLESS,
     STICKING,
     pose_sets,
     sliding_sign,
 )
-from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.contact_problem import pose_contacts
 from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
 from lcpflex.dynamics.mechanics import (

@@ -18,8 +18,7 @@ from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, sol
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.configuration import advance as move
-from lcpflex.kinematics.configuration import difference
+from lcpflex.kinematics.configuration import advance as move, difference
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID

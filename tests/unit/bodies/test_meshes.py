@@ -10,8 +10,7 @@ import skfem
 
 import lcpflex as lf
 from lcpflex.bodies.continuum import Continuum
-from lcpflex.bodies.fem import grading as mesh_grading
-from lcpflex.bodies.fem import meshes
+from lcpflex.bodies.fem import grading as mesh_grading, meshes
 from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
 
 STEEL = (7800.0, 2e11, 0.3)

@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from lcpflex.bodies import body
-from lcpflex.bodies import surface as shapes
+from lcpflex.bodies import body, surface as shapes
 from lcpflex.contact.narrow_phase.feature import SEGMENT, VERTEX
 from lcpflex.errors import ModelError
 

@@ -12,10 +12,8 @@ from typing import Any
 
 import pytest
 
-from lcpflex.jit import cache as kernel_cache
-from lcpflex.jit import cache_folders
-from lcpflex.jit.cache_folders import cache_folders as folders_of
-from lcpflex.jit.cache_folders import is_private_file, unsafe
+from lcpflex.jit import cache as kernel_cache, cache_folders
+from lcpflex.jit.cache_folders import cache_folders as folders_of, is_private_file, unsafe
 from lcpflex.jit.kernel_file import ENDING, KernelFile
 
 POSIX = pytest.mark.skipif(not hasattr(os, "getuid"), reason="rights of other users are not told by such bits here")

@@ -21,13 +21,10 @@ from lcpflex.jit.dispatch import callees, link, reaching
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.steppers.event_driven import loop as event_loop
-from lcpflex.steppers.generalized_alpha import adaptive as generalized_alpha_adaptive
-from lcpflex.steppers.generalized_alpha import stepper as generalized_alpha
+from lcpflex.steppers.generalized_alpha import adaptive as generalized_alpha_adaptive, stepper as generalized_alpha
 from lcpflex.steppers.massless_boundary import step as massless_step
-from lcpflex.steppers.moreau_jean import adaptive as moreau_jean_adaptive
-from lcpflex.steppers.moreau_jean import stepper as moreau_jean
-from lcpflex.steppers.smooth import explicit as smooth_explicit
-from lcpflex.steppers.smooth import slope as smooth_slope
+from lcpflex.steppers.moreau_jean import adaptive as moreau_jean_adaptive, stepper as moreau_jean
+from lcpflex.steppers.smooth import explicit as smooth_explicit, slope as smooth_slope
 
 LOOPS: dict[str, Any] = {
     "Moreau-Jean": moreau_jean.advance,

@@ -8,8 +8,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp
-from lcpflex.solvers.benchmark import fclib as fclib_module
-from lcpflex.solvers.benchmark import files as files_module
+from lcpflex.solvers.benchmark import fclib as fclib_module, files as files_module
 from lcpflex.solvers.benchmark.fclib import load_fclib
 from lcpflex.solvers.benchmark.files import load_problems, load_text_lcp, save_problems
 from lcpflex.solvers.contact.spatial import SpatialContactProblem

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from lcpflex.solvers import ContactProblem, Lcp, MinMapNewton, Status
-from lcpflex.solvers.lcp.newton import _begin as begin
-from lcpflex.solvers.lcp.newton import _min_map as min_map
-from lcpflex.solvers.lcp.newton import _newton_point as newton_point
-from lcpflex.solvers.lcp.newton import _step as step
-from lcpflex.solvers.lcp.newton import min_map_newton, newton_workspace
+from lcpflex.solvers.lcp.newton import (
+    _begin as begin,
+    _min_map as min_map,
+    _newton_point as newton_point,
+    _step as step,
+    min_map_newton,
+    newton_workspace,
+)
 
 UNSOLVABLE = Lcp([[-1.0, 2.0], [1.0, 1.0]], [-1.0, 1.0])  # w2 > 0 makes z2 = 0, and then w1 < 0
 
