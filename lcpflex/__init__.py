@@ -26,7 +26,7 @@ from lcpflex.basics.version import VERSION as __version__
 
 if TYPE_CHECKING:
     import lcpflex.bodies.fem.meshes as meshes
-    import lcpflex.checks.resolution_rules as advice
+    import lcpflex.checks.resolution_rules as resolution_rules
     import lcpflex.force_laws as laws
     import lcpflex.gallery as gallery
     import lcpflex.solvers as solvers
@@ -141,7 +141,6 @@ __all__ = [
     "Weld",
     "__version__",
     "admissible_accelerations",
-    "advice",
     "craig_bampton",
     "free_interface",
     "gallery",
@@ -149,6 +148,7 @@ __all__ = [
     "matrices_from_files",
     "meshes",
     "residual_compliance",
+    "resolution_rules",
     "resume",
     "simulate",
     "solvers",
@@ -157,7 +157,7 @@ __all__ = [
     "unreduced",
 ]
 
-__getattr__, __dir__ = attach(__name__, renamed={"Energetic": "Stronge"})
+__getattr__, __dir__ = attach(__name__, renamed={"Energetic": "Stronge", "advice": "resolution_rules"})
 
 
 class _Package(ModuleType):

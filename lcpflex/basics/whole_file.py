@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from lcpflex.errors import ModelError, writable_path
 
-__all__ = ["whole_file"]
+__all__ = ["whole_file", "write_rows"]
 
 
 @contextmanager
@@ -41,6 +42,14 @@ def whole_file(name: str, path: Any) -> Iterator[Path]:
             raise
     except OSError as error:
         raise ModelError(f"{name}: cannot write {str(target)!r}: {error.strerror or error}") from error
+
+
+def write_rows(path: Any, rows: Iterable[Iterable[Any]], line_end: str = "\r\n") -> Path:
+    """Write rows to a CSV file, all of it or nothing. Raises ModelError where it cannot be written."""
+    target = writable_path("path", path)
+    with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator=line_end).writerows(rows)
+    return target
 
 
 def _to_disk(path: Path) -> None:

@@ -34,7 +34,6 @@ SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega ste
 MATTERS = 0.01  # of the largest speed, or of the distance travelled
 NEGLIGIBLE = 1e-3  # of the other forces: what is smaller does not matter where nothing moves either
 LOST = 0.03  # of the path of a drive
-DRIVEN_ANGLE = 5  # kind of joint
 GOOD = 20.0  # steps in a period, or in the shortest bend: what is advised
 
 Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of functions of time

@@ -52,4 +52,5 @@ def _chart(request: argparse.Namespace, load: Loader) -> int:
         limit=request.limit,
         outputs=[*asked, *others],  # the first one is drawn and decides on the reference
     )
+    print(work)
     return deliver(request, work, any(not point.failure for point in work.points))

@@ -11,8 +11,8 @@ from typing import Any
 from lcpflex.basics import libs
 from lcpflex.basics.names import meant
 from lcpflex.cli import later
-from lcpflex.cli.reading import called, check_picture, in_file, load_named
-from lcpflex.errors import ModelError, writable_path
+from lcpflex.cli.reading import called, check_files, in_file, load_named
+from lcpflex.errors import ModelError
 
 __all__ = ["add_cross_check"]
 
@@ -38,9 +38,7 @@ def add_cross_check(commands: Any) -> None:
 
 def _cross_check(request: argparse.Namespace) -> int:
     """One problem: who solves it, and how well. Many: the sums of each solver. 1 if a claim was wrong."""
-    check_picture("--plot", request.plot)
-    if request.csv is not None:
-        writable_path("--csv", request.csv)
+    check_files(request, "plot")
     if request.tolerance is not None:
         later.check_tolerance(request.tolerance)
     later.check_time_limit("--time-limit", request.time_limit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from traceback import extract_tb
@@ -22,19 +22,22 @@ if TYPE_CHECKING:
 __all__ = [
     "PICTURES",
     "add_files",
+    "callable_named",
     "called",
-    "check_files",
     "check_picture",
+    "check_files",
     "deliver",
     "duration_of",
     "in_file",
     "load_named",
     "methods_named",
+    "one_named",
     "outputs_named",
     "save_figure",
 ]
 
 PICTURES = (".png", ".pdf", ".svg")
+WORDS = ("table", "chart")  # that tell where the files of a study are
 
 
 class Study(Protocol):
@@ -53,15 +56,15 @@ def add_files(command: argparse.ArgumentParser) -> None:
     command.add_argument("--duration", type=float, metavar="SECONDS", help="default: the one of the scene")
 
 
-def check_files(request: argparse.Namespace) -> None:
-    """Raise ModelError for files that cannot be written, before anything is run."""
-    check_picture("--output", request.output)
-    if request.csv is not None:
-        writable_path("--csv", request.csv)
+def check_files(request: argparse.Namespace, picture: str = "output", data: str = "csv") -> None:
+    """Raise ModelError for files that cannot be written, before anything is run; by the names of their options."""
+    check_picture(f"--{picture}", getattr(request, picture))
+    if getattr(request, data) is not None:
+        writable_path(f"--{data}", getattr(request, data))
 
 
 def check_picture(option: str, path: Path | None) -> None:
-    """Raise ModelError, before anything is run, for a picture of another kind or one that cannot be written."""
+    """Raise ModelError for a picture of another kind or one that cannot be written."""
     if path is None:
         return
     if path.suffix.lower() not in PICTURES:
@@ -123,23 +126,33 @@ def called(option: str, text: str, function: Callable[[], Any], expected: str) -
         ) from error
 
 
+def callable_named(option: str, text: str, attribute: str, expected: str) -> Any:
+    """What ``file.py:name`` names: something that can be called, or that has the attribute, and is no class."""
+    found = load_named(option, text)
+    if isinstance(found, type) or not (callable(found) or hasattr(found, attribute)):
+        raise ModelError(f"{option}: {text[-80:]!r} is {shown(found)}; expected {expected}")
+    return found
+
+
+def one_named(option: str, text: str, known: Mapping[str, Any], attribute: str, expected: str) -> Any:
+    """What is known by that name, or what ``file.py:name`` names, as for :func:`callable_named`."""
+    if in_file(text):
+        return callable_named(option, text, attribute, expected)
+    if text not in known:
+        raise no_such(option, text, known)
+    return known[text]
+
+
+def no_such(option: str, text: str, known: Iterable[str], plain: Callable[[str], str] = str) -> ModelError:
+    """What to raise for a text that is none of the names, compared as ``plain`` has them."""
+    near = meant(plain(text[:80]), map(plain, known))
+    return ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
+
+
 def outputs_named(option: str, texts: Sequence[str], known: Sequence[str]) -> list[Any]:
     """Outputs by name, and those of the user's own as ``file.py:name``: a function of a Result, or an Output."""
-    chosen: list[Any] = []
-    for text in texts:
-        if not in_file(text):
-            if text not in known:
-                near = meant(text[:80], known)
-                raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
-            chosen.append(text)
-            continue
-        found = load_named(option, text)
-        if isinstance(found, type) or not (callable(found) or hasattr(found, "function")):
-            raise ModelError(
-                f"{option}: {text[-80:]!r} is {shown(found)}; expected a function of a Result, or an Output"
-            )
-        chosen.append(found)
-    return chosen
+    names, expected = {name: name for name in known}, "a function of a Result, or an Output"
+    return [one_named(option, text, names, "function", expected) for text in texts]
 
 
 def methods_named(option: str, texts: Sequence[str], known: Callable[[], dict[str, Any]]) -> dict[str, Any]:
@@ -155,8 +168,7 @@ def methods_named(option: str, texts: Sequence[str], known: Callable[[], dict[st
             continue
         found = {label: one for label, one in known().items() if _plain(label) == _plain(text)}
         if not found:
-            near = meant(_plain(text[:80]), map(_plain, known()))
-            raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known())}")
+            raise no_such(option, text, known(), _plain)
         chosen |= found
     return chosen
 
@@ -182,20 +194,26 @@ def duration_of(request: argparse.Namespace, known: float | None) -> float:
     """The duration asked for, or that of the scene [s]; raises ModelError if there is neither."""
     duration = known if request.duration is None else request.duration
     if duration is None:
-        raise ModelError(f"--duration: not given, and {request.scene!r} does not say; expected a number of seconds > 0")
+        raise ModelError(
+            f"--duration: not given, and {shown(request.scene)} does not say; expected a number of seconds > 0"
+        )
     return float(duration)
 
 
-def deliver(request: argparse.Namespace, study: Study, success: bool) -> int:
-    """Print a study and write its files. The exit code: 130 after Ctrl-C, else 0 for ``success`` and 1 without."""
-    print(study)
+def deliver(
+    request: argparse.Namespace, study: Study, success: bool, picture: str = "output", words: Sequence[str] = WORDS
+) -> int:
+    """Write the files of a study. The exit code: 130 after Ctrl-C, else 0 for ``success`` and 1 without.
+
+    picture: the option for it; words: for table and picture.
+    """
     if request.csv is not None:
         study.csv(request.csv)
-        print(f"\ntable: {request.csv.resolve()}")
-    if request.output is not None:
-        with whole_file("output", request.output) as part:
+        print(f"\n{words[0]}: {request.csv.resolve()}")
+    if (path := getattr(request, picture)) is not None:
+        with whole_file(picture, path) as part:
             study.plot().savefig(part, dpi=150)
-        print(f"\nchart: {request.output.resolve()}")
+        print(f"\n{words[1]}: {path.resolve()}")
     if not study.complete:
         print("lcpflex: interrupted", file=sys.stderr)
         return 130

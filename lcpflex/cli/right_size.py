@@ -8,17 +8,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from lcpflex.cli import later
-from lcpflex.cli.reading import (
-    add_files,
-    check_files,
-    deliver,
-    duration_of,
-    in_file,
-    load_named,
-    outputs_named,
-)
+from lcpflex.cli.reading import add_files, callable_named, check_files, deliver, duration_of, in_file, outputs_named
 from lcpflex.cli.scenes import Loader, scene_named
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, in_range
 
 __all__ = ["add_right_size"]
 
@@ -65,6 +57,7 @@ def _right_size(request: argparse.Namespace, load: Loader) -> int:
     found = later.right_size(
         case, outputs or None, request.tolerance, duration=duration, stepper=given, limit=request.limit
     )
+    print(found)
     return deliver(request, found, found.within)
 
 
@@ -78,8 +71,4 @@ def _stepper(request: argparse.Namespace) -> Any:
         raise ModelError("--step: given with --stepper, which has its own; expected one of them")
     if not in_file(request.stepper):
         raise ModelError(f"--stepper: {request.stepper[:80]!r}; expected file.py:name")
-    found = load_named("--stepper", request.stepper)
-    if isinstance(found, type) or not (callable(found) or hasattr(found, "start")):
-        raise ModelError(f"--stepper: {request.stepper[-80:]!r} is {shown(found)}; expected a stepper, or a "
-                         "function of the scene that makes one")  # fmt: skip
-    return found
+    return callable_named("--stepper", request.stepper, "start", "a stepper, or a function of the scene that makes one")

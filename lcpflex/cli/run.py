@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from lcpflex.cli import later
-from lcpflex.cli.reading import check_picture, save_figure
+from lcpflex.cli.reading import check_files, duration_of, save_figure
 from lcpflex.cli.scenes import scene_named
-from lcpflex.errors import ModelError, shown, writable_path
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["add_gallery", "add_run"]
 
@@ -51,15 +51,9 @@ def _run(request: argparse.Namespace) -> int:
         value = getattr(request, option)
         if value is not None and not 0.0 < value < float("inf"):
             raise ModelError(f"--{option}: {shown(value)}; expected a number of {unit} > 0")
-    check_picture("--plot", request.plot)
-    if request.save is not None:
-        writable_path("--save", request.save)
+    check_files(request, "plot", "save")
     scene, duration, stepper = scene_named(request.scene)
-    duration = request.duration or duration
-    if duration is None:
-        raise ModelError(
-            f"--duration: not given, and {shown(request.scene)} does not say; expected a number of seconds > 0"
-        )
+    duration = duration_of(request, duration)
     stepper = _stepper(request.stepper, request.step, request.stiffness, stepper)
     result = later.simulate(scene, duration, stepper)
     print(result.summary())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import inspect
 import math
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -13,12 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.basics.names import meant
-from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli import later
-from lcpflex.cli.reading import check_picture, in_file, load_named, outputs_named
+from lcpflex.cli.reading import check_files, deliver, in_file, one_named, outputs_named
 from lcpflex.cli.scenes import case_or_function
-from lcpflex.errors import ModelError, in_range, shown, writable_path
+from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.studies.criteria import Criteria
 from lcpflex.studies.outputs import known_outputs
 
@@ -76,9 +73,7 @@ def add_stability(commands: Any, find: Callable[[str], Any] = case_or_function) 
 
 
 def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
-    check_picture("--plot", request.plot)
-    if request.csv is not None:
-        writable_path("--csv", request.csv)
+    check_files(request, "plot")
     for name in ("duration", "time_limit"):
         if getattr(request, name) is not None:
             in_range(f"--{name.replace('_', '-')}", getattr(request, name), 0.0, math.inf, open_ends=True)
@@ -116,15 +111,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
         time_limit=request.time_limit,
     )  # fmt: skip
     print(f"{found}\n\n{found.table()}")
-    if request.csv is not None:
-        print(f"\ncells: {found.csv(request.csv).resolve()}")
-    if request.plot is not None:
-        with whole_file("plot", request.plot) as part:
-            found.plot().savefig(part, dpi=150)
-        print(f"\nmap: {request.plot.resolve()}")
-    if not found.complete:
-        print("lcpflex: interrupted", file=sys.stderr)
-    return 0 if found.complete else 130
+    return deliver(request, found, True, "plot", ("cells", "map"))
 
 
 def _label(text: str) -> str:
@@ -134,17 +121,7 @@ def _label(text: str) -> str:
 
 def _method(option: str, text: str, known: Mapping[str, Any]) -> Any:
     """The method of that name, or the stepper or function of a file of the user's own."""
-    if not in_file(text):
-        if text not in known:
-            near = meant(text[:80], known)
-            raise ModelError(f"{option}: {text[:80]!r}{near}; expected file.py:name or one of {', '.join(known)}")
-        return known[text]
-    found = load_named(option, text)
-    if isinstance(found, type) or not (callable(found) or hasattr(found, "start")):
-        raise ModelError(
-            f"{option}: {text[-80:]!r} is {shown(found)}; expected a stepper, or a function that makes one"
-        )
-    return found
+    return one_named(option, text, known, "start", "a stepper, or a function that makes one")
 
 
 def _check_size(axes: Mapping[str, Sequence[Any]], methods: Mapping[str, Any]) -> None:

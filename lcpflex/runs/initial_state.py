@@ -12,7 +12,6 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.setup import Stepper
     from lcpflex.scene.user_system import UserSystem
 

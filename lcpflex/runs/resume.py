@@ -18,11 +18,9 @@ from lcpflex.runs.stamp import difference, functions_of, made, plain, scene_node
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.results.problem_log import RecordProblems
     from lcpflex.results.result import Result
     from lcpflex.scene.scene import Scene
-    from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["resume"]
 

@@ -17,8 +17,6 @@ from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.scene.scene import Scene
-    from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.run import Records
     from lcpflex.steppers.system import System
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics import libs
+from lcpflex.basics.progress import progress_bar
 from lcpflex.basics.stopwatch import Stopwatch
 from lcpflex.checks.axial_loads import with_axial_loads
 from lcpflex.checks.kept_depth import kept_depths
@@ -31,7 +31,6 @@ from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_u
 from lcpflex.steppers.law_run import friction_warnings
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
@@ -143,7 +142,7 @@ def carry_out(
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
-    stepper, system, compiled, names = setup.stepper, setup.system, setup.compiled, setup.names
+    stepper, system, names = setup.stepper, setup.system, setup.names
     options, recorder = setup.options, setup.recorder
     clock = Stopwatch()
     run = setup.run()
@@ -171,7 +170,7 @@ def carry_out(
     timing = (spent[0] + computing, spent[1] + loading)
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
     complete = not (message or interrupted)
-    result = _collect(run, system, compiled, names, options, stepper, timing, note, complete)
+    result = _collect(setup, run, timing, note, complete)
     result = replace(result, warnings=(*result.warnings, *unresolved(result), *rebounds(result), *kept_depths(result)))
     result = with_axial_loads(result)
     if system.calls is not None:
@@ -225,12 +224,8 @@ def _advance_all(
     run: Run, limits: Limits, duration: float, progress: bool | None, keeper: Checkpoints | None
 ) -> tuple[str, Exception | None]:
     """Advance in chunks of about CHUNK_SECONDS until the end."""
-    # disable=None: shown on a terminal only
-    bar: Any = libs.tqdm(
-        total=duration, initial=run.time, unit="s", delay=0.0 if progress else 2.0,
-        disable=None if progress is None else not progress,
-        bar_format="{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]",
-    )  # fmt: skip
+    words = "{l_bar}{bar}| {n:.4g}/{total:.4g} s [{elapsed}<{remaining}]"
+    bar = progress_bar(progress, total=duration, initial=run.time, unit="s", bar_format=words)
     chunk = 16
     limits.begin()
     with bar:
@@ -249,18 +244,10 @@ def _advance_all(
     return "", None
 
 
-def _collect(
-    run: Run,
-    system: System,
-    compiled: CompiledScene | None,
-    names: tuple[str, ...],
-    options: Options,
-    stepper: Stepper,
-    timing: tuple[float, float],
-    message: str,
-    complete: bool,
-) -> Result:
+def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, complete: bool) -> Result:
     """Everything that the run has stored, as a result."""
+    stepper, system, compiled, names = setup.stepper, setup.system, setup.compiled, setup.names
+    options = setup.options
     data = run.records.collected()
     growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))

@@ -18,7 +18,6 @@ from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.results.result import Result
 
 __all__ = [
     "Measured",

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.scene.scene import Scene
 
 __all__ = ["Vibrations", "small_vibrations"]
 

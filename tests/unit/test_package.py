@@ -91,7 +91,7 @@ def test_unknown_name_tells_the_nearest_one(module: str, typo: str, meant: str) 
         getattr(getattr(lcpflex, module) if module else lcpflex, typo)
 
 
-@pytest.mark.parametrize("module", ["", "solvers", "studies", "laws", "gallery", "meshes", "advice"])
+@pytest.mark.parametrize("module", ["", "solvers", "studies", "laws", "gallery", "meshes", "resolution_rules"])
 def test_dir_shows_public_names_only(module: str) -> None:
     package = getattr(lcpflex, module) if module else lcpflex
     shown = set(dir(package))

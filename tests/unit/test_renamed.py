@@ -24,6 +24,7 @@ GOES_WITH = f"the old name goes with version {GOES}"
     ("package", "old", "new"),
     [
         ("lcpflex", "Energetic", "Stronge"),
+        ("lcpflex", "advice", "resolution_rules"),
         ("lcpflex.laws", "OwnLaw", "UserLaw"),
         ("lcpflex.solvers", "OwnSolver", "UserSolver"),
         ("lcpflex.bodies", "Rung", "FidelityLevel"),

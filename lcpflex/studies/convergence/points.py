@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -10,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.arguments import flag, one_of, sequence_of
-from lcpflex.basics.whole_file import whole_file
-from lcpflex.errors import in_range, writable_path
+from lcpflex.basics.whole_file import write_rows
+from lcpflex.errors import in_range
 from lcpflex.studies.convergence.chart import chart
 from lcpflex.studies.convergence.equal_times import UNKNOWN, EqualTimes
 from lcpflex.studies.convergence.words import advice, table
@@ -230,23 +229,21 @@ class WorkPrecision:
 
         path: of the file.
         """
-        target = writable_path("path", path)
         names = tuple(dict.fromkeys(output.name for study in self.studies for output in study.outputs))
         columns = ("scene", "method", "told", "steps", "wall_time", "fastest", "slowest", "repeats")
         timing = ("mean difference at equal times of", "largest difference at equal times of")
         named = [f"{head} {name}" for name in names for head in ("error of", "reference error of", *timing)]
-        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            heads = [column.replace("told", "stepper") for column in columns]
-            writer.writerow([*heads, *named, "failure", "refused"])
-            for study in self.studies:
-                own = study.reference.error
-                for point in study.points:
-                    values: list[Any] = [getattr(point, name) for name in columns]
-                    for name in names:
-                        values += [point.errors.get(name, ""), own.get(name, "")]
-                        values += point.at_equal_times.get(name, ("", ""))
-                    writer.writerow([*values, point.failure, point.refused])
+        heads = [column.replace("told", "stepper") for column in columns]
+        rows: list[list[Any]] = [[*heads, *named, "failure", "refused"]]
+        for study in self.studies:
+            own = study.reference.error
+            for point in study.points:
+                values: list[Any] = [getattr(point, name) for name in columns]
+                for name in names:
+                    values += [point.errors.get(name, ""), own.get(name, "")]
+                    values += point.at_equal_times.get(name, ("", ""))
+                rows.append([*values, point.failure, point.refused])
+        write_rows(path, rows)
 
     def plot(self, output: str | None = None) -> Figure:
         """Error and difference at equal times against wall time, error against steps, logarithmic, a row a scene.

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 from lcpflex.results.summary import with_unit
 from lcpflex.studies.convergence.equal_times import UNKNOWN
 from lcpflex.studies.outputs import scale_text
+from lcpflex.studies.tables import aligned_table, failed
 
 if TYPE_CHECKING:
     from lcpflex.studies.convergence.points import SceneStudy, WorkPoint
 
 __all__ = ["advice", "percent", "table"]
-
-SHOWN = 60  # characters of a reason in a table
 
 
 def advice(study: SceneStudy, tolerances: Sequence[float], output: str) -> tuple[str, ...]:
@@ -95,15 +94,10 @@ def table(study: SceneStudy) -> str:
     heads = [head for name in names for head in (f"error: {name}", *(["at equal times"] if name in curves else []))]
     head = ["method", "numbers", "steps", "wall time", "spread", *heads, "remark"]
     rows = [_row(study, point, names, curves) for point in study.points if point.method in study.methods]
-    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    lines = [
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |"
-        for row in (head, ["-" * width for width in widths], *rows)
-    ]
     scales = "; ".join(f"{o.name} ({scale_text(o, study.reference.measured[o.name])})" for o in study.outputs)
     text = [
         f"**{study.scene}**, {with_unit(study.duration, 's')}",
-        "\n".join(lines),
+        aligned_table(head, rows),
         f"Reference: {study.reference.source}; its own error: {_own(study, names)}. `<` marks errors below that, `<*` "
         "those below what lies between the stored instants.  \n"
         "Errors of curves are distances of graphs, which forgive phase; at equal times: mean over time (largest).  \n"
@@ -141,10 +135,8 @@ def _row(study: SceneStudy, point: WorkPoint, names: Sequence[str], curves: Sequ
         cells.append(_error(study, point, name))
         if name in curves:
             cells.append(_at_equal_times(point, name))
-    reason = " ".join(point.failure.replace("|", "/").split())
-    remark = "" if not reason else f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"
     method = point.method.replace("|", "/")
-    return [method, _numbers(point.told), str(point.steps or "-"), wall, spread, *cells, remark]
+    return [method, _numbers(point.told), str(point.steps or "-"), wall, spread, *cells, failed(point.failure)]
 
 
 def _error(study: SceneStudy, point: WorkPoint, name: str) -> str:

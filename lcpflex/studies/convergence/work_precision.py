@@ -24,8 +24,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from lcpflex.basics import libs
 from lcpflex.basics.arguments import optional_flag, positive, raised
+from lcpflex.basics.progress import progress_bar
 from lcpflex.bodies.body import whole_number
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.results.energy_balance import EnergyGrowth
@@ -308,11 +308,7 @@ def _all_methods(
     methods = request.methods or standard_methods(conditions.duration)
     series: dict[str, list[Trial]] = {}
     notes: list[str] = []
-    bar: Any = libs.tqdm(
-        total=sum(len(steppers) for steppers in methods.values()), unit="run", leave=False,
-        delay=0.0 if request.progress else 2.0, disable=None if request.progress is None else not request.progress,
-    )  # fmt: skip
-    with bar:
+    with progress_bar(request.progress, total=sum(map(len, methods.values())), unit="run", leave=False) as bar:
         for method, steppers in methods.items():
             bar.set_postfix_str(method + suffix)
             found = run_series(conditions, steppers, bar.update)

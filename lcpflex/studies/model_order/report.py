@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -10,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from lcpflex.basics.renamed import renamed_property
-from lcpflex.basics.whole_file import whole_file
-from lcpflex.errors import writable_path
+from lcpflex.basics.whole_file import write_rows
 from lcpflex.results.summary import with_unit
 from lcpflex.studies.model_order.chart import chart
+from lcpflex.studies.tables import aligned_table, failed
 from lcpflex.studies.trial import brief
 
 if TYPE_CHECKING:
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
 __all__ = ["FidelityRun", "NextLevel", "RightSize"]
 
 NOTABLE = 0.1  # part of the tolerance from which on the error of the step is told with the choice
-SHOWN = 60  # characters of a reason in a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,11 +246,11 @@ class RightSize:
         bodies = tuple(self.runs[0].levels)
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
         head = [*bodies, "coordinates", "wall time", *(f"error: {name}" for name in outputs), "remark"]
-        text = [_markdown(head, [_row(run, bodies, outputs) for run in self.runs])]
+        text = [aligned_table(head, [_row(run, bodies, outputs) for run in self.runs])]
         if self.next:
             rows = [[one.level, f"{one.cost:.2g}", _percent(one.error), "measured" if one.measured else "predicted"]
                     for one in self.next]  # fmt: skip
-            text.append(_markdown(["one level more", "times the cost", "error", "which is"], rows))
+            text.append(aligned_table(["one level more", "times the cost", "error", "which is"], rows))
         text.append(self._told())
         return "\n\n".join(text)
 
@@ -298,21 +296,16 @@ class RightSize:
 
         path: of the file.
         """
-        target = writable_path("path", path)
         bodies = tuple(self.runs[0].levels)
         outputs = tuple(dict.fromkeys(name for run in self.runs for name in run.errors))
         columns = ("coordinates", "steps", "wall_time")
         marks = ("within", "chosen", "reference", "full", "failure")
-        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow([*bodies, *columns, *(f"error of {name}" for name in outputs), *marks])
-            for run in self.runs:
-                writer.writerow(
-                    [run.levels[name] for name in bodies]
-                    + [getattr(run, name) for name in columns]
-                    + [run.errors.get(name, "") for name in outputs]
-                    + [getattr(run, name) for name in marks]
-                )
+        rows: list[list[Any]] = [[*bodies, *columns, *(f"error of {name}" for name in outputs), *marks]]
+        for run in self.runs:
+            errors = [run.errors.get(name, "") for name in outputs]
+            told, end = ([getattr(run, name) for name in names] for names in (columns, marks))
+            rows.append([*(run.levels[name] for name in bodies), *told, *errors, *end])
+        write_rows(path, rows)
 
     def plot(self) -> Figure:
         """Error against cost of every run, the tolerance, and the one that was chosen."""
@@ -323,21 +316,10 @@ class RightSize:
 
 
 def _row(run: FidelityRun, bodies: Sequence[str], outputs: Sequence[str]) -> list[str]:
-    reason = " ".join(run.failure.replace("|", "/").split())
-    marks = ["chosen"] * run.chosen + ["compared with"] * run.reference
-    if reason:
-        marks = [f"failed: {reason[:SHOWN]}{'...' if len(reason) > SHOWN else ''}"]
+    remark = failed(run.failure) or ", ".join(["chosen"] * run.chosen + ["compared with"] * run.reference)
     errors = [_percent(run.errors[name]) if name in run.errors else "-" for name in outputs]
     wall = with_unit(run.wall_time, "s") if math.isfinite(run.wall_time) else "-"
-    return [*(run.levels[name] for name in bodies), str(run.coordinates), wall, *errors, ", ".join(marks)]
-
-
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    return "\n".join(
-        "| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) + " |"
-        for row in (head, ["-" * width for width in widths], *rows)
-    )
+    return [*(run.levels[name] for name in bodies), str(run.coordinates), wall, *errors, remark]
 
 
 def _percent(value: float) -> str:

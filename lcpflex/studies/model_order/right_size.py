@@ -15,8 +15,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from lcpflex.basics import libs
 from lcpflex.basics.arguments import flag, optional_flag, positive, raised
+from lcpflex.basics.progress import progress_bar
 from lcpflex.errors import LcpflexError, ModelError, in_range, shown
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.studies.given_functions import is_stepper
@@ -116,13 +116,9 @@ def right_size(
     fidelities = of_scene(scene)
     used = comparable(fidelities, outputs)
     attempts, own = _attempts(fidelities, span, getattr(scene, "stepper", None), stepper)
-    bar: Any = libs.tqdm(
-        unit="run", leave=False,
-        delay=0.0 if progress else 2.0, disable=None if progress is None else not progress,
-    )  # fmt: skip
     spent = 0.0
     given_up: list[str] = []
-    with bar:
+    with progress_bar(progress, unit="run", leave=False) as bar:
         for k, make in enumerate(attempts):
             last = k + 1 == len(attempts)
             quick = QUICK * limit / SHORTER if k >= own and not last else None

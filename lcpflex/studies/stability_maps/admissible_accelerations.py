@@ -45,8 +45,6 @@ from lcpflex.steppers.event_driven.memory import copy_entry
 if TYPE_CHECKING:
     from lcpflex.dynamics.workspace import Workspace
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.scene.scene import Scene
-    from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.system import System
 
 __all__ = ["AdmissibleMotion", "AdmissibleMotions", "ContactFate", "Count", "admissible_accelerations"]

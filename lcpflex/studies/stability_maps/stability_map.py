@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.arguments import check_axes, unknown
-from lcpflex.basics.whole_file import whole_file
-from lcpflex.errors import ModelError, shown, writable_path
+from lcpflex.basics.whole_file import write_rows
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.benchmark.comparison import as_markdown
 from lcpflex.studies.chart_style import axis_label
@@ -132,21 +131,14 @@ class StabilityMap:
 
         path: of the file.
         """
-        target = writable_path("path", path)
-        with whole_file("path", target) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(("method", *self.axes, "outcome", "error", "message", "seconds"))
-            for place, values in self._cells():
-                error = f"{self.errors[place]:.6g}" if np.isfinite(self.errors[place]) else ""
-                row = (self.outcomes[place].value, error, self.messages[place], f"{self.seconds[place]:.6g}")
-                writer.writerow((self.methods[place[0]], *values, *row))
-        return target
-
-    def _cells(self) -> Iterator[tuple[tuple[int, ...], tuple[Any, ...]]]:
-        """Index and axis values of every cell."""
-        values = list(self.axes.values())
+        rows: list[tuple[Any, ...]] = [("method", *self.axes, "outcome", "error", "message", "seconds")]
         for place in np.ndindex(self.outcomes.shape):
-            yield place, tuple(values[axis][i] for axis, i in enumerate(place[1:]))
+            values = (axis[i] for axis, i in zip(self.axes.values(), place[1:], strict=True))
+            error = f"{self.errors[place]:.6g}" if np.isfinite(self.errors[place]) else ""
+            outcome: Any = self.outcomes[place]
+            told = (outcome.value, error, self.messages[place], f"{self.seconds[place]:.6g}")
+            rows.append((self.methods[place[0]], *values, *told))
+        return write_rows(path, rows, "\n")
 
     def plot(self, curves: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None) -> Figure:
         """One panel a method, each cell in the colour and with the letter of its outcome.

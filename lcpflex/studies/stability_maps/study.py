@@ -30,9 +30,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics import libs
 from lcpflex.basics.arguments import WrongFunction, called, mapping_of, optional_flag, raised
 from lcpflex.basics.names import meant
+from lcpflex.basics.progress import progress_bar
 from lcpflex.errors import LcpflexError, ModelError, as_number, in_range, shown
 from lcpflex.results.result import Result
 from lcpflex.runs.simulate import given_up_after
@@ -322,11 +322,7 @@ def _fill(
     errors, seconds = np.full(shape, np.nan), np.zeros(shape)
     known: dict[tuple[int, ...], Verdict] = {}
     labels = list(makers)
-    bar: Any = libs.tqdm(
-        total=outcomes.size, unit="cell", delay=0.0 if progress else 2.0, leave=False,
-        disable=None if progress is None else not progress,
-    )  # fmt: skip
-    with bar:
+    with progress_bar(progress, total=outcomes.size, unit="cell", leave=False) as bar:
         for place in np.ndindex(shape):
             method = makers[labels[place[0]]]
             values = {name: axes[name][i] for name, i in zip(axes, place[1:], strict=True)}

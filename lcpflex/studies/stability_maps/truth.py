@@ -16,7 +16,7 @@ from lcpflex.results.result import Result
 from lcpflex.steppers.event_driven.stepper import EventDriven
 from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
 from lcpflex.steppers.moreau_jean.stepper import MoreauJean
-from lcpflex.studies.outputs import Measured, Output, Part, chosen_outputs, error_between, is_nothing
+from lcpflex.studies.outputs import Measured, Output, chosen_outputs, error_between, is_nothing, scale_of_part
 from lcpflex.studies.trial import Conditions, Trial, brief, refined, trial
 
 __all__ = ["LIMIT", "Truth", "find_truth", "truth_outputs"]
@@ -28,7 +28,6 @@ RTOL, ATOL = 1e-9, 1e-11  # of event-driven integration
 COARSEST, FINER, LEVELS = 1e-3, 4.0, 6  # first step, as a share of the duration; then finer by factors
 UNEVEN = 0.77  # ratio of the steps of two schemes that are to agree: what falls between the steps of one is met by both
 MOTION = "motion"
-STILL = 1e-9  # a range below this, relative to the values, is rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +92,7 @@ def _difference(output: Output, one: Measured, truth: Measured, duration: float)
         if output.name != MOTION and len(one.times) > 1:
             widths = np.gradient(one.times) if len(one.times) > 2 else np.ones(2)
             distance = (widths[:, None] * distance).sum(axis=0, keepdims=True) / max(widths.sum(), 1e-300)
-        worst = max(worst, float(distance.max(initial=0.0)) / _scale(output, other))
+        worst = max(worst, float(distance.max(initial=0.0)) / (scale_of_part(output, other) or 1.0))
     return worst
 
 
@@ -102,14 +101,6 @@ def _at(times: FloatArray, known: FloatArray, curves: FloatArray) -> FloatArray:
     flat = curves.reshape(len(known), -1)
     found = np.stack([np.interp(times, known, column) for column in flat.T], axis=1)
     return np.asarray(found.reshape(len(times), *curves.shape[1:]))
-
-
-def _scale(output: Output, part: Part) -> float:
-    if output.scale is not None:
-        return output.scale
-    ranges = float(np.linalg.norm(np.ptp(part.curves, axis=0), axis=-1).max(initial=0.0))
-    size = float(np.linalg.norm(part.curves, axis=-1).max(initial=0.0))
-    return max(ranges if ranges > STILL * size else size, part.floor) or 1.0
 
 
 def find_truth(
