@@ -1,8 +1,8 @@
 """The one decorator under which every numerical kernel is compiled.
 
 A kernel is a function of arrays and scalars in the subset of Python that numba compiles. It is
-compiled at its first call and kept on disk (:mod:`lcpflex.jit.cache`) under a key that holds its source and all that
-this imports from the package (:mod:`lcpflex.jit.keys`), so that an upgrade never runs stale code. Large kernels are
+compiled at its first call and kept on disk (:mod:`lcpflex.jit.cache`) under a key that holds its code and that of all
+kernels it reaches (:mod:`lcpflex.jit.keys`), so that an upgrade never runs stale code. Large kernels are
 called by others, not copied into them (:mod:`lcpflex.jit.thin`).
 """
 
@@ -35,15 +35,13 @@ def kernel(function: F) -> F:
 
     if numba.config.DISABLE_JIT:
         return function
-    import lcpflex.jit.private  # so written, none of them is among the sources that kernels depend on
+    from lcpflex.jit.private import why_not_thin
 
-    if reason := lcpflex.jit.private.why_not_thin():
+    if reason := why_not_thin():
         return cast(F, _linked_by_numba(function, reason))
-    import lcpflex.jit.thin_dispatcher
+    from lcpflex.jit.thin_dispatcher import ThinDispatcher
 
-    return cast(
-        F, lcpflex.jit.thin_dispatcher.ThinDispatcher(function, {"nopython": True, "boundscheck": None, **OPTIONS})
-    )
+    return cast(F, ThinDispatcher(function, {"nopython": True, "boundscheck": None, **OPTIONS}))
 
 
 def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:
@@ -52,9 +50,9 @@ def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:
 
     dispatcher = numba.njit(**OPTIONS)(function)
     try:
-        import lcpflex.jit.plain
+        from lcpflex.jit.plain import attach
 
-        lcpflex.jit.plain.attach(dispatcher, function, reason)
+        attach(dispatcher, function, reason)
     except (ImportError, AttributeError):  # without a cache on disk
         pass
     return dispatcher

@@ -1,8 +1,9 @@
 """What a compiled kernel is a function of, as one hash: the name of its file on disk, and part of its symbols.
 
 The cache of numba is keyed by the source file of a function alone, so a change in another file that a kernel calls
-would go unseen. Here the key holds that file and all that it imports from the package, the machine, the versions of
-what compiles, and the types of the arguments. A file with another key is never looked at.
+would go unseen. Here the key holds what numba compiles: the bytecode of a kernel and of all kernels that it reaches,
+the values of the constants that these name, the machine, the versions of what compiles, and the types of the arguments.
+A file with another key is never looked at; an edit of a kernel changes its key and those of its callers, no others.
 """
 
 from __future__ import annotations
@@ -10,9 +11,9 @@ from __future__ import annotations
 import hashlib
 import re
 import sys
-import time
 import types
 from collections.abc import Callable, Iterable, Iterator
+from enum import EnumType
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,15 +22,16 @@ import llvmlite
 import numba
 import numpy as np
 
-__all__ = ["LEVELS", "Magic", "derived", "key_of", "machines", "source_of", "sources_of"]
+__all__ = ["LEVELS", "Magic", "content", "derived", "key_of", "machines"]
 
 Magic = tuple[str, str, str]  # triple, name and features of a processor, as numba's codegen tells them
 
-FORMAT = 1  # one more for each change here, in the format of the files and in what is compiled
-LOWERING = ("struct.py", "struct_type.py")  # what numba is told of arguments is part of every kernel
-STARTED = time.time()
 ADDRESS = re.compile(r"\b0x[0-9a-fA-F]+")
-IMPORT = re.compile(r"^\s*from (lcpflex[\w.]*) import (\([^)]*\)|[^\n]*)", re.MULTILINE)
+PACKAGE = __name__.partition(".")[0]
+SOURCES = sorted(
+    Path(__file__).parent.glob("*.py")
+)  # how kernels are compiled and linked, what numba is told of structs
+COMPILER = hashlib.sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()  # now, before an edit
 
 # Processors that kernels are shipped for, and the features that code for them needs, the better one first.
 V2 = {"cx16", "popcnt", "sahf", "sse3", "sse4.1", "sse4.2", "ssse3"}
@@ -37,8 +39,8 @@ V3 = V2 | {"avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave
 LEVELS: dict[str, set[str]] = {"x86-64-v3": V3, "x86-64": set()}
 
 
-class ChangedSourceError(Exception):
-    """A source was written to after this process had imported it."""
+class NotKnownError(Exception):
+    """A kernel depends on something that two processes cannot compare."""
 
 
 def key_of(function: Callable[..., Any], arguments: Iterable[Any], result: Any, magic: Magic, limit: int) -> str | None:
@@ -46,20 +48,15 @@ def key_of(function: Callable[..., Any], arguments: Iterable[Any], result: Any, 
 
     ``limit``: instructions of the largest callee that is linked in; -1 where all are.
 
-    None for what is not to be kept: functions of others, closures, types that hold addresses of this process, and
-    sources that have changed since they were imported.
+    None for what is not to be kept: functions of others, closures, and what holds addresses of this process.
     """
-    source = source_of(function)
-    names = [*map(str, arguments), str(result)]
-    if source is None or any(map(ADDRESS.search, names)):
+    if not _is_own(function) or "<locals>" in function.__qualname__:
         return None
     try:
-        stamp = _stamp(source), _version()
-    except (OSError, ChangedSourceError):
+        told = [*map(_told, arguments), str(result)]
+        return derived(*_environment(), limit, *magic, content(function), *told)
+    except NotKnownError:
         return None
-    code = function.__code__
-    place = function.__module__, function.__qualname__, code.co_firstlineno, _of_code(code)
-    return derived(*_environment(), limit, *magic, stamp, *place, *names)
 
 
 def derived(*parts: object) -> str:
@@ -81,7 +78,7 @@ def _environment() -> tuple[object, ...]:
     from numba.core import config
 
     return (
-        FORMAT,
+        COMPILER,
         numba.__version__,
         llvmlite.__version__,
         np.__version__.split(".")[0],  # its rules for types
@@ -89,85 +86,90 @@ def _environment() -> tuple[object, ...]:
         getattr(sys, "abiflags", ""),
         *(str(getattr(config, name, "")) for name in ("OPT", "BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE")),
         *(str(getattr(config, name, "")) for name in ("DEBUGINFO_DEFAULT", "LLVM_REFPRUNE_PASS")),
-        *(_digest(Path(__file__).with_name(name)) for name in LOWERING),
     )
 
 
-def source_of(function: Callable[..., Any]) -> Path | None:
-    """The file of a function of the package, found by its module: ``lcpflex/solvers`` is a link. None for others."""
-    package, *names = function.__module__.split(".")
-    if package != "lcpflex" or not names or function.__closure__ or "<locals>" in function.__qualname__:
-        return None
-    for place in _places(names):
-        source = place.with_suffix(".py")
-        try:  # who names its module like one of the package is still none
-            if source.samefile(function.__code__.co_filename):
-                return source
-        except OSError:
-            pass
-    return None
-
-
-def _places(names: list[str]) -> list[Path]:
-    """Where a module of the package may be."""
-    return [Path(root).joinpath(*names) for root in sys.modules["lcpflex"].__path__]
+def _told(kind: Any) -> object:
+    """An argument type in words; numba's name of a named tuple is without its fields."""
+    if isinstance(kind, numba.types.BaseTuple):
+        return _meaning(getattr(kind, "instance_class", tuple)), *map(_told, kind)
+    if ADDRESS.search(str(kind)):
+        raise NotKnownError(str(kind))
+    return str(kind)
 
 
 @cache
-def _stamp(path: Path) -> str:
-    """Hash of all the sources that a kernel in the file at ``path`` can depend on."""
-    return derived(*(_digest(source) for source in sorted(sources_of(path))))
+def content(function: Callable[..., Any]) -> str:
+    """Hash of a kernel's code and of all that it reaches: kernels, and values of other names of their modules.
 
-
-def sources_of(path: Path) -> set[Path]:
-    """The files that a kernel in the one at ``path`` can depend on."""
-    sources: set[Path] = set()
-    waiting = [path]
-    while waiting:
-        source = waiting.pop()
-        if source not in sources:
-            sources.add(source)
-            waiting.extend(_imports(source))
-    return sources
-
-
-@cache
-def _version() -> str:
-    """Hash of all sources of the package with kernels or structs.
-
-    Files of one version of the package do not meet those of another: runs that took some of their kernels from a folder
-    which an earlier version had filled have ended in a crash, though each file was right by its own sources.
+    Raises
+    ------
+    NotKnownError
+        Where one of these cannot be told in words that hold for every process.
     """
-    roots = [Path(root) for root in sys.modules["lcpflex"].__path__]
-    places = sorted({*(s for root in roots for s in root.rglob("*.py")), *(s for r in roots for s in _solvers(r))})
-    return derived(*(_digest(source) for source in places if b"lcpflex.jit" in source.read_bytes()))
-
-
-def _solvers(root: Path) -> list[Path]:
-    """Sources behind the link ``lcpflex/solvers``, which a search below ``root`` does not follow."""
-    return list((root / "solvers").rglob("*.py"))
-
-
-@cache
-def _digest(path: Path) -> str:
-    if STARTED < path.stat().st_mtime <= time.time():
-        raise ChangedSourceError(str(path))
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    found: dict[Any, str] = {}
+    waiting = [function]
+    while waiting:
+        reached = waiting.pop()
+        if reached not in found:
+            found[reached], called = _own(reached)
+            waiting += called
+    return derived(found[function], *sorted(found.values()))
 
 
 @cache
-def _imports(path: Path) -> tuple[Path, ...]:
-    """The source files of the package that the one at ``path`` names in its imports ``from lcpflex.x import y``."""
-    found = []
-    for module, names in IMPORT.findall(path.read_text(encoding="utf-8")):
-        for place in _places(module.split(".")[1:]):
-            found += [place.with_suffix(".py"), place / "__init__.py"]
-            found += [place / f"{name}.py" for name in re.findall(r"\w+", names)]
-    return tuple(file for file in found if file.is_file())
+def _own(function: Any) -> tuple[str, list[Any]]:
+    """Hash of a function without what it calls, and that."""
+    if function.__closure__:
+        raise NotKnownError(f"{function.__qualname__} is a closure")
+    values: dict[str, object] = {}
+    called = []
+    for name in sorted(_names(function.__code__)):  # of attributes, too: at worst, the hash holds what does not matter
+        if name in function.__globals__:
+            value = function.__globals__[name]
+            source = getattr(value, "py_func", getattr(value, "_defn", value))  # of a kernel, of an intrinsic
+            if _is_own(source):
+                called.append(source)
+                values[name] = source.__module__, source.__qualname__
+            else:
+                values[name] = _meaning(value)
+    place = function.__module__, function.__qualname__, function.__defaults__, function.__kwdefaults__
+    return derived(*place, _of_code(function.__code__, function.__doc__), values), called
 
 
-def _of_code(code: types.CodeType) -> str:
-    """Hash of the bytecode as this process has it."""
+def _is_own(value: Any) -> bool:
+    """Whether a value is a function of the package."""
+    return isinstance(value, types.FunctionType) and value.__module__.partition(".")[0] == PACKAGE
+
+
+def _meaning(value: Any) -> object:
+    """A value that a kernel names, in words that change with what numba makes of it."""
+    if isinstance(value, types.ModuleType) and value.__name__.partition(".")[0] != PACKAGE:
+        return value.__name__
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.strides, value.tobytes()
+    if isinstance(value, tuple):
+        return type(value).__qualname__, *map(_meaning, value)
+    if isinstance(value, EnumType):
+        return value.__qualname__, list(map(repr, value))
+    if hasattr(value, "_fields"):
+        return value.__module__, value.__qualname__, value._fields, value._field_defaults
+    told = repr(value)
+    if ADDRESS.search(told) or isinstance(value, types.ModuleType):
+        raise NotKnownError(told)
+    return type(value).__qualname__, told
+
+
+def _names(code: types.CodeType) -> set[str]:
+    inner = (constant for constant in code.co_consts if isinstance(constant, types.CodeType))
+    return set(code.co_names).union(*map(_names, inner))
+
+
+def _of_code(code: types.CodeType, doc: str | None = None) -> str:
+    """Hash of the bytecode as this process has it, without lines and ``doc``."""
     constants = [_of_code(value) if isinstance(value, types.CodeType) else value for value in code.co_consts]
     plain = [sorted(map(repr, value)) if isinstance(value, frozenset) else value for value in constants]
-    return derived(code.co_code, code.co_names, code.co_varnames, plain)
+    if doc is not None and constants[0] == doc:
+        plain = plain[1:]
+    names = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    return derived(code.co_code, code.co_exceptiontable, code.co_flags, code.co_argcount, names, plain)

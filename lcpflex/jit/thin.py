@@ -87,7 +87,11 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         return outside
 
     def _make_local(self, own: set[str]) -> None:
-        """Hide all but its own symbols: another process may have given their names to other functions."""
+        """Take the names from all but its own symbols: another process may have given them to other functions.
+
+        Private functions have no name in the object code. Internal ones have one, and the engine would take them for
+        the kernel of that name, though LLVM has fitted them to their one caller, down to the arguments.
+        """
         for value in _defined(self._final_module):
             name = value.name
             if name.startswith(ENVIRONMENT):
@@ -98,7 +102,7 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
             if name.startswith(LATE):
                 self.kept = False
             elif name not in own and not name.startswith((PROCESS, "llvm.")):
-                value.linkage = "internal"
+                value.linkage = "private"
 
     def linkable(self) -> Any:
         """The module that callers of the package take in."""

@@ -144,20 +144,78 @@ def test_a_symbol_that_is_not_there(filled: Filled, tmp_path: Path) -> None:
     assert sorted(run["compiled"]) == ALL
 
 
-def test_sources(filled: Filled, tmp_path: Path) -> None:
-    """An edit in an imported file compiles anew; one after the import is not mixed up with what was imported."""
-    changed = package(tmp_path / "changed")
-    (changed / "tiny_low.py").write_text(LOW.replace("2.0 * x", "3.0 * x"))
-    os.utime(changed / "tiny_low.py", (1e9, 1e9))
-    cache = filled.copy(tmp_path / "cache")
-    (run,), _ = jobs(changed, case(cache))
-    assert float.fromhex(run["value"]) == pytest.approx(float.fromhex(filled.value) + 0.3)
-    assert sorted(run["compiled"]) == ALL
+def test_edits(filled: Filled, tmp_path: Path) -> None:
+    """A callee that was edited is compiled anew with all its callers, and nothing else."""
+    for number, (old, new, compiled, more) in enumerate(
+        (
+            ("2.0 * x", "3.0 * x", ["middle", "small", "top"], 0.3),
+            ("(1.0 + k + i)", "(1.0 + k + i)  # the same", [], 0.0),
+        )
+    ):
+        changed = package(tmp_path / f"changed {number}")
+        low = changed / "tiny_low.py"
+        low.write_text(LOW.replace(old, new))
+        os.utime(low, (1e9, 1e9))
+        (run,), _ = jobs(changed, case(filled.copy(tmp_path / f"cache {number}")))
+        assert sorted(run["compiled"]) == compiled
+        assert float.fromhex(run["value"]) == pytest.approx(float.fromhex(filled.value) + more, rel=1e-15)
+
+
+def test_edits_after_the_import(filled: Filled, tmp_path: Path) -> None:
+    """What a process has imported runs in it, and is not mixed up with what was written later."""
     edited = package(tmp_path / "edited")
-    late = f"import time, lcpflex.tiny_high; time.sleep(0.05); open({str(edited / 'tiny_low.py')!r}, 'a').write('#')"
-    (run,), _ = jobs(edited, case(tmp_path / "none", before=late))
-    assert run["value"] == filled.value
-    assert not (tmp_path / "none").exists() or not list((tmp_path / "none").iterdir())
+    path = str(edited / "tiny_low.py")
+    late = f"import lcpflex.tiny_high; open({path!r}, 'w').write({LOW.replace('2.0 * x', '3.0 * x')!r})"
+    (before, after), _ = jobs(edited, case(tmp_path / "cache", before=late), case(tmp_path / "cache"))
+    assert before["value"] == filled.value
+    assert float.fromhex(after["value"]) == pytest.approx(float.fromhex(filled.value) + 0.3, rel=1e-15)
+    assert sorted(after["compiled"]) == ["middle", "small", "top"]
+
+
+SHARED = """
+import math
+from lcpflex.jit.kernel import kernel
+
+@kernel
+def shared(x, data):
+    total = 0.0
+    kind = data[0]
+    if kind == 0:
+        total += math.exp(x) + math.sin(x) / (1.0 + math.cos(x) ** 2)
+    elif kind == 1:
+        total += math.log(1.0 + x * x) + math.sqrt(2.0 + math.tanh(x))
+    else:
+        total += math.atan(x) * math.sinh(x) - math.cosh(x) + math.erf(x)
+    for i in range(5):
+        total += math.sin(total * i) * math.exp(-total) / (1.0 + math.cos(i + total) ** 2)
+    return total
+
+@kernel
+def twice(x, data):
+    return shared(x, data) + shared(2.0 * x, data)
+
+@kernel
+def caller(x, data):
+    return twice(x, data) - twice(3.0 * x, data) + twice(x - 1.0, data)
+"""
+
+
+def test_a_kernel_that_callers_have_a_copy_of(filled: Filled, tmp_path: Path) -> None:
+    """What LLVM has made of the copy, some arguments gone, is never called in place of the kernel."""
+    (filled.sources / "tiny_shared.py").write_text(SHARED)
+    names = "import numpy as np; thin.LARGEST = 400; from lcpflex.tiny_shared import shared, caller; x = np.ones(3)"
+    first, last = "shared(0.3, x) + 0 * caller(0.3, x)", "0 * caller(0.3, x) + shared(0.3, x)"
+    values = "shared.py_func(0.3, x)", first, last, first, last
+    caches = [tmp_path / name for name in ("none", "one", "other", "other", "one")]
+    runs, _ = jobs(filled.sources, *(case(c, before=names, value=v) for c, v in zip(caches, values, strict=True)))
+    assert len({run["value"] for run in runs[1:]}) == 1
+    assert float.fromhex(runs[1]["value"]) == pytest.approx(float.fromhex(runs[0]["value"]), rel=1e-14)
+    files = [KernelFile.unpacked(path.read_bytes(), path.stem) for path in caches[1].iterdir()]
+    known = {name for file in files if file is not None for name in file.symbols}
+    assert len(files) == len(known) == 5
+    for file in files:
+        assert file is not None
+        assert {name for name in known if name.encode() in file.code} == {*file.symbols, *file.needs}
 
 
 USER = """
