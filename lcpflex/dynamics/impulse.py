@@ -15,7 +15,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 
-__all__ = ["distribute", "pose"]
+__all__ = ["distribute", "lay_impulse", "pose"]
 
 
 @kernel
@@ -64,3 +64,16 @@ def distribute(work: Workspace) -> None:
     for j in range(n_tangent):
         work.p[n_joint + n + j] = work.solver.tangential[j]
     joint_impulses(work.free, n_joint, n_joint + n + n_tangent, work.lower, work.share, work.p)
+
+
+@kernel
+def lay_impulse(work: Workspace, normal: float, tangential: float) -> None:
+    """Impulses ``work.p`` of all rows, of which those of a single contact are given; joints answer them."""
+    n_joint = work.n_joint
+    total = n_joint + 1 + work.n_tangents
+    work.p[n_joint] = normal
+    if work.n_tangents > 0:
+        work.p[n_joint + 1] = tangential
+    joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+    for r in range(n_joint):
+        work.free[r] = 0.0  # met by the first of several phases

@@ -10,9 +10,8 @@ import math
 
 from lcpflex.dynamics.acceleration import lay_rows
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impact import energetic_segments, lay_impulse
-from lcpflex.dynamics.impact_laws import ENERGETIC, NEWTON, POISSON
-from lcpflex.dynamics.impulse import distribute, pose
+from lcpflex.dynamics.impact_laws import gives_back, impact_phases, integrates, reflects
+from lcpflex.dynamics.impulse import distribute, lay_impulse, pose
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
@@ -104,11 +103,11 @@ def note_tie(settings: EventSettings, work: Workspace, memory: EventMemory, k: i
 def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> int:
     """The contact that approaches fastest, to memory.target unless one is jammed; AGAIN if there is an impact.
 
-    Contacts of Stronge's law, one by one, must not change the velocity of others that approach.
+    Contacts of a law that integrates, one by one, must not change the velocity of others that approach.
     """
     threshold = settings.velocity_threshold
     n = memory.n_found
-    guarded = settings.law == ENERGETIC and not settings.sequential and memory.round > 0
+    guarded = integrates(settings.law) and not settings.sequential and memory.round > 0
     if memory.stopping == 1:
         threshold *= SLOWEST
         guarded = False
@@ -155,7 +154,7 @@ def begin(settings: EventSettings, work: Workspace, memory: EventMemory) -> None
     memory.round += 1
     memory.stage = STRIKING
     memory.jamming = memory.nudging
-    memory.alone = 1 if settings.sequential or settings.law == ENERGETIC else 0
+    memory.alone = 1 if settings.sequential or integrates(settings.law) else 0
     if memory.stopping == 1:
         memory.alone = 0
     if memory.alone == 1 and memory.round > CHAIN:
@@ -180,28 +179,15 @@ def end(memory: EventMemory, tape: Tape) -> None:
 
 
 @kernel
-def strike_by_energy(
+def strike_alone(
     model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray
 ) -> int:
-    """Impact of the only contact laid, by Stronge's law."""
-    n_joint = work.n_joint
-    gnt = 0.0
-    gtt = 0.0
-    v_t = 0.0
-    mu = 0.0
-    v_n = min(work.problem.free[0], 0.0)
-    if work.n_tangents > 0:
-        gnt = work.problem.delassus[0, 1]
-        gtt = work.problem.delassus[1, 1]
-        v_t = work.problem.free[1]
-        mu = work.mu[0]
-        if abs(v_t) <= 1e-14 * abs(v_n):
-            v_t = 0.0
-    e = model.contacts.restitution[work.table.law[0]]
-    count = energetic_segments(work.problem.delassus[0, 0], gnt, gtt, v_n, v_t, mu, e, memory.segments)
+    """Impact of the only contact laid, by a law that integrates it."""
+    restitution = model.contacts.restitution[work.table.law[0]]
+    count = impact_phases(settings.law, work.problem, restitution, memory.segments)
     if count < 0:
         return UNSOLVED
-    total = n_joint + 1 + work.n_tangents
+    total = work.n_joint + 1 + work.n_tangents
     for i in range(count):
         lay_impulse(work, memory.segments[i, 0], memory.segments[i, 1])
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
@@ -221,7 +207,7 @@ def without_restitution(memory: EventMemory) -> bool:
 @kernel
 def compressed(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """Whether contacts give back some of the impulses just laid: at least how much, to the problem."""
-    if settings.law != POISSON or memory.stage == EXPANDING or without_restitution(memory):
+    if not gives_back(settings.law) or memory.stage == EXPANDING or without_restitution(memory):
         return False
     gives = False
     for k in range(work.n_contacts):
@@ -242,7 +228,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         n = 1
     lay_rows(model, memory.time, q, u, n, work, memory.sets)
     if looking:
-        limit = CHAIN + ROUNDS if settings.sequential or settings.law == ENERGETIC else ROUNDS
+        limit = CHAIN + ROUNDS if settings.sequential or integrates(settings.law) else ROUNDS
         found = look(settings, work, memory, u)
         if found == COUPLED:
             return COUPLED
@@ -255,16 +241,16 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         begin(settings, work, memory)
         if memory.alone == 1:
             return AGAIN
-    law = NEWTON if memory.round > CHAIN or memory.stopping == 1 or memory.low == 1 else settings.law
+    simple = memory.round > CHAIN or memory.stopping == 1 or memory.low == 1  # by velocities, none of them reflected
     threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
     for i in range(ndof):
         memory.u[i] = u[i]
         work.free_u[i] = u[i]
-        memory.reflected[i] = u[i] if law == NEWTON else 0.0
+        memory.reflected[i] = u[i] if simple or reflects(settings.law) else 0.0
     pose(model, work, memory.reflected, 0.0, threshold)
     memory.detail = 0.0
-    if law == ENERGETIC:
-        if strike_by_energy(model, settings, work, memory, tape, u) != RESOLVED:
+    if integrates(settings.law) and not simple:
+        if strike_alone(model, settings, work, memory, tape, u) != RESOLVED:
             return UNSOLVED
         end(memory, tape)
         return AGAIN

@@ -12,7 +12,7 @@ import numpy as np
 
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.acceleration import ContactSets, contact_sets
-from lcpflex.dynamics.impact import SEGMENTS
+from lcpflex.dynamics.impact_laws import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.several_motions import Trials, trials

@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass, field
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.dynamics.impact_laws import ImpactLaw, Newton
+from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.struct import copy_parts, numbers_of
@@ -306,7 +306,7 @@ class EventDriven:
         if self.first_step is not None:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
-            raise ModelError(f"impact: {shown(self.impact)} was given, expected Newton(), Poisson() or Stronge()")
+            raise ModelError(f"impact: {shown(self.impact)} was given, expected {KNOWN}")
         as_solver(self.solver)
 
     def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
@@ -315,7 +315,7 @@ class EventDriven:
         system: what a scene or a system of the user's own is compiled to.
         """
         tangential = system.model.contacts.tangential_restitution
-        if not isinstance(self.impact, Newton) and tangential.any():
+        if not self.impact.tangential and tangential.any():
             raise ModelError(
                 f"impact: {self.impact} was given for a contact with tangential restitution {tangential.max():g}, "
                 "expected Newton(), the one law that knows it"

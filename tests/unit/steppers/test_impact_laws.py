@@ -9,8 +9,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex import gallery
-from lcpflex.dynamics.impact import SEGMENTS, energetic_segments
-from lcpflex.dynamics.impact_laws import ImpactLaw, Newton, Poisson, Stronge
+from lcpflex.dynamics.impact_laws import SEGMENTS, ImpactLaw, Newton, Poisson, Stronge, energetic_segments
 from tests.scenes import floor_of
 
 LAWS = (Newton(), Poisson(), Stronge(), Newton(sequential=True), Poisson(sequential=True), Stronge(sequential=True))
