@@ -29,8 +29,7 @@ from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.joint_rows import joint_rows
-from lcpflex.kinematics.relative.apart import relative_motion
-from lcpflex.kinematics.relative.coordinate import coordinate_gradient
+from lcpflex.kinematics.relative import coordinate_gradient, relative_motion
 from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.result import Result

@@ -20,8 +20,7 @@ from lcpflex.dynamics.time_functions import COMPILED, EXTERNAL, HARMONIC, PIECES
 from lcpflex.dynamics.time_structure import bends, probe_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative.apart import Motion, apart
-from lcpflex.kinematics.relative.coordinate import ANGLE, coordinate_gradient
+from lcpflex.kinematics.relative import ANGLE, Motion, apart, coordinate_gradient
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.places import material_shapes

@@ -14,7 +14,7 @@ from lcpflex.dynamics.time_functions import State
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative.coordinate import UNITS
+from lcpflex.kinematics.relative import UNITS
 from lcpflex.model.arrays import Model
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint

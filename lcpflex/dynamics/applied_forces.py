@@ -12,8 +12,7 @@ import math
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import add_point_row, add_rotation_row, point_angle
-from lcpflex.kinematics.relative.apart import apart, relative_motion
-from lcpflex.kinematics.relative.coordinate import add_gradient, coordinate_gradient, coordinate_value
+from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.model.arrays import Model
 
 __all__ = ["EFFORTS", "FOLLOWER", "FORCE", "TORQUE", "applied_forces", "spring_energy"]

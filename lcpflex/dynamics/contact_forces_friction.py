@@ -21,9 +21,9 @@ from lcpflex.dynamics.contact_forces_history import condensed_mobility, factor_j
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.mechanics import solve_rows, solve_vector
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.friction.kernels import BENGISU_AKAY, BROWN_MCPHEE, friction_force
 from lcpflex.force_laws.history import ContactMemory
-from lcpflex.force_laws.layout import BENGISU_AKAY, BROWN_MCPHEE, FRICTION, FRICTION_KIND
+from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import cholesky_solve

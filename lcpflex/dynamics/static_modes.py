@@ -22,7 +22,7 @@ from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
-from lcpflex.kinematics.relative.coordinate import ANGLE
+from lcpflex.kinematics.relative import ANGLE
 from lcpflex.model.arrays import Bodies, Contacts, Model, Points, frozen
 from lcpflex.model.planar import N_RIGID
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lcpflex.errors import ModelError, shown
+from lcpflex.force_laws import compiled
 from lcpflex.force_laws.friction.laws import SmoothedCoulomb
 from lcpflex.force_laws.layout import (
     DAMPING,
@@ -15,13 +16,12 @@ from lcpflex.force_laws.layout import (
     FRICTION,
     GUARD,
     LIMIT,
-    NONE,
-    OWN,
     PARAMETERS,
     Damping,
     ElasticLaw,
     FrictionLaw,
     LawRow,
+    Part,
 )
 
 __all__ = ["ContactLaw", "law_row"]
@@ -66,7 +66,7 @@ class ContactLaw:
         return law_row(self.elastic, self.damping, self.friction)
 
 
-def law_row(elastic: ElasticLaw, damping: Damping | None, friction: FrictionLaw) -> LawRow:
+def law_row(elastic: ElasticLaw | Part, damping: Damping | Part | None, friction: FrictionLaw) -> LawRow:
     """The three parts of a law as kernels take them."""
     p = [0.0] * PARAMETERS
     p[ELASTIC : ELASTIC + len(elastic.parameters)] = elastic.parameters
@@ -77,11 +77,17 @@ def law_row(elastic: ElasticLaw, damping: Damping | None, friction: FrictionLaw)
         p[DAMPING : DAMPING + len(damping.parameters)] = damping.parameters
         p[GUARD] = damping.guard_speed
     return LawRow(
-        kinds=(elastic.kind, NONE if damping is None else damping.kind, friction.kind, getattr(elastic, "address", 0)),
+        kinds=(
+            compiled.ELASTIC_KINDS.index(elastic.kind),
+            compiled.DAMPING_KINDS.index("none" if damping is None else damping.kind),
+            compiled.FRICTION_KINDS.index(friction.kind),
+            getattr(elastic, "address", 0),
+        ),
         parameters=tuple(map(float, p)),
         slip_speed=friction.slip_speed,
-        remembers=elastic.kind == OWN or friction.bristles or (damping is not None and damping.remembers),
+        remembers=elastic.kind == "own" or friction.bristles or (damping is not None and damping.remembers),
         bristles=friction.bristles,
+        turns=damping is not None and damping.kind == "permanent",
         lenient=elastic.lenient,
         own=getattr(elastic, "own", None),
     )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lcpflex.force_laws.layout import DAMPING_KIND, END, LIMIT, NO_LAW, PARAMETERS, PERMANENT, LawRow
+from lcpflex.force_laws.layout import END, LIMIT, NO_LAW, PARAMETERS, LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Contacts
@@ -63,7 +63,7 @@ def contact_memory(contacts: Contacts, laws: Sequence[LawRow | None]) -> Contact
         parameters=parameters,
         slip_speed=np.array([row.slip_speed for row in rows], dtype=float),
         stop=np.array([row.parameters[END if row.lenient else LIMIT] for row in rows], dtype=float),
-        turns=np.array([row.kinds[DAMPING_KIND] == PERMANENT for row in rows], dtype=np.int64),
+        turns=np.array([row.turns for row in rows], dtype=np.int64),
         watched=np.array([any(row.remembers or row.parameters[LIMIT] < np.inf for row in rows)], dtype=np.int64),
         worst=np.zeros(len(rows)),
         ranges=ranges,

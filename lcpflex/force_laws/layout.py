@@ -1,7 +1,8 @@
 """How laws are told to kernels: numbers of their kinds, and where their parameters stand in one row.
 
-A contact law is an elastic law, a damping and a friction law; ``kinds`` (4,) holds the numbers of the three and, for a
-user's own law, the address of its compiled function. ``p`` (PARAMETERS,) holds all their parameters.
+A contact law is an elastic law, a damping and a friction law. Each has the name of its kind, which kernels know by its
+place in ``KINDS`` of :mod:`.elastic.kernels`, :mod:`.damping.kernels` or :mod:`.friction.kernels`. ``kinds`` (4,) are
+these three and, for a user's law, the address of its compiled function; ``p`` (PARAMETERS,) all their parameters.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ __all__ = [
     "ElasticLaw",
     "FrictionLaw",
     "LawRow",
+    "Part",
     "UserLaw",
 ]
 
@@ -41,25 +43,6 @@ GUARD = 17  # least impact speed [m/s]
 LIMIT = 18  # indentation up to which the elastic law is valid [m]
 END = 19  # indentation at which it ends, to be extended by its tangent for trial states of a step [m]
 PARAMETERS = 20
-
-# kinds of elastic laws
-POWER, LOGARITHMIC, LIU, PERSSON, OWN = range(5)
-
-# kinds of damping
-NONE, PROPORTIONAL, HYSTERESIS, VISCOUS, TSUJI, KUWABARA_KONO, RISTOW, JANKOWSKI, PERMANENT = range(9)
-
-# kinds of friction
-(
-    TANH,
-    ARCTANGENT,
-    RAMP,
-    THRELFALL,
-    AMBROSIO,
-    BENGISU_AKAY,
-    BROWN_MCPHEE,
-    LUGRE,
-    BRISTLE,
-) = range(9)
 
 
 class UserLaw(Protocol):
@@ -81,13 +64,20 @@ class LawRow:
     slip_speed: float  # below which a contact counts as sticking in records [m/s]
     remembers: bool  # whether its force depends on the impact speed, or on what has been before
     bristles: bool  # whether its friction has states of its own
+    turns: bool  # whether it unloads along a curve of its own, which begins where a contact turns back
     lenient: bool  # whether an indentation beyond LIMIT is a warning instead of an error
     own: UserLaw | None = None  # a user's own law: what stands at the ADDRESS, and says what went wrong there
 
 
 # stands for the law of a rigid contact, which is never asked for a force
 NO_LAW = LawRow(
-    (0, 0, 0, 0), (0.0,) * LIMIT + (math.inf, math.inf), 0.0, remembers=False, bristles=False, lenient=False
+    kinds=(0, 0, 0, 0),
+    parameters=(0.0,) * LIMIT + (math.inf, math.inf),
+    slip_speed=0.0,
+    remembers=False,
+    bristles=False,
+    turns=False,
+    lenient=False,
 )
 
 
@@ -95,8 +85,8 @@ class ElasticLaw(Protocol):
     """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.force_laws.elastic.law`."""
 
     @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
+    def kind(self) -> str:
+        """Name among the elastic kinds."""
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -115,12 +105,25 @@ class ElasticLaw(Protocol):
         """Whether leaving the range of validity is a warning instead of an error."""
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """An elastic law or a damping that nobody asks for more than a row."""
+
+    kind: str
+    parameters: tuple[float, ...]
+    limit: float = math.inf
+    end: float = math.inf
+    lenient: bool = False
+    guard_speed: float = 0.0
+    remembers: bool = False
+
+
 class Damping(Protocol):
     """What a dissipative law offers to kernels."""
 
     @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
+    def kind(self) -> str:
+        """Name among the kinds of damping."""
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -142,8 +145,8 @@ class FrictionLaw(Protocol):
     """What a friction law offers to kernels; mu is that of the declared contact."""
 
     @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
+    def kind(self) -> str:
+        """Name among the kinds of friction."""
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -9,9 +9,9 @@ which gives back e^2 of the work done on the way in, whatever the elastic law F.
 
 from __future__ import annotations
 
-from lcpflex.force_laws.damping.kernels import damping_force
-from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, stored_energy
-from lcpflex.force_laws.layout import ADDRESS, DAMPING, DAMPING_KIND, ELASTIC, ELASTIC_KIND, GUARD, OWN, PERMANENT
+from lcpflex.force_laws.damping.kernels import PERMANENT, damping_force
+from lcpflex.force_laws.elastic.kernels import OWN, elastic_force, elastic_stiffness, stored_energy
+from lcpflex.force_laws.layout import ADDRESS, DAMPING, DAMPING_KIND, ELASTIC, ELASTIC_KIND, GUARD
 from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 

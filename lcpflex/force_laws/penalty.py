@@ -6,18 +6,9 @@ import math
 from dataclasses import dataclass
 
 from lcpflex.basics.options import keep_number
-from lcpflex.force_laws.layout import (
-    DAMPING,
-    ELASTIC,
-    END,
-    FRICTION,
-    LIMIT,
-    PARAMETERS,
-    POWER,
-    PROPORTIONAL,
-    TANH,
-    LawRow,
-)
+from lcpflex.force_laws.contact_law import law_row
+from lcpflex.force_laws.friction.laws import SmoothedCoulomb
+from lcpflex.force_laws.layout import LawRow, Part
 
 __all__ = ["Penalty"]
 
@@ -65,11 +56,5 @@ class Penalty:
 
     def row(self) -> LawRow:
         """The law as kernels take it."""
-        p = [0.0] * PARAMETERS
-        p[ELASTIC : ELASTIC + 2] = self.stiffness, self.exponent
-        p[DAMPING] = self.damping
-        p[FRICTION] = self.slip_speed
-        p[LIMIT] = p[END] = math.inf
-        return LawRow(
-            (POWER, PROPORTIONAL, TANH, 0), tuple(p), self.slip_speed, remembers=False, bristles=False, lenient=False
-        )
+        spring = Part("power", (self.stiffness, self.exponent))
+        return law_row(spring, Part("proportional", (self.damping,)), SmoothedCoulomb(self.slip_speed))

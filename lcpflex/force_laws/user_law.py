@@ -6,7 +6,7 @@ import math
 import numbers
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.arguments import finite_numbers, numbers_of
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.loops import FORCE, INDENTATION
-from lcpflex.force_laws.layout import OWN
 from lcpflex.force_laws.user_call import own_forces
 from lcpflex.jit.callback import OwnFunction
 from lcpflex.jit.kernel import FloatArray
@@ -66,6 +65,7 @@ class UserLaw(ElasticFace):
         delta = 1e-6 m, rate 0 and v_0 = 1 m/s; for parameters that are no numbers.
     """
 
+    kind: ClassVar[str] = "own"
     function: Callable[..., float]
     values: tuple[float, ...]
     guard_speed: float
@@ -91,11 +91,6 @@ class UserLaw(ElasticFace):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self.function, self.values, self.guard_speed, self.compiled)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return OWN
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -8,8 +8,7 @@ Each row prescribes one relative coordinate c of the points P and Q of its joint
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.kinematics.relative.apart import apart, relative_motion
-from lcpflex.kinematics.relative.coordinate import add_gradient, coordinate_gradient, coordinate_value
+from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Model
 

@@ -31,21 +31,6 @@ def local_place(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[
 
 
 @kernel
-def local_rate(bodies: Bodies, points: Points, u: FloatArray, p: int) -> tuple[float, float]:
-    """Phi qdot: velocity of point p relative to the frame of its body, body axes [m/s]."""
-    vx = 0.0
-    vy = 0.0
-    b = points.body[p]
-    if b >= 0:
-        modal = bodies.dof[b] + N_RIGID
-        start = points.start[p]
-        for k in range(points.start[p + 1] - start):
-            vx += points.phi[start + k, 0] * u[modal + k]
-            vy += points.phi[start + k, 1] * u[modal + k]
-    return vx, vy
-
-
-@kernel
 def point_position(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[float, float]:
     """r_P [m], world axes."""
     sx, sy = local_place(bodies, points, q, p)
@@ -56,39 +41,6 @@ def point_position(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tup
     cos = math.cos(q[d + 2])
     sin = math.sin(q[d + 2])
     return q[d] + cos * sx - sin * sy, q[d + 1] + sin * sx + cos * sy
-
-
-@kernel
-def point_velocity(bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int) -> tuple[float, float]:
-    """rdot_P = L u [m/s], world axes."""
-    b = points.body[p]
-    if b < 0:
-        return 0.0, 0.0
-    sx, sy = local_place(bodies, points, q, p)
-    vx, vy = local_rate(bodies, points, u, p)
-    d = bodies.dof[b]
-    cos = math.cos(q[d + 2])
-    sin = math.sin(q[d + 2])
-    vx -= u[d + 2] * sy
-    vy += u[d + 2] * sx
-    return u[d] + cos * vx - sin * vy, u[d + 1] + sin * vx + cos * vy
-
-
-@kernel
-def point_bias(bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int) -> tuple[float, float]:
-    """Ldot u: the part of the acceleration of P that does not depend on udot [m/s^2], world axes."""
-    b = points.body[p]
-    if b < 0:
-        return 0.0, 0.0
-    sx, sy = local_place(bodies, points, q, p)
-    vx, vy = local_rate(bodies, points, u, p)
-    d = bodies.dof[b]
-    omega = u[d + 2]
-    cos = math.cos(q[d + 2])
-    sin = math.sin(q[d + 2])
-    bx = -omega * omega * sx - 2.0 * omega * vy
-    by = -omega * omega * sy + 2.0 * omega * vx
-    return cos * bx - sin * by, sin * bx + cos * by
 
 
 @kernel
@@ -127,6 +79,16 @@ def point_motion(
         cos * bx - sin * by,
         sin * bx + cos * by,
     )
+
+
+@kernel
+def motion_between(
+    bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int, o: int
+) -> tuple[float, float, float, float, float, float]:
+    """r_P - r_O, its rate, and the part of its second derivative that does not depend on udot; world axes."""
+    px, py, vpx, vpy, bpx, bpy = point_motion(bodies, points, q, u, p)
+    ox, oy, vox, voy, box, boy = point_motion(bodies, points, q, u, o)
+    return px - ox, py - oy, vpx - vox, vpy - voy, bpx - box, bpy - boy
 
 
 @kernel

@@ -11,7 +11,7 @@ and ``rows[r, 1, :]`` for body ``row_body[r, 1]`` (-1: no block), each padded to
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -32,14 +32,33 @@ __all__ = [
     "SLIP",
     "STICK",
     "bodiless_model",
+    "empty",
     "frozen",
     "refrozen",
 ]
 
 T = TypeVar("T")
+N = TypeVar("N", bound=tuple[Any, ...])
+
+# what arrays hold, row by row; :func:`empty` makes one of no rows
+Offsets: TypeAlias = IntArray  # of each thing's entries among those of all, one more than there are things
+IndexPairs: TypeAlias = IntArray
+Rows: TypeAlias = FloatArray  # of any length
+Pairs: TypeAlias = FloatArray
+Triples: TypeAlias = FloatArray
+Quadruples: TypeAlias = FloatArray
 
 GROUND = -1
 OPEN, STICK, SLIP = 0, 1, 2  # states of a contact
+
+
+def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: int = 0) -> npt.NDArray[Any]:
+    """A read-only C-contiguous copy; ``columns`` shapes an empty list as (0, columns)."""
+    array = np.array(values, dtype=dtype, order="C")
+    if columns:
+        array = array.reshape(-1, columns)
+    array.setflags(write=False)
+    return array
 
 
 class Bodies(NamedTuple):
@@ -52,8 +71,8 @@ class Bodies(NamedTuple):
     dof: IntArray  # (nb + 1,) offsets into q and u
     mass: FloatArray  # (nb,) m
     inertia: FloatArray  # (nb,) I0 = <x.x> about the frame's origin
-    moment: FloatArray  # (nb, 2) s0
-    S: FloatArray  # (modes, 2)
+    moment: Pairs  # (nb, 2) s0
+    S: Pairs  # (modes, 2)
     a: FloatArray  # (modes,)
     c: FloatArray  # (modes,)
     stiffness: FloatArray  # (modes,) omega_k^2
@@ -89,17 +108,10 @@ class Points(NamedTuple):
     """Material points: undeformed place in the body frame and the mode shapes there."""
 
     body: IntArray  # (np,) -1 for the ground
-    place: FloatArray  # (np, 2) x, undeformed, body frame
-    start: IntArray  # (np + 1,) offsets into phi and psi
-    phi: FloatArray  # (total, 2) displacement shape of each mode of the body
+    place: Pairs  # (np, 2) x, undeformed, body frame
+    start: Offsets  # (np + 1,) offsets into phi and psi
+    phi: Pairs  # (total, 2) displacement shape of each mode of the body
     psi: FloatArray  # (total,) rotation of the material at the point, of each mode
-
-
-def _empty(dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    """A read-only array of no elements."""
-    array = np.zeros(0, dtype=dtype)
-    array.setflags(write=False)
-    return array
 
 
 class Signals(NamedTuple):
@@ -116,19 +128,19 @@ class Signals(NamedTuple):
     first: IntArray  # (ns,)
     last: IntArray  # (ns,)
     breaks: FloatArray
-    coefficients: FloatArray  # (total, 4)
-    address: IntArray = _empty(np.int64)  # of compiled functions
-    stops: FloatArray = _empty(np.float64)  # increasing instants [s] at which steps with error control end
-    longest: FloatArray = _empty(np.float64)  # (0,) or (1,) longest step [s] that looks at all of them often enough
+    coefficients: Quadruples  # (total, 4)
+    address: IntArray = frozen([], np.int64)  # of compiled functions
+    stops: FloatArray = frozen([])  # increasing instants [s] at which steps with error control end
+    longest: FloatArray = frozen([])  # (0,) or (1,) longest step [s] that looks at all of them often enough
 
 
 class Joints(NamedTuple):
     """Bilateral constraints phi(q, t) = 0, each of a relative coordinate: see :mod:`lcpflex.kinematics.relative`."""
 
-    point: IntArray  # (nj, 2) material points P on body i and Q on body j
+    point: IndexPairs  # (nj, 2) material points P on body i and Q on body j
     row: IntArray  # (nj + 1,) offsets of the rows of each joint
     kind: IntArray  # (rows,) relative coordinate
-    axis: FloatArray  # (rows, 2) its direction
+    axis: Pairs  # (rows, 2) its direction
     rest: FloatArray  # (rows,) value without a motion [m] or [rad]
     signal: IntArray  # (rows,) prescribed motion, -1: none
 
@@ -138,12 +150,12 @@ class Loads(NamedTuple):
 
     gravity: FloatArray  # (2,)
     spring_kind: IntArray  # (nk,) relative coordinate that resists
-    spring_point: IntArray  # (nk, 2) P, Q
-    spring_axis: FloatArray  # (nk, 2) direction of the coordinate
-    spring_value: FloatArray  # (nk, 3) stiffness, damping, value without force
+    spring_point: IndexPairs  # (nk, 2) P, Q
+    spring_axis: Pairs  # (nk, 2) direction of the coordinate
+    spring_value: Triples  # (nk, 3) stiffness, damping, value without force
     force_kind: IntArray  # (nf,) force in world axes or in those of the material, or torque
     force_point: IntArray  # (nf,)
-    force_signal: IntArray  # (nf, 2) signals of the components (torque: first only)
+    force_signal: IndexPairs  # (nf, 2) signals of the components (torque: first only)
 
 
 class Contacts(NamedTuple):
@@ -154,27 +166,27 @@ class Contacts(NamedTuple):
     """
 
     # surfaces
-    slave_start: IntArray  # (ns + 1,)
+    slave_start: Offsets  # (ns + 1,)
     slave_point: IntArray  # (slaves,)
     slave_radius: FloatArray  # (slaves,)
-    slave_normal: FloatArray  # (slaves, 2) mean outward normal, body frame; zero: any direction may touch
-    slave_span: FloatArray  # (slaves, 2) start angle and extent of the part of its circle that may touch, body frame
-    feature_start: IntArray  # (ns + 1,)
+    slave_normal: Pairs  # (slaves, 2) mean outward normal, body frame; zero: any direction may touch
+    slave_span: Pairs  # (slaves, 2) start angle and extent of the part of its circle that may touch, body frame
+    feature_start: Offsets  # (ns + 1,)
     feature_kind: IntArray  # (features,)
-    feature_point: IntArray  # (features, 2) material points a, b (b = a for arcs)
+    feature_point: IndexPairs  # (features, 2) material points a, b (b = a for arcs)
     feature_radius: FloatArray  # (features,) signed
     feature_sense: FloatArray  # (features,) +1 convex, -1 hole
-    feature_reach: FloatArray  # (features, 3) how deep below s = 0, 1/2, 1 a slave belongs to it, linear between [m]
-    feature_span: FloatArray  # (features, 2) range of s, endless at hollow corners; arcs: start angle and extent
-    feature_neighbour: IntArray  # (features, 2) segments before and behind on the chain, -1: none
-    surface_block: IntArray  # (ns + 1,) offsets of the blocks of features of each surface
-    block_start: IntArray  # (blocks + 1,) offsets of the features of each block
-    block_circle: FloatArray  # (blocks, 4) centre, radius of a circle about them, and of one about what is below, too
-    block_height: FloatArray  # (blocks, 3) n and greatest n.x, where all look about the way n; else 0
+    feature_reach: Triples  # (features, 3) how deep below s = 0, 1/2, 1 a slave belongs to it, linear between [m]
+    feature_span: Pairs  # (features, 2) range of s, endless at hollow corners; arcs: start angle and extent
+    feature_neighbour: IndexPairs  # (features, 2) segments before and behind on the chain, -1: none
+    surface_block: Offsets  # (ns + 1,) offsets of the blocks of features of each surface
+    block_start: Offsets  # (blocks + 1,) offsets of the features of each block
+    block_circle: Quadruples  # (blocks, 4) centre, radius of a circle about them, and of one about what is below, too
+    block_height: Triples  # (blocks, 3) n and greatest n.x, where all look about the way n; else 0
     surface_body: IntArray  # (ns,)
-    surface_center: FloatArray  # (ns, 2) centre of the bounding circle, body frame
+    surface_center: Pairs  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
-    surface_sway: FloatArray  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
+    surface_sway: Rows  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
     # passes: slaves of one surface against features of another
     pass_slave: IntArray  # (passes,) surface
     pass_feature: IntArray  # (passes,) surface
@@ -194,15 +206,6 @@ class Model(NamedTuple):
     joints: Joints
     loads: Loads
     contacts: Contacts
-
-
-def frozen(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64, columns: int = 0) -> npt.NDArray[Any]:
-    """A read-only C-contiguous copy; ``columns`` shapes an empty list as (0, columns)."""
-    array = np.array(values, dtype=dtype, order="C")
-    if columns:
-        array = array.reshape(-1, columns)
-    array.setflags(write=False)
-    return array
 
 
 def refrozen(values: T) -> T:
@@ -248,6 +251,24 @@ class PointTable:
         )
 
 
+EMPTY = {
+    "IntArray": frozen([], np.int64),
+    "FloatArray": frozen([]),
+    "Offsets": frozen([0], np.int64),
+    "IndexPairs": frozen([], np.int64, columns=2),
+    "Rows": frozen([], columns=1),
+    "Pairs": frozen([], columns=2),
+    "Triples": frozen([], columns=3),
+    "Quadruples": frozen([], columns=4),
+}
+
+
+def empty(group: type[N], **given: npt.NDArray[Any]) -> N:
+    """A group of the arrays of a model, of no things at all but for the ``given`` arrays."""
+    declared = {name: hint.__forward_arg__ for name, hint in group.__annotations__.items()}
+    return group(**{name: EMPTY[kind] for name, kind in declared.items()} | given)
+
+
 def bodiless_model(
     n: int, n_joint: int, friction: npt.ArrayLike, restitution: npt.ArrayLike, tangential_restitution: npt.ArrayLike
 ) -> Model:
@@ -255,77 +276,18 @@ def bodiless_model(
 
     Its array types are those of every other model, so that the same compiled kernels serve it.
     """
-    numbers = frozen([])
-    pairs = frozen([], columns=2)
-    indices = frozen([], np.int64)
-    index_pairs = frozen([], np.int64, columns=2)
-    offsets = frozen([0], np.int64)
-    nowhere = frozen([0, 0], np.int64)
-    bodies = Bodies(
-        dof=frozen([0, n], np.int64),
-        mass=numbers,
-        inertia=numbers,
-        moment=pairs,
-        S=pairs,
-        a=numbers,
-        c=numbers,
-        stiffness=numbers,
-        damping=numbers,
-        coupling_start=nowhere,
-        coupling=numbers,
-        cross_damping_start=nowhere,
-        cross_damping=numbers,
-        geometric_start=nowhere,
-        geometric=numbers,
-        axial_start=nowhere,
-        axial_mode=indices,
-        bending_start=nowhere,
-        bending_mode=indices,
-        shortening_start=nowhere,
-        shortening=numbers,
+    parts = ("coupling", "cross_damping", "geometric", "axial", "bending", "shortening")
+    nowhere = dict.fromkeys((f"{part}_start" for part in parts), frozen([0, 0], np.int64))
+    return Model(
+        bodies=empty(Bodies, dof=frozen([0, n], np.int64), **nowhere),
+        points=empty(Points),
+        signals=empty(Signals),
+        joints=empty(Joints, row=frozen([0, n_joint], np.int64)),
+        loads=empty(Loads, gravity=frozen([0.0, 0.0])),
+        contacts=empty(
+            Contacts,
+            friction=frozen(friction),
+            restitution=frozen(restitution),
+            tangential_restitution=frozen(tangential_restitution),
+        ),
     )
-    joints = Joints(
-        point=index_pairs, row=frozen([0, n_joint], np.int64), kind=indices, axis=pairs, rest=numbers, signal=indices
-    )
-    loads = Loads(
-        gravity=frozen([0.0, 0.0]),
-        spring_kind=indices,
-        spring_point=index_pairs,
-        spring_axis=pairs,
-        spring_value=frozen([], columns=3),
-        force_kind=indices,
-        force_point=indices,
-        force_signal=index_pairs,
-    )
-    contacts = Contacts(
-        slave_start=offsets,
-        slave_point=indices,
-        slave_radius=numbers,
-        slave_normal=pairs,
-        slave_span=pairs,
-        feature_start=offsets,
-        feature_kind=indices,
-        feature_point=index_pairs,
-        feature_radius=numbers,
-        feature_sense=numbers,
-        feature_reach=frozen([], columns=3),
-        feature_span=pairs,
-        feature_neighbour=index_pairs,
-        surface_block=offsets,
-        block_start=offsets,
-        block_circle=frozen([], columns=4),
-        block_height=frozen([], columns=3),
-        surface_body=indices,
-        surface_center=pairs,
-        surface_extent=numbers,
-        surface_sway=frozen([], columns=1),
-        pass_slave=indices,
-        pass_feature=indices,
-        pass_law=indices,
-        friction=frozen(friction),
-        restitution=frozen(restitution),
-        tangential_restitution=frozen(tangential_restitution),
-    )
-    points = Points(body=indices, place=pairs, start=offsets, phi=pairs, psi=numbers)
-    signals = Signals(kind=indices, first=indices, last=indices, breaks=numbers, coefficients=frozen([], columns=4))
-    return Model(bodies, points, signals, joints, loads, contacts)

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT
-from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
+from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.results.places import world_places
 
 if TYPE_CHECKING:

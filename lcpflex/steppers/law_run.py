@@ -11,7 +11,7 @@ from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.history import ContactMemory
-from lcpflex.force_laws.layout import DAMPING_KIND, LIMIT, PERMANENT
+from lcpflex.force_laws.layout import LIMIT
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 
@@ -47,7 +47,7 @@ def refuse_states(system: System) -> None:
         row = law.row()
         if row.bristles:
             what = "friction with states of its own"
-        elif row.kinds[DAMPING_KIND] == PERMANENT:
+        elif row.turns:
             what = "a permanent indentation, which turns back within steps"
         else:
             continue

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable, detect
-from lcpflex.contact.narrow_phase.feature import SEGMENT, refresh
+from lcpflex.contact.narrow_phase.feature import depth_of_feature, foot_margin, is_wall, refresh
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.thickness import law_thickness, pass_thickness
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.steppers.event_driven.gaps import SPAN_TOLERANCE, foot_margin
 from lcpflex.steppers.recorder import Tape
 
 __all__ = ["Passages", "passed_through", "swallowed"]
@@ -34,16 +34,6 @@ def on_way(model: Model, before: FloatArray, after: FloatArray, share: float, q:
 
 
 @kernel
-def deep_enough(model: Model, table: ContactTable, k: int) -> float:
-    """How deep entry k may become before its slave is behind what it touches [m]."""
-    f = table.key[k] % len(model.contacts.feature_kind)
-    reach = model.contacts.feature_reach[f, 1]
-    if table.kind[k] != SEGMENT and table.radius[k] >= 0.0:
-        reach = min(reach, table.radius[k])
-    return table.slave_radius[k] + reach
-
-
-@kernel
 def crosses(
     model: Model, table: ContactTable, k: int, before: FloatArray, after: FloatArray, low: float, high: float,
     free: bool, q: FloatArray,
@@ -53,7 +43,7 @@ def crosses(
     Entry k: as it is at ``low``. Where the path is ``free``, half as deep as that, or a little into an arc, wherever it
     ends: what was found there might as well have been missed.
     """
-    limit = deep_enough(model, table, k)
+    limit = table.slave_radius[k] + depth_of_feature(model, table, k)  # beyond, the slave is behind what it touches
     if free:
         limit *= WITHIN
     deepest = table.gap[k]
@@ -63,14 +53,14 @@ def crosses(
         on_way(model, before, after, share, q)
         refresh(model, q, table, k)
         last, f = f, table.gap[k]
-        if last > -limit >= f and (table.kind[k] == SEGMENT or table.sense[k] < 0.0):
+        if last > -limit >= f and is_wall(table, k):
             part = (last + limit) / (last - f)
             on_way(model, before, after, share - (1.0 - part) * (high - low) / LOOKS, q)
             refresh(model, q, table, k)
             if foot_margin(model, q, table, k) >= -SPAN_TOLERANCE:
                 return True
         deepest = min(deepest, f)
-    if table.kind[k] == SEGMENT or table.sense[k] < 0.0:
+    if is_wall(table, k):
         return False
     if free:
         return deepest < -CLIPPED / WITHIN * limit

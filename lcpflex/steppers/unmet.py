@@ -9,14 +9,15 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
-from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.contact.narrow_phase.feature import foot_margin, refresh, slave_margin
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.rows import gap_rate
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.adaptive import Backup
-from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN, SPAN_TOLERANCE, foot_margin, slave_margin
+from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN
 from lcpflex.steppers.recorder import Tape
 
 __all__ = ["closed_pairs", "first_unmet"]

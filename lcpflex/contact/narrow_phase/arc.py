@@ -7,14 +7,32 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.narrow_phase.limits import COINCIDENT, NOWHERE, WIDEN
+from lcpflex.contact.narrow_phase.limits import COINCIDENT, NOWHERE, SPAN_TOLERANCE, WIDEN
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import add_point_rows, add_rotation_row, local_place, point_motion, point_position
+from lcpflex.kinematics.points import (
+    add_point_rows,
+    add_rotation_row,
+    local_place,
+    motion_between,
+    point_angle,
+    point_motion,
+    point_position,
+)
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["arc_bias", "arc_rows", "arc_velocity", "in_arc", "near_arc", "over_arc", "refresh_arc"]
+__all__ = [
+    "arc_bias",
+    "arc_margin",
+    "arc_rows",
+    "arc_velocity",
+    "in_arc",
+    "near_arc",
+    "over_arc",
+    "refresh_arc",
+    "within_arc",
+]
 
 
 @kernel
@@ -81,6 +99,24 @@ def refresh_arc(model: Model, q: FloatArray, table: ContactTable, k: int) -> Non
 
 
 @kernel
+def within_arc(angle: float, start: float, extent: float) -> float:
+    """How far an angle is inside an arc [rad]."""
+    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
+        return math.inf
+    angle -= start + 0.5 * extent
+    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
+
+
+@kernel
+def arc_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the slave of entry k is over its arc [rad]."""
+    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    x, y = point_position(model.bodies, model.points, q, table.a[k])
+    angle = math.atan2(py - y, px - x) - point_angle(model.bodies, model.points, q, table.a[k])
+    return within_arc(angle, table.span[k, 0], table.span[k, 1])
+
+
+@kernel
 def arc_rows(
     model: Model, q: FloatArray, table: ContactTable, k: int, normal_row: FloatArray, tangent_row: FloatArray
 ) -> None:
@@ -103,22 +139,11 @@ def arc_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
 @kernel
 def arc_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""
-    bodies = model.bodies
-    points = model.points
     nx = table.normal[k, 0]
     ny = table.normal[k, 1]
     tx = ny
     ty = -nx
-    p = table.slave[k]
-    a = table.a[k]
-    px, py, vpx, vpy, bpx, bpy = point_motion(bodies, points, q, u, p)
-    ax, ay, vax, vay, bax, bay = point_motion(bodies, points, q, u, a)
-    dx = px - ax
-    dy = py - ay
-    wx = vpx - vax
-    wy = vpy - vay
+    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.slave[k], table.a[k])
     distance = max(math.hypot(dx, dy), COINCIDENT)
     turn = table.sense[k] * (-ny * wx + nx * wy) / distance
-    rx = bpx - bax
-    ry = bpy - bay
     return nx * rx + ny * ry + turn * (-ny * wx + nx * wy), tx * rx + ty * ry + turn * (-ty * wx + tx * wy)

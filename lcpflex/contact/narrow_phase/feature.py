@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from lcpflex.contact.narrow_phase.arc import arc_bias, arc_rows, arc_velocity, near_arc, over_arc, refresh_arc
+import math
+
+from lcpflex.contact.narrow_phase.arc import (
+    arc_bias,
+    arc_margin,
+    arc_rows,
+    arc_velocity,
+    near_arc,
+    over_arc,
+    refresh_arc,
+    within_arc,
+)
 from lcpflex.contact.narrow_phase.segment import (
     near_segment,
     over_segment,
@@ -11,9 +22,10 @@ from lcpflex.contact.narrow_phase.segment import (
     segment_rows,
     segment_velocity,
 )
-from lcpflex.contact.narrow_phase.vertex import over_vertex
+from lcpflex.contact.narrow_phase.vertex import over_vertex, vertex_margin
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.points import point_angle
 from lcpflex.model.arrays import Model
 
 __all__ = [
@@ -21,11 +33,15 @@ __all__ = [
     "SEGMENT",
     "VERTEX",
     "contact_bias",
+    "depth_of_feature",
     "feature_rows",
     "feature_velocity",
+    "foot_margin",
+    "is_wall",
     "may_touch",
     "over",
     "refresh",
+    "slave_margin",
 ]
 
 SEGMENT, ARC, VERTEX = range(3)
@@ -93,3 +109,38 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     if table.kind[k] == SEGMENT:
         return segment_bias(model, q, u, table, k)
     return arc_bias(model, q, u, table, k)
+
+
+@kernel
+def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
+    if table.kind[k] == SEGMENT:
+        return min(table.s[k] - table.span[k, 0], table.span[k, 1] - table.s[k])
+    if table.kind[k] == VERTEX:
+        return vertex_margin(model, q, table, k)
+    return arc_margin(model, q, table, k)
+
+
+@kernel
+def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of entry k is inside the arc that its slave is [rad]."""
+    if table.slave_radius[k] == 0.0:
+        return math.inf
+    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
+    angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
+    return within_arc(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
+
+
+@kernel
+def depth_of_feature(model: Model, table: ContactTable, k: int) -> float:
+    """How deep below its feature the slave of entry k is still of it [m]: no deeper than to the centre of a disc."""
+    reach = model.contacts.feature_reach[table.key[k] % len(model.contacts.feature_kind), 1]
+    if table.kind[k] != SEGMENT and table.radius[k] >= 0.0:
+        reach = min(reach, table.radius[k])
+    return reach
+
+
+@kernel
+def is_wall(table: ContactTable, k: int) -> bool:
+    """Whether the feature of entry k is passed in a straight line through it only: a segment or the wall of a hole."""
+    return table.kind[k] == SEGMENT or table.sense[k] < 0.0

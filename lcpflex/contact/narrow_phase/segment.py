@@ -10,7 +10,7 @@ import math
 from lcpflex.contact.narrow_phase.limits import NOWHERE, WIDEN
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import add_point_rows, local_place, point_motion, point_position
+from lcpflex.kinematics.points import add_point_rows, local_place, motion_between, point_motion, point_position
 from lcpflex.model.arrays import Model
 
 __all__ = [
@@ -168,31 +168,18 @@ def segment_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactT
 @kernel
 def segment_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""
-    bodies = model.bodies
-    points = model.points
     nx = table.normal[k, 0]
     ny = table.normal[k, 1]
     tx = ny
     ty = -nx
-    p = table.slave[k]
-    a = table.a[k]
-    px, py, vpx, vpy, bpx, bpy = point_motion(bodies, points, q, u, p)
-    ax, ay, vax, vay, bax, bay = point_motion(bodies, points, q, u, a)
-    dx = px - ax
-    dy = py - ay
-    wx = vpx - vax
-    wy = vpy - vay
-    cx, cy, vbx, vby, bbx, bby = point_motion(bodies, points, q, u, table.b[k])
-    ex = cx - ax
-    ey = cy - ay
-    fx = vbx - vax
-    fy = vby - vay
+    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.slave[k], table.a[k])
+    ex, ey, fx, fy, bx, by = motion_between(model.bodies, model.points, q, u, table.b[k], table.a[k])
     l2 = ex * ex + ey * ey
     s = table.s[k]
     turn = (ex * fy - ey * fx) / l2
     slide = (fx * dx + fy * dy + ex * wx + ey * wy - 2.0 * s * (ex * fx + ey * fy)) / l2
-    rx = bpx - bax - s * (bbx - bax)
-    ry = bpy - bay - s * (bby - bay)
+    rx -= s * bx
+    ry -= s * by
     wx -= s * fx
     wy -= s * fy
     # ndot = turn J n, tdot = turn J t

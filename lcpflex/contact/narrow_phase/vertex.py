@@ -6,11 +6,12 @@ import math
 
 from lcpflex.contact.narrow_phase.limits import COINCIDENT, NOWHERE, WIDEN
 from lcpflex.contact.narrow_phase.segment import foot
+from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import local_place
+from lcpflex.kinematics.points import local_place, point_position
 from lcpflex.model.arrays import Model
 
-__all__ = ["over_vertex"]
+__all__ = ["over_vertex", "vertex_margin"]
 
 
 @kernel
@@ -51,3 +52,21 @@ def over_vertex(
     if D < COINCIDENT:
         return False, 0.0, D, 0.0, 1.0, D
     return in_wedge(model, q, f, x, y), 0.0, D, dx / D, dy / D, D
+
+
+@kernel
+def vertex_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the slave of entry k is inside the wedge of its vertex, in lengths of the segments that meet there."""
+    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    x, y = point_position(model.bodies, model.points, q, table.a[k])
+    px -= x
+    py -= y
+    margin = math.inf
+    f = table.key[k] % len(model.contacts.feature_kind)
+    for side in range(2):
+        neighbour = model.contacts.feature_neighbour[f, side]
+        if neighbour >= 0:
+            far = model.contacts.feature_point[neighbour, side]
+            ax, ay = point_position(model.bodies, model.points, q, far)
+            margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
+    return margin

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,15 +17,7 @@ from lcpflex.errors import ModelError
 from lcpflex.force_laws.arguments import finite_numbers
 from lcpflex.force_laws.damping.hysteresis import check_linear, fractions
 from lcpflex.force_laws.damping.rebound import damping_ratio, half_oscillation, rebound_of_drag, rebound_of_ratio
-from lcpflex.force_laws.layout import (
-    JANKOWSKI,
-    KUWABARA_KONO,
-    PERMANENT,
-    RISTOW,
-    TSUJI,
-    VISCOUS,
-    ElasticLaw,
-)
+from lcpflex.force_laws.layout import ElasticLaw
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
 
@@ -93,17 +85,13 @@ class KelvinVoigt(Speedless):
         For a number out of its range; with an elastic law that is no linear spring (when the law is put together).
     """
 
+    kind: ClassVar[str] = "viscous"
     restitution: float
     mass: float | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "restitution", 0.0, 1.0)
         keep_mass(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return VISCOUS
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -148,17 +136,13 @@ class Tsuji(Speedless):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "tsuji"
     restitution: float
     mass: float | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "restitution", 0.0, 1.0)
         keep_mass(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return TSUJI
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -196,15 +180,11 @@ class KuwabaraKono(Speedless):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "kuwabara_kono"
     relaxation: float
 
     def __post_init__(self) -> None:
         keep_number(self, "relaxation", 0.0, math.inf)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return KUWABARA_KONO
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -247,17 +227,13 @@ class Ristow(Speedless):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "ristow"
     rate: float
     mass: float | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "rate", 0.0, math.inf)
         keep_mass(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return RISTOW
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -302,6 +278,7 @@ class Jankowski(Speedless):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "jankowski"
     restitution: float
     mass: float | None = None
 
@@ -309,11 +286,6 @@ class Jankowski(Speedless):
         keep_number(self, "restitution", 0.0, 1.0)
         fractions(self.restitution, zero=False)
         keep_mass(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return JANKOWSKI
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -357,16 +329,12 @@ class PermanentIndentation(Speedless):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "permanent"
     restitution: float
 
     def __post_init__(self) -> None:
         keep_number(self, "restitution", 0.0, 1.0)
         fractions(self.restitution, zero=False)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return PERMANENT
 
     @property
     def parameters(self) -> tuple[float, ...]:

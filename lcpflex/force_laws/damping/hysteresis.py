@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,7 @@ from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.damping.rebound import exact_factor, rebound_of_factor
-from lcpflex.force_laws.layout import HYSTERESIS, POWER, ElasticLaw
+from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["HysteresisDamping", "HysteresisFactor", "check_linear", "fractions"]
@@ -142,7 +142,7 @@ def fractions(restitution: ArrayLike, *, zero: bool) -> FloatArray:
 
 def check_linear(name: str, elastic: ElasticLaw) -> None:
     """Raise ModelError unless ``elastic`` is a linear spring."""
-    if elastic.kind != POWER or elastic.parameters[1] != 1.0:
+    if elastic.kind != "power" or elastic.parameters[1] != 1.0:
         raise ModelError(
             f"damping: {name} was given with {shown(elastic)}, expected a linear spring, PowerLaw(K, exponent=1)"
         )
@@ -174,6 +174,7 @@ class HysteresisDamping:
         For a number out of its range; YE and PANT with anything but a linear spring (when the law is put together).
     """
 
+    kind: ClassVar[str] = "hysteresis"
     restitution: float
     factor: HysteresisFactor = HysteresisFactor.EXACT
     guard_speed: float = 1e-4
@@ -189,11 +190,6 @@ class HysteresisDamping:
     def eta(self) -> float:
         """Factor of v / v_0."""
         return float(self.factor.eta(self.restitution))
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of damping."""
-        return HYSTERESIS
 
     @property
     def parameters(self) -> tuple[float, ...]:

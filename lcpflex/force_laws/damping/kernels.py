@@ -9,20 +9,15 @@ from __future__ import annotations
 import math
 
 from lcpflex.force_laws.elastic.kernels import elastic_stiffness, stored_energy
-from lcpflex.force_laws.layout import (
-    DAMPING,
-    DAMPING_KIND,
-    HYSTERESIS,
-    JANKOWSKI,
-    KUWABARA_KONO,
-    PROPORTIONAL,
-    RISTOW,
-    TSUJI,
-    VISCOUS,
-)
+from lcpflex.force_laws.layout import DAMPING, DAMPING_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
-__all__ = ["damping_force", "damping_mass"]
+__all__ = ["KINDS", "PERMANENT", "damping_force", "damping_mass"]
+
+KINDS = (
+    "none", "proportional", "hysteresis", "viscous", "tsuji", "kuwabara_kono", "ristow", "jankowski", "permanent",
+)  # fmt: skip
+NONE, PROPORTIONAL, HYSTERESIS, VISCOUS, TSUJI, KUWABARA_KONO, RISTOW, JANKOWSKI, PERMANENT = range(len(KINDS))
 
 
 @kernel

@@ -1,4 +1,5 @@
 """Elastic contact laws: force, stiffness and energy of an indentation.
 
-To add a law: a frozen dataclass that gives its row (:mod:`lcpflex.force_laws.layout`), and its case in :mod:`.kernels`.
+To add a law: its class, a frozen dataclass with the name of its kind, beside the others, and that name and its branch
+in :mod:`.kernels`.
 """

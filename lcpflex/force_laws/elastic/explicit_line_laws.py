@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass, field
-from typing import Any, overload
+from typing import Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,6 @@ from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.line_contact import check_pair
-from lcpflex.force_laws.layout import LIU, PERSSON, POWER
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
@@ -48,6 +47,7 @@ class LankaraniNikraveshCylinder(ElasticFace):
         For what is no CylinderPair, an exponent out of its range, and numbers that look like N and mm (unless lenient).
     """
 
+    kind: ClassVar[str] = "power"
     pair: CylinderPair
     exponent: float = 1.5
     lenient: bool = field(default=False, kw_only=True)
@@ -55,11 +55,6 @@ class LankaraniNikraveshCylinder(ElasticFace):
     def __post_init__(self) -> None:
         check_pair(self)
         keep_number(self, "exponent", 1.0, 1.5)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return POWER
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -97,6 +92,7 @@ class Pereira(ElasticFace):
         For what is no CylinderPair, a clearance out of range, and numbers that look like N and mm (unless lenient).
     """
 
+    kind: ClassVar[str] = "power"
     pair: CylinderPair
     lenient: bool = field(default=False, kw_only=True)
 
@@ -110,11 +106,6 @@ class Pereira(ElasticFace):
         if not self.lenient or clearance < LEAST_CLEARANCE:
             raise ModelError(text)
         warnings.warn(text, ModelWarning, stacklevel=3)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return POWER
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -150,17 +141,13 @@ class Liu(ElasticFace):
         For what is no CylinderPair, cylinders side by side, and numbers that look like N and mm (unless lenient).
     """
 
+    kind: ClassVar[str] = "liu"
     pair: CylinderPair
     lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
         _check_internal(self.pair)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return LIU
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -194,6 +181,7 @@ class Persson(ElasticFace):
         N and mm (unless lenient).
     """
 
+    kind: ClassVar[str] = "persson"
     pair: CylinderPair
     lenient: bool = field(default=False, kw_only=True)
 
@@ -205,11 +193,6 @@ class Persson(ElasticFace):
             if not self.lenient:
                 raise ModelError(f"{text}; lenient=True gives a warning instead")
             warnings.warn(text, ModelWarning, stacklevel=3)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return PERSSON
 
     @property
     def parameters(self) -> tuple[float, ...]:

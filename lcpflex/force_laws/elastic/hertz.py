@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from lcpflex.basics.options import keep_flag, keep_number
 from lcpflex.errors import ModelError, in_range
 from lcpflex.force_laws.elastic.law import ElasticFace
 from lcpflex.force_laws.elastic.materials import Material, check_materials, check_units, contact_modulus
 from lcpflex.force_laws.elastic.round_surfaces import Shaped, radii_between
-from lcpflex.force_laws.layout import POWER
 
 __all__ = ["Hertz"]
 
@@ -44,6 +44,7 @@ class Hertz(ElasticFace):
         that look like N and mm (unless lenient).
     """
 
+    kind: ClassVar[str] = "power"
     effective_radius: float
     contact_modulus: float
     smallest_radius: float
@@ -126,11 +127,6 @@ class Hertz(ElasticFace):
         check_materials(material, other)
         check_units((material, other), radii, lenient, stacklevel=4)
         return cls(R, contact_modulus(material, other), min(radii), lenient=lenient)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return POWER
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -10,11 +10,12 @@ import math
 
 import numpy as np
 
-from lcpflex.force_laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END, LIU, LOGARITHMIC, OWN, PERSSON, POWER
+from lcpflex.force_laws.layout import ADDRESS, ELASTIC, ELASTIC_KIND, END
 from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [
+    "KINDS",
     "LAST_LOGARITHM",
     "elastic_force",
     "elastic_stiffness",
@@ -24,6 +25,8 @@ __all__ = [
     "stored_energy",
 ]
 
+KINDS = ("power", "logarithmic", "liu", "persson", "own")
+POWER, LOGARITHMIC, LIU, PERSSON, OWN = range(len(KINDS))
 MOST_ITERATIONS = 40
 ROUGH = 1e-2  # relative, of an indentation that only bounds a step
 FINE = 4e-16  # relative

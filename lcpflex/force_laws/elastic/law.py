@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.force_laws.arguments import numbers_of
+from lcpflex.force_laws.elastic.kernels import KINDS
 from lcpflex.force_laws.elastic.loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
 from lcpflex.force_laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.jit.kernel import FloatArray
@@ -38,9 +39,7 @@ class ElasticFace:
     if TYPE_CHECKING:
         lenient: bool
 
-        @property
-        def kind(self) -> int:
-            """Number among the elastic kinds."""
+        kind: ClassVar[str]
 
         @property
         def parameters(self) -> tuple[float, ...]:
@@ -96,7 +95,7 @@ class ElasticFace:
         p = np.zeros(PARAMETERS)
         p[ELASTIC : ELASTIC + len(self.parameters)] = self.parameters
         p[LIMIT], p[END] = self.limit, self.end
-        return np.array([self.kind, 0, 0, getattr(self, "address", 0)], dtype=np.int64), p
+        return np.array([KINDS.index(self.kind), 0, 0, getattr(self, "address", 0)], dtype=np.int64), p
 
     def _evaluate(self, name: str, quantity: int, given: Any, limit: float, end: float) -> Any:
         values = numbers_of(name, given)

@@ -16,14 +16,13 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from lcpflex.basics.options import keep_flag, keep_number
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.kernels import LAST_LOGARITHM
 from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.layout import LOGARITHMIC
 
 __all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
 
@@ -41,6 +40,7 @@ class Logarithmic(ElasticFace):
     """What the logarithmic laws share; each of them has its own constants a [N/m], c [N] and d."""
 
     __slots__ = ()
+    kind: ClassVar[str] = "logarithmic"
 
     if TYPE_CHECKING:
         pair: CylinderPair
@@ -51,11 +51,6 @@ class Logarithmic(ElasticFace):
 
     def __post_init__(self) -> None:
         check_pair(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return LOGARITHMIC
 
     @property
     def parameters(self) -> tuple[float, ...]:

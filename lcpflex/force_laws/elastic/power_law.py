@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from lcpflex.basics.arguments import flag
 from lcpflex.errors import in_range
 from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.layout import POWER
 
 __all__ = ["PowerLaw"]
 
@@ -32,6 +32,7 @@ class PowerLaw(ElasticFace):
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "power"
     constant: float
     exponent: float
     lenient: bool
@@ -43,11 +44,6 @@ class PowerLaw(ElasticFace):
 
     def __repr__(self) -> str:
         return f"PowerLaw({self.constant!r}, exponent={self.exponent!r}, lenient={self.lenient!r})"
-
-    @property
-    def kind(self) -> int:
-        """Number among the elastic kinds."""
-        return POWER
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +25,6 @@ from lcpflex.force_laws.friction.static_friction import (
     slip_of,
     static_coefficient,
 )
-from lcpflex.force_laws.layout import BRISTLE, LUGRE
 
 __all__ = ["Bristle", "LuGre"]
 
@@ -62,6 +61,7 @@ class LuGre:
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "lugre"
     stiffness: float = 1e4
     damping: float = 30.0
     viscous: float = 0.0
@@ -74,11 +74,6 @@ class LuGre:
         keep_number(self, "viscous", 0.0, math.inf)
         keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
         keep_static_friction(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return LUGRE
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -156,6 +151,7 @@ class Bristle:
         For a number out of its range.
     """
 
+    kind: ClassVar[str] = "bristle"
     stiffness: float = 1e4
     damping: float = 30.0
     viscous: float = 0.0
@@ -173,11 +169,6 @@ class Bristle:
         keep_number(self, "dwell_time", 0.0, math.inf, open_ends=True)
         if self.direction_speed is not None:
             keep_number(self, "direction_speed", 0.0, math.inf, open_ends=True)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return BRISTLE
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.force_laws import friction
-from lcpflex.force_laws.layout import AMBROSIO, FRICTION, FRICTION_KIND, LawRow
+from lcpflex.force_laws import compiled
+from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND, LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import STICK
 
@@ -58,12 +58,13 @@ def _slip(row: LawRow, mu: float, force: FloatArray) -> FloatArray:
     """Slip speeds [m/s] up to the slip speed of the law, by bisection."""
     kinds, p = np.array(row.kinds), np.array(row.parameters)
     normal, wanted = np.ascontiguousarray(force[:, 0]), np.abs(force[:, 1])
-    start = row.parameters[FRICTION] if row.kinds[FRICTION_KIND] == AMBROSIO else 0.0  # free up to there
+    free = compiled.FRICTION_KINDS[row.kinds[FRICTION_KIND]] == "ambrosio"
+    start = row.parameters[FRICTION] if free else 0.0
     low, high = np.full(len(force), start), np.full(len(force), row.slip_speed)
     found, mus = np.empty(len(force)), np.full(len(force), mu)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        friction.friction_forces(kinds, p, middle, normal, mus, found)
+        compiled.friction_forces(kinds, p, middle, normal, mus, found)
         less = np.abs(found) < wanted
         low, high = np.where(less, middle, low), np.where(less, high, middle)
     return np.asarray(np.where(wanted > 0.0, 0.5 * (low + high), 0.0))

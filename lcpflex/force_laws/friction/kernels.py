@@ -8,21 +8,13 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.force_laws.layout import (
-    AMBROSIO,
-    ARCTANGENT,
-    BENGISU_AKAY,
-    BRISTLE,
-    FRICTION,
-    FRICTION_KIND,
-    LUGRE,
-    RAMP,
-    TANH,
-    THRELFALL,
-)
+from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
-__all__ = ["bristle_rates", "friction_force", "friction_forces"]
+__all__ = ["BENGISU_AKAY", "BROWN_MCPHEE", "KINDS", "bristle_rates", "friction_force", "friction_forces"]
+
+KINDS = ("tanh", "arctangent", "ramp", "threlfall", "ambrosio", "bengisu_akay", "brown_mcphee", "lugre", "bristle")
+TANH, ARCTANGENT, RAMP, THRELFALL, AMBROSIO, BENGISU_AKAY, BROWN_MCPHEE, LUGRE, BRISTLE = range(len(KINDS))
 
 
 @kernel

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
-from lcpflex.force_laws import friction
+from lcpflex.force_laws import compiled
 from lcpflex.force_laws.friction.bristles import Bristle, LuGre
 from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
@@ -28,17 +28,7 @@ from lcpflex.force_laws.friction.static_friction import (
     slip_of,
     static_coefficient,
 )
-from lcpflex.force_laws.layout import (
-    AMBROSIO,
-    ARCTANGENT,
-    BENGISU_AKAY,
-    BROWN_MCPHEE,
-    FRICTION,
-    PARAMETERS,
-    RAMP,
-    TANH,
-    THRELFALL,
-)
+from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 
 __all__ = [
     "Ambrosio",
@@ -58,15 +48,12 @@ class MemorylessFriction:
 
     __slots__ = ()
 
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        raise NotImplementedError
+    if TYPE_CHECKING:
+        kind: ClassVar[str]
 
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """At most seven."""
-        raise NotImplementedError
+        @property
+        def parameters(self) -> tuple[float, ...]:
+            """At most seven."""
 
     @property
     def bristles(self) -> bool:
@@ -94,8 +81,8 @@ class MemorylessFriction:
             self.check(float(flat[2].max()), "mu")
         p = np.zeros(PARAMETERS)
         p[FRICTION : FRICTION + len(self.parameters)] = self.parameters
-        out = np.empty(len(flat[0]))
-        friction.friction_forces(np.array([0, 0, self.kind, 0]), p, flat[0], flat[1], flat[2], out)
+        kind, out = compiled.FRICTION_KINDS.index(self.kind), np.empty(len(flat[0]))
+        compiled.friction_forces(np.array([0, 0, kind, 0]), p, flat[0], flat[1], flat[2], out)
         out[flat[2] == 0.0] = 0.0
         return out.reshape(shape) if shape else float(out[0])
 
@@ -125,10 +112,7 @@ class SmoothedCoulomb(OneSpeed):
         v_s > 0 [m/s]. Nothing sticks: what Coulomb's law would hold creeps, at up to about v_s.
     """
 
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return TANH
+    kind: ClassVar[str] = "tanh"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,10 +125,7 @@ class ArctangentCoulomb(OneSpeed):
         v_s > 0 [m/s], where f = mu/2.
     """
 
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return ARCTANGENT
+    kind: ClassVar[str] = "arctangent"
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,10 +138,7 @@ class RampCoulomb(OneSpeed):
         v_s > 0 [m/s], from where on f = mu.
     """
 
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return RAMP
+    kind: ClassVar[str] = "ramp"
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,10 +154,7 @@ class Threlfall(OneSpeed):
         v_r > 0 [m/s]; 1e-3 to 1e-2 of the typical speed.
     """
 
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return THRELFALL
+    kind: ClassVar[str] = "threlfall"
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +176,7 @@ class Ambrosio(MemorylessFriction):
         For speeds out of their range or order.
     """
 
+    kind: ClassVar[str] = "ambrosio"
     rest_speed: float = 1e-4
     slip_speed: float = 2e-4
 
@@ -209,11 +185,6 @@ class Ambrosio(MemorylessFriction):
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         if not self.slip_speed > self.rest_speed:
             raise ModelError(f"slip_speed: {shown(self.slip_speed)} was given, expected more than rest_speed")
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return AMBROSIO
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -238,6 +209,7 @@ class BengisuAkay(MemorylessFriction):
         mu_s >= mu; None: mu.
     """
 
+    kind: ClassVar[str] = "bengisu_akay"
     slip_speed: float = 1e-3
     decay: float = 1e3
     static_friction: float | None = None
@@ -246,11 +218,6 @@ class BengisuAkay(MemorylessFriction):
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         keep_number(self, "decay", 0.0, math.inf)
         keep_static_friction(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return BENGISU_AKAY
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -279,6 +246,7 @@ class BrownMcPhee(MemorylessFriction):
         sigma_2 >= 0 [s/m]; a constant in N s/m holds at a load, and is divided by it.
     """
 
+    kind: ClassVar[str] = "brown_mcphee"
     slip_speed: float = 1e-3
     static_friction: float | None = None
     viscous: float = 0.0
@@ -287,11 +255,6 @@ class BrownMcPhee(MemorylessFriction):
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         keep_number(self, "viscous", 0.0, math.inf)
         keep_static_friction(self)
-
-    @property
-    def kind(self) -> int:
-        """Number among the kinds of friction."""
-        return BROWN_MCPHEE
 
     @property
     def parameters(self) -> tuple[float, ...]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import ContactTable, detect
-from lcpflex.contact.narrow_phase.feature import SEGMENT, refresh
+from lcpflex.contact.narrow_phase.feature import foot_margin, refresh, slave_margin
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import point_angle, point_position
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
@@ -22,65 +22,19 @@ from lcpflex.steppers.runge_kutta import interpolate
 __all__ = [
     "CROSSED",
     "NARROW",
-    "SPAN_TOLERANCE",
     "dip_of",
     "first_closing",
     "first_dip",
-    "foot_margin",
     "gap_above",
     "locate_gap",
-    "slave_margin",
 ]
 
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
-SPAN_TOLERANCE = 2e-9  # how far a foot may leave its feature: more than detection widens features by
 NARROW = 4e-16  # width of a root [s], relative to the time
 CROSSED = 2  # memory.hidden
 GOLDEN = 0.6180339887498949
 DIP_LOOKS = 40  # that narrow a dip to 1e-8 of what is between two looks
 END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
-
-
-@kernel
-def arc_margin(angle: float, start: float, extent: float) -> float:
-    """How far an angle is inside an arc [rad]."""
-    if extent >= 2.0 * math.pi - SPAN_TOLERANCE:
-        return math.inf
-    angle -= start + 0.5 * extent
-    return 0.5 * extent - abs(angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5))
-
-
-@kernel
-def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the foot of entry k is inside the arc that its slave is [rad]."""
-    if table.slave_radius[k] == 0.0:
-        return math.inf
-    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
-    angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
-    return arc_margin(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
-
-
-@kernel
-def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
-    if table.kind[k] == SEGMENT:
-        return min(table.s[k] - table.span[k, 0], table.span[k, 1] - table.s[k])
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
-    x, y = point_position(model.bodies, model.points, q, table.a[k])
-    px -= x
-    py -= y
-    if table.radius[k] == 0.0:  # the wedge of a vertex
-        margin = math.inf
-        f = table.key[k] % len(model.contacts.feature_kind)
-        for side in range(2):
-            neighbour = model.contacts.feature_neighbour[f, side]
-            if neighbour >= 0:
-                far = model.contacts.feature_point[neighbour, side]
-                ax, ay = point_position(model.bodies, model.points, q, far)
-                margin = min(margin, (px * (x - ax) + py * (y - ay)) / ((x - ax) ** 2 + (y - ay) ** 2))
-        return margin
-    angle = math.atan2(py, px) - point_angle(model.bodies, model.points, q, table.a[k])
-    return arc_margin(angle, table.span[k, 0], table.span[k, 1])
 
 
 @kernel

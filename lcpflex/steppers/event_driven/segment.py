@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+from lcpflex.contact.narrow_phase.feature import foot_margin, slave_margin
+from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import (
@@ -24,15 +26,7 @@ from lcpflex.dynamics.mechanics import solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.steppers.event_driven.gaps import (
-    CROSSED,
-    NARROW,
-    SPAN_TOLERANCE,
-    first_closing,
-    first_dip,
-    foot_margin,
-    slave_margin,
-)
+from lcpflex.steppers.event_driven.gaps import CROSSED, NARROW, first_closing, first_dip
 from lcpflex.steppers.event_driven.memory import (
     CLOSING,
     CONE,

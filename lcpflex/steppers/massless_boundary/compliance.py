@@ -13,7 +13,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.contact_law import law_row
 from lcpflex.force_laws.elastic.kernels import elastic_force, elastic_stiffness, indentation_of
 from lcpflex.force_laws.friction.laws import SmoothedCoulomb
-from lcpflex.force_laws.layout import OWN, ElasticLaw, LawRow
+from lcpflex.force_laws.layout import ElasticLaw, LawRow
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.system import System
 
@@ -32,7 +32,7 @@ def checked_compliance(compliance: Mapping[str, ElasticLaw]) -> dict[str, Elasti
         )
     for name, law in compliance.items():
         needed = ("kind", "parameters", "limit", "end", "lenient")
-        if isinstance(law, type) or not all(hasattr(law, attribute) for attribute in needed) or law.kind == OWN:
+        if isinstance(law, type) or not all(hasattr(law, attribute) for attribute in needed) or law.kind == "own":
             raise ModelError(
                 f"compliance[{name!r}]: {shown(law)} was given, "
                 f"expected an elastic law such as PowerLaw(1e6): at position "

@@ -14,7 +14,7 @@ from lcpflex.errors import ModelError
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.elastic.power_law import PowerLaw
 from lcpflex.force_laws.friction.creep import CREEP
-from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
+from lcpflex.force_laws.friction.kernels import KINDS, bristle_rates, friction_force
 from lcpflex.force_laws.friction.laws import (
     Ambrosio,
     ArctangentCoulomb,
@@ -111,7 +111,7 @@ def test_arrays_are_broadcast() -> None:
 def row(law: Any) -> tuple[Any, Any]:
     p = np.zeros(PARAMETERS)
     p[FRICTION : FRICTION + len(law.parameters)] = law.parameters
-    return np.array([0, 0, law.kind, 0]), p
+    return np.array([0, 0, KINDS.index(law.kind), 0]), p
 
 
 def slide(law: Any, slip: Any, duration: float, normal: float = 10.0) -> tuple[Any, Any, Any]:

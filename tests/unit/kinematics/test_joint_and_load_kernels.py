@@ -5,7 +5,7 @@ import pytest
 
 from lcpflex.dynamics.applied_forces import FOLLOWER, FORCE, TORQUE, applied_forces, spring_energy
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
-from lcpflex.kinematics.relative.coordinate import ALONG, ANGLE, COMPONENT, DISTANCE
+from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
 from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Bodies, Joints, Loads, Model, PointTable, Signals, frozen
 
