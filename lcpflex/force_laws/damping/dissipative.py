@@ -9,10 +9,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.arguments import finite_numbers
 from lcpflex.force_laws.damping.hysteresis import check_linear, fractions
@@ -20,17 +19,6 @@ from lcpflex.force_laws.damping.rebound import damping_ratio, half_oscillation, 
 from lcpflex.force_laws.layout import ElasticLaw
 
 __all__ = ["Jankowski", "KelvinVoigt", "KuwabaraKono", "PermanentIndentation", "Ristow", "Tsuji"]
-
-
-def plain(values: Any) -> Any:
-    """A float for an array without dimensions."""
-    return float(values) if np.ndim(values) == 0 else values
-
-
-def keep_mass(law: Any) -> None:
-    """Keep the mass of a law as a float, unless it is None; raise ModelError for a mass that is none."""
-    if law.mass is not None:
-        keep_number(law, "mass", 0.0, math.inf, open_ends=True)
 
 
 STRONGEST = 1e6  # A' or g': e_out is below 1e-10
@@ -48,18 +36,41 @@ class Speedless:
     """Damping that divides by no speed; with any elastic law where it does not say otherwise."""
 
     __slots__ = ()
-
-    @property
-    def guard_speed(self) -> float:
-        """It divides by no speed."""
-        return 0.0
+    guard_speed: ClassVar[float] = 0.0
 
     def check(self, elastic: ElasticLaw) -> None:
         """Goes with any elastic law."""
 
 
 @dataclass(frozen=True, slots=True)
-class KelvinVoigt(Speedless):
+class Oscillator(Speedless):
+    """Damping that makes a linear oscillator of the damping ratio zeta of a contact, by a prescribed restitution."""
+
+    restitution: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        keep_number(self, "restitution", 0.0, 1.0)
+        keep_number_or_none(self, "mass", 0.0, math.inf, open_ends=True)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """zeta; mass, or zero."""
+        return float(damping_ratio(self.restitution)), self.mass or 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether it needs the mass of the contact."""
+        return self.mass is None
+
+    @staticmethod
+    def rebound(restitution: ArrayLike) -> Any:
+        """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
+        return rebound_of_ratio(damping_ratio(fractions(restitution, zero=True)))
+
+
+@dataclass(frozen=True, slots=True)
+class KelvinVoigt(Oscillator):
     """Spring and dashpot, K delta + c v with c = 2 zeta (K m)^(1/2), zeta = -ln e / (pi^2 + ln^2 e)^(1/2).
 
     Of linear springs only. It jumps to c v_0 at touch, and would pull before the indentation is zero, where the force
@@ -86,35 +97,15 @@ class KelvinVoigt(Speedless):
     """
 
     kind: ClassVar[str] = "viscous"
-    restitution: float
-    mass: float | None = None
-
-    def __post_init__(self) -> None:
-        keep_number(self, "restitution", 0.0, 1.0)
-        keep_mass(self)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """zeta; mass, or zero."""
-        return float(damping_ratio(self.restitution)), self.mass or 0.0
-
-    @property
-    def remembers(self) -> bool:
-        """It jumps at touch, where a step is to end, and may need the mass."""
-        return True
+    remembers: ClassVar[bool] = True  # it jumps at touch, where a step is to end, and may need the mass
 
     def check(self, elastic: ElasticLaw) -> None:
         """Raise ModelError unless ``elastic`` is a linear spring."""
         check_linear("KelvinVoigt", elastic)
 
-    @staticmethod
-    def rebound(restitution: ArrayLike) -> Any:
-        """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
-        return plain(rebound_of_ratio(damping_ratio(fractions(restitution, zero=True))))
-
 
 @dataclass(frozen=True, slots=True)
-class Tsuji(Speedless):
+class Tsuji(Oscillator):
     """F(delta) + alpha (m K)^(1/2) delta^((n-1)/2) v for F = K delta^n, alpha = (2 (n+1))^(1/2) zeta.
 
     zeta as for :class:`KelvinVoigt`, of which this is the counterpart for n other than 1: in the plane of
@@ -137,27 +128,6 @@ class Tsuji(Speedless):
     """
 
     kind: ClassVar[str] = "tsuji"
-    restitution: float
-    mass: float | None = None
-
-    def __post_init__(self) -> None:
-        keep_number(self, "restitution", 0.0, 1.0)
-        keep_mass(self)
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """zeta; mass, or zero."""
-        return float(damping_ratio(self.restitution)), self.mass or 0.0
-
-    @property
-    def remembers(self) -> bool:
-        """Whether it needs the mass of the contact."""
-        return self.mass is None
-
-    @staticmethod
-    def rebound(restitution: ArrayLike) -> Any:
-        """e_out of two free bodies for a prescribed coefficient of restitution in [0, 1], a number or an array."""
-        return KelvinVoigt.rebound(restitution)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +151,7 @@ class KuwabaraKono(Speedless):
     """
 
     kind: ClassVar[str] = "kuwabara_kono"
+    remembers: ClassVar[bool] = False  # nothing from the touch
     relaxation: float
 
     def __post_init__(self) -> None:
@@ -190,11 +161,6 @@ class KuwabaraKono(Speedless):
     def parameters(self) -> tuple[float, ...]:
         """A."""
         return (self.relaxation,)
-
-    @property
-    def remembers(self) -> bool:
-        """It needs nothing from the touch."""
-        return False
 
     @staticmethod
     def rebound(parameter: ArrayLike) -> Any:
@@ -228,22 +194,18 @@ class Ristow(Speedless):
     """
 
     kind: ClassVar[str] = "ristow"
+    remembers: ClassVar[bool] = True  # it jumps at touch, where a step is to end, and may need the mass
     rate: float
     mass: float | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "rate", 0.0, math.inf)
-        keep_mass(self)
+        keep_number_or_none(self, "mass", 0.0, math.inf, open_ends=True)
 
     @property
     def parameters(self) -> tuple[float, ...]:
         """gamma; mass, or zero."""
         return self.rate, self.mass or 0.0
-
-    @property
-    def remembers(self) -> bool:
-        """It jumps at touch, where a step is to end, and may need the mass."""
-        return True
 
     @staticmethod
     def rebound(parameter: ArrayLike) -> Any:
@@ -255,7 +217,7 @@ class Ristow(Speedless):
 
 
 @dataclass(frozen=True, slots=True)
-class Jankowski(Speedless):
+class Jankowski(Oscillator):
     """K delta^(3/2) + c v on the way in, K delta^(3/2) on the way out, with c = 2 xi (m K)^(1/2) delta^(1/4).
 
         xi = (9 5^(1/2) / 2) (1 - e^2) / (e (e (9 pi - 16) + 16))
@@ -279,28 +241,20 @@ class Jankowski(Speedless):
     """
 
     kind: ClassVar[str] = "jankowski"
-    restitution: float
-    mass: float | None = None
 
     def __post_init__(self) -> None:
-        keep_number(self, "restitution", 0.0, 1.0)
+        Oscillator.__post_init__(self)
         fractions(self.restitution, zero=False)
-        keep_mass(self)
 
     @property
     def parameters(self) -> tuple[float, ...]:
         """zeta; mass, or zero."""
         return float(jankowski_ratio(self.restitution)), self.mass or 0.0
 
-    @property
-    def remembers(self) -> bool:
-        """Whether it needs the mass of the contact."""
-        return self.mass is None
-
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
         """e_out of two free bodies for a prescribed coefficient of restitution in (0, 1], a number or an array."""
-        return plain(half_oscillation(jankowski_ratio(fractions(restitution, zero=False))))
+        return half_oscillation(jankowski_ratio(fractions(restitution, zero=False)))
 
 
 def jankowski_ratio(e: Any) -> Any:
@@ -330,6 +284,7 @@ class PermanentIndentation(Speedless):
     """
 
     kind: ClassVar[str] = "permanent"
+    remembers: ClassVar[bool] = True  # the largest indentation
     restitution: float
 
     def __post_init__(self) -> None:
@@ -341,15 +296,11 @@ class PermanentIndentation(Speedless):
         """e."""
         return (self.restitution,)
 
-    @property
-    def remembers(self) -> bool:
-        """It needs the largest indentation."""
-        return True
-
     @staticmethod
     def rebound(restitution: ArrayLike) -> Any:
         """e_out = e, a number or an array.
 
         restitution: prescribed, in [0, 1].
         """
-        return plain(fractions(restitution, zero=False))
+        e = fractions(restitution, zero=False)
+        return e if e.ndim else float(e)

@@ -175,6 +175,7 @@ class HysteresisDamping:
     """
 
     kind: ClassVar[str] = "hysteresis"
+    remembers: ClassVar[bool] = True  # the impact speed
     restitution: float
     factor: HysteresisFactor = HysteresisFactor.EXACT
     guard_speed: float = 1e-4
@@ -195,11 +196,6 @@ class HysteresisDamping:
     def parameters(self) -> tuple[float, ...]:
         """eta."""
         return (self.eta,)
-
-    @property
-    def remembers(self) -> bool:
-        """It needs the impact speed."""
-        return True
 
     def check(self, elastic: ElasticLaw) -> None:
         """Raise ModelError for a factor of linear springs with another elastic law."""

@@ -22,16 +22,7 @@ from lcpflex.force_laws.damping.hysteresis import HysteresisFactor
 
 __all__ = ["DissipativeLaw", "prescribed_restitution", "restitution_of"]
 
-DissipativeLaw = (
-    HysteresisFactor
-    | type[KelvinVoigt]
-    | type[Tsuji]
-    | type[KuwabaraKono]
-    | type[Ristow]
-    | type[Jankowski]
-    | type[PermanentIndentation]
-)
-
+DissipativeLaw = HysteresisFactor | type[KelvinVoigt | Tsuji | KuwabaraKono | Ristow | Jankowski | PermanentIndentation]
 CLASSES = (KelvinVoigt, Tsuji, KuwabaraKono, Ristow, Jankowski, PermanentIndentation)
 WITH_PARAMETER = (KuwabaraKono, Ristow)
 LARGEST = 1e3  # parameter A' or g' up to which it is looked for

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar, overload
 
 import numpy as np
@@ -14,8 +14,7 @@ from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.force_laws.arguments import numbers_of
 from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
-from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.elastic.line_contact import check_pair
+from lcpflex.force_laws.elastic.line_contact import OfPair, check_pair
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["LankaraniNikraveshCylinder", "Liu", "Pereira", "Persson"]
@@ -26,7 +25,7 @@ CHECKED_ANGLE, LAST_ANGLE = math.radians(79.0), math.radians(84.0)  # of Persson
 
 
 @dataclass(frozen=True, slots=True)
-class LankaraniNikraveshCylinder(ElasticFace):
+class LankaraniNikraveshCylinder(OfPair):
     """F = (4/3) E* sqrt(R) delta^n, R = R_i R_j / DeltaR: Hertz's law of spheres, taken for cylinders.
 
     It does not depend on the length of the contact, and its units fit only for n = 3/2 (numbers in SI otherwise). For
@@ -48,9 +47,7 @@ class LankaraniNikraveshCylinder(ElasticFace):
     """
 
     kind: ClassVar[str] = "power"
-    pair: CylinderPair
     exponent: float = 1.5
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
@@ -69,7 +66,7 @@ class LankaraniNikraveshCylinder(ElasticFace):
 
 
 @dataclass(frozen=True, slots=True)
-class Pereira(ElasticFace):
+class Pereira(OfPair):
     """F = (a DeltaR + b) (L E* / DeltaR) delta^n in N, mm and MPa inside; this face is in SI units.
 
     A pin in a hole: a = 0.965, b = 0.0965, n = Y DeltaR^-0.005, with Y = 1.51 [ln(1000 DeltaR)]^-0.151 for DeltaR below
@@ -93,8 +90,6 @@ class Pereira(ElasticFace):
     """
 
     kind: ClassVar[str] = "power"
-    pair: CylinderPair
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
@@ -122,7 +117,7 @@ class Pereira(ElasticFace):
 
 
 @dataclass(frozen=True, slots=True)
-class Liu(ElasticFace):
+class Liu(OfPair):
     """A pin in a hole: F = (pi/2) E* L delta sqrt(delta / (2 (DeltaR + delta))).
 
     It is (pi/2) E* L delta sin(eps/2), with the semi-angle of the contact from the geometry of rigid circles,
@@ -142,8 +137,6 @@ class Liu(ElasticFace):
     """
 
     kind: ClassVar[str] = "liu"
-    pair: CylinderPair
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
@@ -156,7 +149,7 @@ class Liu(ElasticFace):
 
 
 @dataclass(frozen=True, slots=True)
-class Persson(ElasticFace):
+class Persson(OfPair):
     """A pin in a hole of an infinite plate of the same material, by the semi-angle eps of the contact.
 
         F(eps) = 2 pi E* L DeltaR (B + 1) B / (2 - ln(B + 1) - 2 B^2),   B = tan^2(eps/2)
@@ -182,8 +175,6 @@ class Persson(ElasticFace):
     """
 
     kind: ClassVar[str] = "persson"
-    pair: CylinderPair
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)

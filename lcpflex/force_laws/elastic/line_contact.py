@@ -24,7 +24,16 @@ from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair
 from lcpflex.force_laws.elastic.kernels import LAST_LOGARITHM
 from lcpflex.force_laws.elastic.law import ElasticFace
 
-__all__ = ["DubowskyFreudenstein", "Esdu78035", "Goldsmith", "Johnson", "Logarithmic", "Radzimovsky", "check_pair"]
+__all__ = [
+    "DubowskyFreudenstein",
+    "Esdu78035",
+    "Goldsmith",
+    "Johnson",
+    "Logarithmic",
+    "OfPair",
+    "Radzimovsky",
+    "check_pair",
+]
 
 
 def check_pair(law: Any) -> None:
@@ -36,21 +45,28 @@ def check_pair(law: Any) -> None:
     law.pair.check(law.lenient)
 
 
-class Logarithmic(ElasticFace):
+@dataclass(frozen=True, slots=True)
+class OfPair(ElasticFace):
+    """A law of two parallel cylinders."""
+
+    pair: CylinderPair
+    lenient: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        check_pair(self)
+
+
+class Logarithmic(OfPair):
     """What the logarithmic laws share; each of them has its own constants a [N/m], c [N] and d."""
 
     __slots__ = ()
     kind: ClassVar[str] = "logarithmic"
 
     if TYPE_CHECKING:
-        pair: CylinderPair
 
         @property
         def constants(self) -> tuple[float, float, float]:
             """a [N/m], c [N], d."""
-
-    def __post_init__(self) -> None:
-        check_pair(self)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -100,9 +116,6 @@ class Johnson(Logarithmic):
         For what is no CylinderPair, and numbers that look like N and mm (unless lenient).
     """
 
-    pair: CylinderPair
-    lenient: bool = field(default=False, kw_only=True)
-
     @property
     def constants(self) -> tuple[float, float, float]:
         """a [N/m], c [N], d."""
@@ -134,9 +147,7 @@ class Radzimovsky(Logarithmic):
         For what is no CylinderPair, and numbers that look like N and mm (unless lenient).
     """
 
-    pair: CylinderPair
     handbook: bool = False
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
@@ -173,9 +184,7 @@ class Goldsmith(Logarithmic):
         For what is no CylinderPair, m out of range, and numbers that look like N and mm (unless lenient).
     """
 
-    pair: CylinderPair
     m: float = field(default=1.0, kw_only=True)
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)
@@ -209,9 +218,6 @@ class DubowskyFreudenstein(Logarithmic):
         For what is no CylinderPair, and numbers that look like N and mm (unless lenient).
     """
 
-    pair: CylinderPair
-    lenient: bool = field(default=False, kw_only=True)
-
     @property
     def constants(self) -> tuple[float, float, float]:
         """a [N/m], c [N], d."""
@@ -244,9 +250,7 @@ class Esdu78035(Logarithmic):
         like N and mm (unless lenient).
     """
 
-    pair: CylinderPair
     reading: Literal["pi", "review"] = "pi"
-    lenient: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         check_pair(self)

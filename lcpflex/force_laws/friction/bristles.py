@@ -17,11 +17,10 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
-    keep_static_friction,
     slip_of,
     static_coefficient,
 )
@@ -32,7 +31,32 @@ FAST = 1e3  # Stribeck speeds, beyond which exp(-x^2) is zero
 
 
 @dataclass(frozen=True, slots=True)
-class LuGre:
+class WithBristles:
+    """A friction law with states: what LuGre's and Gonthier's have in common."""
+
+    stiffness: float = 1e4
+    damping: float = 30.0
+    viscous: float = 0.0
+    stribeck_speed: float = 1e-3
+    static_friction: float | None = None
+    bristles: ClassVar[bool] = True
+    check = check_static_friction
+
+    def __post_init__(self) -> None:
+        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
+        keep_number(self, "damping", 0.0, math.inf)
+        keep_number(self, "viscous", 0.0, math.inf)
+        keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
+        keep_number_or_none(self, "static_friction", 0.0, math.inf)
+
+    @property
+    def slip_speed(self) -> float:
+        """Below it a contact counts as sticking in records [m/s]."""
+        return self.stribeck_speed
+
+
+@dataclass(frozen=True, slots=True)
+class LuGre(WithBristles):
     """Bristles of deflection z (Canudas de Wit, Olsson, Astrom & Lischinsky 1995).
 
         lambda_T = -lambda_N (sigma_0 z + sigma_1 zdot + sigma_2 gdot_T)
@@ -62,38 +86,12 @@ class LuGre:
     """
 
     kind: ClassVar[str] = "lugre"
-    stiffness: float = 1e4
-    damping: float = 30.0
-    viscous: float = 0.0
-    stribeck_speed: float = 1e-3
-    static_friction: float | None = None
-
-    def __post_init__(self) -> None:
-        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
-        keep_number(self, "damping", 0.0, math.inf)
-        keep_number(self, "viscous", 0.0, math.inf)
-        keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
-        keep_static_friction(self)
 
     @property
     def parameters(self) -> tuple[float, ...]:
         """sigma_0, sigma_1, sigma_2, v_s, mu_s."""
         static = static_coefficient(self.static_friction)
         return (self.stiffness, self.damping, self.viscous, self.stribeck_speed, static)
-
-    @property
-    def slip_speed(self) -> float:
-        """Below it a contact counts as sticking in records [m/s]."""
-        return self.stribeck_speed
-
-    @property
-    def bristles(self) -> bool:
-        """It has states."""
-        return True
-
-    def check(self, mu: float, contact: str) -> None:
-        """Raise ModelError where mu_s is less than the mu of a contact."""
-        check_static_friction(self.static_friction, mu, contact)
 
     def steady_force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
         """Tangential force [N] after sliding at constant velocities [m/s] under normal forces >= 0 [N], broadcast.
@@ -117,7 +115,7 @@ class LuGre:
 
 
 @dataclass(frozen=True, slots=True)
-class Bristle:
+class Bristle(WithBristles):
     """Bristles of deflection z that remember how long a contact has been at rest (Gonthier et al. 2004).
 
         lambda_T = -lambda_N (min(max(sigma_0 z + sigma_1 zdot, -f), f) + sigma_2 gdot_T),   f = mu + (mu_s - mu) s_d
@@ -152,23 +150,14 @@ class Bristle:
     """
 
     kind: ClassVar[str] = "bristle"
-    stiffness: float = 1e4
-    damping: float = 30.0
-    viscous: float = 0.0
-    stribeck_speed: float = 1e-3
-    static_friction: float | None = None
     dwell_time: float = 1.0
     direction_speed: float | None = None
 
     def __post_init__(self) -> None:
-        keep_number(self, "stiffness", 0.0, math.inf, open_ends=True)
-        keep_number(self, "damping", 0.0, math.inf, open_ends=True)
-        keep_number(self, "viscous", 0.0, math.inf)
-        keep_number(self, "stribeck_speed", 0.0, math.inf, open_ends=True)
-        keep_static_friction(self)
+        WithBristles.__post_init__(self)
+        keep_number(self, "damping", 0.0, math.inf, open_ends=True)  # it is divided by
         keep_number(self, "dwell_time", 0.0, math.inf, open_ends=True)
-        if self.direction_speed is not None:
-            keep_number(self, "direction_speed", 0.0, math.inf, open_ends=True)
+        keep_number_or_none(self, "direction_speed", 0.0, math.inf, open_ends=True)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -182,17 +171,3 @@ class Bristle:
             self.dwell_time,
             0.01 * self.stribeck_speed if self.direction_speed is None else self.direction_speed,
         )
-
-    @property
-    def slip_speed(self) -> float:
-        """Below it a contact counts as sticking in records [m/s]."""
-        return self.stribeck_speed
-
-    @property
-    def bristles(self) -> bool:
-        """It has states."""
-        return True
-
-    def check(self, mu: float, contact: str) -> None:
-        """Raise ModelError where mu_s is less than the mu of a contact."""
-        check_static_friction(self.static_friction, mu, contact)

@@ -17,14 +17,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws import compiled
 from lcpflex.force_laws.friction.bristles import Bristle, LuGre
 from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
-    keep_static_friction,
     slip_of,
     static_coefficient,
 )
@@ -47,6 +46,7 @@ class MemorylessFriction:
     """A friction law without states: the force is a function of slip velocity and normal force."""
 
     __slots__ = ()
+    bristles: ClassVar[bool] = False  # it has no states
 
     if TYPE_CHECKING:
         kind: ClassVar[str]
@@ -54,11 +54,6 @@ class MemorylessFriction:
         @property
         def parameters(self) -> tuple[float, ...]:
             """At most seven."""
-
-    @property
-    def bristles(self) -> bool:
-        """It has no states."""
-        return False
 
     def check(self, mu: float, contact: str) -> None:
         """Any coefficient of friction goes with it."""
@@ -217,16 +212,14 @@ class BengisuAkay(MemorylessFriction):
     def __post_init__(self) -> None:
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         keep_number(self, "decay", 0.0, math.inf)
-        keep_static_friction(self)
+        keep_number_or_none(self, "static_friction", 0.0, math.inf)
 
     @property
     def parameters(self) -> tuple[float, ...]:
         """v_0, mu_s, xi."""
         return (self.slip_speed, static_coefficient(self.static_friction), self.decay)
 
-    def check(self, mu: float, contact: str) -> None:
-        """Raise ModelError where mu_s is less than the mu of a contact."""
-        check_static_friction(self.static_friction, mu, contact)
+    check = check_static_friction
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,13 +247,11 @@ class BrownMcPhee(MemorylessFriction):
     def __post_init__(self) -> None:
         keep_number(self, "slip_speed", 0.0, math.inf, open_ends=True)
         keep_number(self, "viscous", 0.0, math.inf)
-        keep_static_friction(self)
+        keep_number_or_none(self, "static_friction", 0.0, math.inf)
 
     @property
     def parameters(self) -> tuple[float, ...]:
         """v_t, mu_s, sigma_2."""
         return (self.slip_speed, static_coefficient(self.static_friction), self.viscous)
 
-    def check(self, mu: float, contact: str) -> None:
-        """Raise ModelError where mu_s is less than the mu of a contact."""
-        check_static_friction(self.static_friction, mu, contact)
+    check = check_static_friction

@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.arguments import finite_numbers
 from lcpflex.jit.kernel import FloatArray
 
 LARGEST = 10**8  # forces at a time
 
-__all__ = ["check_static_friction", "common_shape", "keep_static_friction", "slip_of", "static_coefficient"]
+__all__ = ["check_static_friction", "common_shape", "slip_of", "static_coefficient"]
 
 
 def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -36,21 +35,14 @@ def common_shape(given: Sequence[FloatArray]) -> tuple[int, ...]:
     raise ModelError(f"slip, normal, mu: arrays of shapes {given_shapes} were given, expected ones that go together")
 
 
-def check_static_friction(static: float | None, mu: float, contact: str) -> None:
-    """Raise ModelError for a static coefficient that is less than the ``mu`` of ``contact``."""
-    if static is None:
-        return
-    if static < mu:
+def check_static_friction(law: Any, mu: float, contact: str) -> None:
+    """Raise ModelError where the static coefficient of a law is less than the ``mu`` of a contact."""
+    static = law.static_friction
+    if static is not None and static < mu:
         raise ModelError(
             f"static_friction: {shown(static)} was given, "
             f"expected at least the friction {shown(mu)} of contact {contact!r}"
         )
-
-
-def keep_static_friction(law: Any) -> None:
-    """Keep the static coefficient of a law as a float, unless it is None; raise ModelError for no number >= 0."""
-    if law.static_friction is not None:
-        keep_number(law, "static_friction", 0.0, math.inf)
 
 
 def static_coefficient(static: float | None) -> float:
