@@ -13,13 +13,13 @@ from lcpflex.bodies.fem.line_elements import LineModes, stretching_modes
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
+    Line,
+    body_of_line,
     check_positive,
     coarser,
-    end_points,
+    contact_modes,
     line_mass,
     line_moments,
-    locator,
-    strip,
 )
 from lcpflex.bodies.reduction.damping import (
     Damping,
@@ -31,8 +31,8 @@ from lcpflex.bodies.reduction.damping import (
     with_residual,
 )
 from lcpflex.bodies.reduction.fidelity_levels import ModeLevels
-from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
+from lcpflex.bodies.reduction.interface import Interfaces, interfaces_of
+from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, joined, line_loads, residual_line, taken
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
@@ -118,72 +118,53 @@ class Bar:
         check_residual(residual_damping)
         mass = self.density * self.area * self.length
         height = math.sqrt(self.area) if self.height is None else self.height
+        line = Line(self.length, mass, height, self.elements)
         places = interfaces_of(interfaces)
-        omega2, shapes = self._modes(n, mass, line_loads(self.length, height, places))
-        free, n = n, len(omega2)
-        nodes = np.linspace(0.0, self.length, self.elements + 1)
-        moments = line_moments(nodes, mass / self.elements, shapes, bool(self.lumped))
-        vanish("S", moments[:, 0], math.sqrt(mass))
-        found, h = _stretching(omega2, shapes), self.length / self.elements
-        locate = locator(found, self.length, height, h)
-        inertia = float(line_moments(nodes, mass / self.elements, nodes[:, None], bool(self.lumped))[0, 1])
-        return Body(
-            mass=mass,
-            inertia=inertia,
-            moment=np.array([0.5 * mass * self.length, 0.0]),
-            S=np.zeros((n, 2)),
-            a=moments[:, 1],
-            c=np.zeros(n),
-            stiffness=omega2,
-            damping=with_residual(damping, residual_damping, np.sqrt(omega2), free),
+        found = self._modes(n, mass, line_loads(self.length, height, places))
+        residual = len(found.omega2) - n
+        moments = partial(line_moments, line.nodes, mass / self.elements, lumped=bool(self.lumped))
+        S, a = moments(found.stretch).T
+        vanish("S", S, math.sqrt(mass))
+        return body_of_line(
+            line,
+            found,
+            n,
+            inertia=float(moments(line.nodes[:, None])[0, 1]),
+            a=a,
+            damping=with_residual(damping, residual_damping, np.sqrt(found.omega2), n),
             coupling=None,
-            cross_damping=None,
-            points=end_points(locate, self.length),
-            surfaces=strip(found, h, nodes, 0.5 * height),
-            locate=locate,
-            residual_modes=n - free,
-            contact_modes=min(n - free, self._contact_modes(free, mass, height, places)),
+            contact_modes=contact_modes(
+                line, places, lambda loads: len(self._modes(n, mass, loads).omega2) - n, residual
+            ),
             statics=LineStatics(partial(self._whole, mass), self.length),
             fidelity_levels=ModeLevels(
-                self.elements, partial(self._reduced_alike, places, residual_damping), damping, n - free
+                self.elements, partial(self.reduce, residual_damping=residual_damping), places, damping, residual
             ),
             products=partial(
                 _bar_products,
-                shapes=shapes,
-                nodes=nodes,
+                shapes=found.stretch,
+                nodes=line.nodes,
                 element_mass=mass / self.elements,
                 lumped=bool(self.lumped),
             ),
         )
 
-    def _reduced_alike(
-        self, places: tuple[Interface, ...], residual_damping: float | None, modes: int, damping: Damping, held: bool
-    ) -> Body:
-        """The body with other modes, with the residual ones of its places or without."""
-        return self.reduce(modes, damping, interfaces=places if held else (), residual_damping=residual_damping)
-
-    def _modes(self, n: int, mass: float, loads: LineLoads) -> tuple[FloatArray, FloatArray]:
-        """omega2 and shapes (nodes, .) of the n lowest modes and the residual ones of the loads."""
+    def _modes(self, n: int, mass: float, loads: LineLoads) -> LineModes:
+        """The n lowest modes and the residual ones of the loads."""
         more = bool(len(loads.stretch))
         count = self.elements if more else n
         rigidity = self.youngs_modulus * self.area
-        omega2, shapes = stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped))
+        every = _stretching(*stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped)))
         if not more:
-            return omega2, shapes
-        left = taken(_stretching(omega2, shapes), np.arange(n, count))
-        every = np.ones(count - n, dtype=bool)
-        rest, _ = residual_line(left, every, self.length / self.elements, loads)
-        return np.concatenate([omega2[:n], rest.omega2]), np.hstack([shapes[:, :n], rest.stretch])
-
-    def _contact_modes(self, free: int, mass: float, height: float, places: tuple[Interface, ...]) -> int:
-        """How many residual modes there are for interfaces that something touches."""
-        touched = line_loads(self.length, height, tuple(place for place in places if place.contact))
-        return len(self._modes(free, mass, touched)[0]) - free
+            return every
+        kept, left = taken(every, slice(n)), taken(every, np.arange(n, count))
+        rest, _ = residual_line(left, np.ones(count - n, dtype=bool), self.length / self.elements, loads)
+        return joined(kept, rest)
 
     def _whole(self, mass: float) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
         coarse = coarser(self, 2 * FINE_ENOUGH)
-        return _stretching(*coarse._modes(coarse.elements, mass, line_loads(self.length, 0.0, ())))
+        return coarse._modes(coarse.elements, mass, line_loads(self.length, 0.0, ()))
 
 
 def _stretching(omega2: FloatArray, shapes: FloatArray) -> LineModes:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -14,15 +13,15 @@ from lcpflex.bodies.fem.line_elements import LineModes, bending_modes, interpola
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.line_body import (
     FINE_ENOUGH,
+    Line,
+    body_of_line,
     check_positive,
     coarser,
-    end_points,
+    contact_modes,
     line_moments,
-    locator,
-    strip,
 )
 from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_loads
-from lcpflex.bodies.reduction.beam_stiffening import Line, axis_of, bent_under_tension, spinning
+from lcpflex.bodies.reduction.beam_stiffening import axis_of, bent_under_tension, spinning
 from lcpflex.bodies.reduction.damping import (
     Damping,
     check_damping,
@@ -35,7 +34,15 @@ from lcpflex.bodies.reduction.damping import (
 )
 from lcpflex.bodies.reduction.fidelity_levels import ModeLevels
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
-from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, line_loads, residual_line, taken
+from lcpflex.bodies.reduction.line_interfaces import (
+    BoolArray,
+    LineLoads,
+    LineStatics,
+    joined,
+    line_loads,
+    residual_line,
+    taken,
+)
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
@@ -137,83 +144,39 @@ class Beam:
         line = Line(self.length, mass, self.thickness, self.elements)
         places = interfaces_of(interfaces)
         found, is_axial = self._modes(n, line, stiffening, self._loads(line, places, stiffening if n else None))
-        free, n = n, len(found.omega2)
-        h = self.length / self.elements
-        nodes = np.linspace(0.0, self.length, self.elements + 1)
+        residual = len(found.omega2) - n
         inertia = mass * self.length**2 / 3.0
-        stretched, bent = found.stretch[:, is_axial], np.flatnonzero(~is_axial)
-        moments = line_moments(nodes, mass / self.elements, found.stretch, lumped=False)
-        linear = np.column_stack([np.ones_like(nodes), nodes])
-        raised = mixed_mass(linear, found.deflection, found.rotation, mass / self.elements, h).T  # <w>, <x w>
-        vanish("S", np.concatenate([moments[:, 0], raised[:, 0]]), math.sqrt(mass))
-        vanish("c", raised[:, 1], math.sqrt(inertia))
-        coupling = np.zeros((n, n))
-        bending = (found.deflection[:, bent], found.rotation[:, bent])
-        mixed = mixed_mass(stretched, *bending, mass / self.elements, h)  # <u_k w_l>, D = <u_k w_l - w_k u_l>
-        coupling[np.ix_(is_axial, ~is_axial)] = mixed
-        coupling[np.ix_(~is_axial, is_axial)] = -mixed.T
-        locate = locator(found, self.length, self.thickness, h)
-        return Body(
-            mass=mass,
+        a, coupling = _integrals(line, found, is_axial, inertia)
+        rigidity = self.youngs_modulus * self.width * self.thickness
+        return body_of_line(
+            line,
+            found,
+            n,
             inertia=inertia,
-            moment=np.array([0.5 * mass * self.length, 0.0]),
-            S=np.zeros((n, 2)),
-            a=moments[:, 1],
-            c=np.zeros(n),
-            stiffness=found.omega2,
-            damping=with_residual(damping, residual_damping, np.sqrt(found.omega2), free),
-            coupling=skew(coupling),
-            cross_damping=None,
-            points=end_points(locate, self.length),
-            surfaces=strip(found, h, nodes, 0.5 * self.thickness),
-            locate=locate,
+            a=a,
+            damping=with_residual(damping, residual_damping, np.sqrt(found.omega2), n),
+            coupling=coupling,
             geometric=None if actual else spinning(line, found, stiffening),  # spin is in the actual force
-            shortening=shortening_of(line, found, is_axial, self.youngs_modulus * self.width * self.thickness)
-            if actual
-            else None,
-            axis=axis_of(line, found, nodes, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
-            residual_modes=n - free,
-            contact_modes=min(n - free, self._contact_modes(free, line, stiffening, places)),
+            shortening=shortening_of(line, found, is_axial, rigidity) if actual else None,
+            axis=axis_of(line, found, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
+            contact_modes=contact_modes(
+                line, places, lambda loads: len(self._modes(n, line, stiffening, loads)[0].omega2) - n, residual
+            ),
             statics=LineStatics(partial(self._whole, line, stiffening), self.length),
             fidelity_levels=ModeLevels(
                 available,
-                partial(self._reduced_alike, stiffening, places, residual_damping),
+                partial(self.reduce, stiffening=stiffening, residual_damping=residual_damping),
+                places,
                 damping,
-                n - free,
+                residual,
             ),
-            products=partial(_beam_products, modes=found, nodes=nodes, mass=mass),
-        )
-
-    def _reduced_alike(
-        self,
-        stiffening: Stiffening | None,
-        places: tuple[Interface, ...],
-        residual_damping: float | None,
-        modes: int,
-        damping: Damping,
-        held: bool,
-    ) -> Body:
-        """The body with other modes, with the residual ones of its places or without."""
-        return self.reduce(
-            modes,
-            damping,
-            stiffening=stiffening,
-            interfaces=places if held else (),
-            residual_damping=residual_damping,
+            products=partial(_beam_products, modes=found, nodes=line.nodes, mass=mass),
         )
 
     def _loads(self, line: Line, places: tuple[Interface, ...], stiffening: Stiffening | None) -> LineLoads:
         """Of interfaces, and those that an actual axial force asks for."""
         loads = line_loads(self.length, self.thickness, places)
         return with_axial_loads(line, stiffening, loads) if stiffening is not None and stiffening.actual else loads
-
-    def _contact_modes(
-        self, free: int, line: Line, stiffening: Stiffening | None, places: tuple[Interface, ...]
-    ) -> int:
-        """How many residual modes there are for interfaces that something touches."""
-        touched = tuple(place for place in places if place.contact)
-        loads = line_loads(self.length, self.thickness, touched)
-        return len(self._modes(free, line, stiffening, loads)[0].omega2) - free if touched else 0
 
     def _whole(self, line: Line, stiffening: Stiffening | None) -> LineModes:
         """All modes of the mesh, or of one that is coarser and fine enough for static compliance."""
@@ -223,7 +186,7 @@ class Beam:
 
     def _modes(
         self, n: int, line: Line, stiffening: Stiffening | None, loads: LineLoads
-    ) -> tuple[LineModes, np.ndarray[Any, np.dtype[np.bool_]]]:
+    ) -> tuple[LineModes, BoolArray]:
         """The n lowest modes and the residual ones of the loads, and which of them are stretching modes."""
         area = self.width * self.thickness
         size = (self.elements, self.length, line.mass)
@@ -251,9 +214,25 @@ class Beam:
         if not more:
             return found, axial
         rest, of_rest = residual_line(taken(every, left), is_axial[left], line.length / line.elements, loads)
-        return LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(found, rest, strict=True))), np.concatenate(
-            [axial, of_rest]
-        )
+        return joined(found, rest), np.concatenate([axial, of_rest])
+
+
+def _integrals(
+    line: Line, modes: LineModes, is_axial: BoolArray, inertia: float
+) -> tuple[FloatArray, FloatArray | None]:
+    """<Phi^T x> and D = <u_k w_l - w_k u_l> of the modes, which have no part of rigid motion."""
+    nodes, element, h = line.nodes, line.mass / line.elements, line.length / line.elements
+    S, a = line_moments(nodes, element, modes.stretch, lumped=False).T
+    linear = np.column_stack([np.ones_like(nodes), nodes])
+    raised, turned = mixed_mass(linear, modes.deflection, modes.rotation, element, h)  # <w>, <x w>
+    vanish("S", np.concatenate([S, raised]), math.sqrt(line.mass))
+    vanish("c", turned, math.sqrt(inertia))
+    coupling = np.zeros((len(a), len(a)))
+    bending = (modes.deflection[:, ~is_axial], modes.rotation[:, ~is_axial])
+    mixed = mixed_mass(modes.stretch[:, is_axial], *bending, element, h)
+    coupling[np.ix_(is_axial, ~is_axial)] = mixed
+    coupling[np.ix_(~is_axial, is_axial)] = -mixed.T
+    return a, skew(coupling)
 
 
 def _beam_products(displacement: Displacement, modes: LineModes, nodes: FloatArray, mass: float) -> FloatArray:

@@ -5,20 +5,45 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from lcpflex.basics.arguments import positive
-from lcpflex.bodies.body import Chain, Lazily, MaterialPoint, Outline
+from lcpflex.bodies.body import Body, Chain, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
+from lcpflex.bodies.reduction.interface import Interface
+from lcpflex.bodies.reduction.line_interfaces import LineLoads, line_loads
 from lcpflex.errors import in_range
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
 
-__all__ = ["FINE_ENOUGH", "check_positive", "coarser", "end_points", "line_mass", "line_moments", "locator", "strip"]
+__all__ = [
+    "FINE_ENOUGH",
+    "Line",
+    "body_of_line",
+    "check_positive",
+    "coarser",
+    "contact_modes",
+    "line_mass",
+    "line_moments",
+]
 
 FINE_ENOUGH = 100  # elements of a line whose static compliance stands for that of a finer one
+
+
+class Line(NamedTuple):
+    """A straight line of equal elements: length [m], mass [kg], thickness [m] and their number."""
+
+    length: float
+    mass: float
+    thickness: float
+    elements: int
+
+    @property
+    def nodes(self) -> FloatArray:
+        """(elements + 1,) their places [m]."""
+        return np.linspace(0.0, self.length, self.elements + 1)
 
 
 class HasElements(Protocol):
@@ -73,28 +98,53 @@ def _located(modes: LineModes, h: float, x: FloatArray, y: FloatArray) -> tuple[
     return tuple(MaterialPoint(*point) for point in zip(places, phi, psi, strict=True))
 
 
-def locator(modes: LineModes, length: float, height: float, h: float) -> Callable[[float, float], MaterialPoint]:
-    """The material point at (x, y) of a strip 0 <= x <= length, |y| <= height/2."""
-    return partial(_locate, modes, length, height, h)
-
-
 def _locate(modes: LineModes, length: float, height: float, h: float, x: float, y: float) -> MaterialPoint:
+    """The material point at (x, y) of a strip 0 <= x <= length, |y| <= height/2."""
     slack = 1e-12 * length
     along = in_range("x", x, -slack, length + slack)
     across = in_range("y", y, -0.5 * height - slack, 0.5 * height + slack)
     return _located(modes, h, np.array([along]), np.array([across]))[0]
 
 
-def end_points(locate: Callable[[float, float], MaterialPoint], length: float) -> dict[str, MaterialPoint]:
-    """The named points of a line."""
-    return {"left": locate(0.0, 0.0), "center": locate(0.5 * length, 0.0), "right": locate(length, 0.0)}
+def body_of_line(line: Line, modes: LineModes, free: int, inertia: float, a: FloatArray, **others: Any) -> Body:
+    """The body of a line by its modes, of which ``free`` ones come before the residual ones.
+
+    inertia: I0 [kg m^2]; a: <Phi^T x>. ``others`` of :class:`Body`: what is not the same for beams and bars.
+    """
+    n, h = len(modes.omega2), line.length / line.elements
+    locate = partial(_locate, modes, line.length, line.thickness, h)
+    return Body(
+        mass=line.mass,
+        inertia=inertia,
+        moment=np.array([0.5 * line.mass * line.length, 0.0]),
+        S=np.zeros((n, 2)),
+        a=a,
+        c=np.zeros(n),
+        stiffness=modes.omega2,
+        cross_damping=None,
+        points={
+            "left": locate(0.0, 0.0),
+            "center": locate(0.5 * line.length, 0.0),
+            "right": locate(line.length, 0.0),
+        },
+        surfaces=_strip(modes, h, line.nodes, 0.5 * line.thickness),
+        locate=locate,
+        residual_modes=n - free,
+        **others,
+    )
+
+
+def contact_modes(line: Line, interfaces: tuple[Interface, ...], count: Callable[[LineLoads], int], most: int) -> int:
+    """How many of ``most`` residual modes the interfaces make that something touches; ``count``: those of loads."""
+    touched = tuple(one for one in interfaces if one.contact)
+    return min(most, count(line_loads(line.length, line.thickness, touched))) if touched else 0
 
 
 def _outline(modes: LineModes, h: float, x: FloatArray, y: FloatArray, closed: bool) -> Chain:
     return Chain(_located(modes, h, x, y), closed)
 
 
-def strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[Outline]:
+def _strip(modes: LineModes, h: float, nodes: FloatArray, half: float) -> Lazily[Outline]:
     """Outlines of a strip through its nodes, solid on the left: made when asked for, a fine mesh has many points."""
     forth = [float(x) for x in nodes]
     back = forth[::-1]

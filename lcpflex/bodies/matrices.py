@@ -13,10 +13,11 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.bodies.body import Body, array_of, named
 from lcpflex.bodies.fem.finite_elements import FiniteElements, rigid_motions
+from lcpflex.bodies.fem.node_sets import node_numbers
 from lcpflex.bodies.reduction.component_modes import free_interface
 from lcpflex.bodies.reduction.damping import Damping
 from lcpflex.bodies.reduction.interface import Interfaces
-from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -203,12 +204,7 @@ def _check_units(mass: csc_matrix[Any], stiffness: csc_matrix[Any], places: Floa
 
 
 def _nodes(name: str, nodes: int | Sequence[int], count: int) -> IntArray:
-    given = np.atleast_1d(np.asarray(nodes))
-    if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(f"node_sets[{name!r}]: {shown(nodes)} was given, expected a node number or a sequence of them")
-    if given.min() < 0 or given.max() >= count:
-        bad = int(given.min() if given.min() < 0 else given.max())
-        raise ModelError(f"node_sets[{name!r}]: node {bad} was given, expected nodes from 0 to {count - 1}")
+    given = node_numbers(f"node_sets[{name!r}]", nodes, count, "a node number or a sequence of them")
     ring = given[:-1] if len(given) > 2 and given[0] == given[-1] else given
     if len(np.unique(ring)) != len(ring):
         raise ModelError(f"node_sets[{name!r}]: a node appears twice, expected a simple chain")

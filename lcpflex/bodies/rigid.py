@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -41,8 +40,8 @@ def RigidBody(
     ModelError
         For mass <= 0, inertia <= 0, NaN, or places that are not two numbers.
     """
-    m = _positive("mass", mass)
-    about_center = _positive("inertia", inertia)
+    m = positive("mass", mass)
+    about_center = positive("inertia", inertia)
     places = {"center": array_of("center", center, (2,))}
     for name, place in named("points", {} if points is None else points).items():
         places[name] = array_of(f"points[{name!r}]", place, (2,))
@@ -65,7 +64,7 @@ def Disc(radius: float, density: float | None = None, mass: float | None = None,
     ModelError
         For anything not positive and finite, or both or none of density and mass.
     """
-    r = _positive("radius", radius)
+    r = positive("radius", radius)
     m = _mass(math.pi * r * r, density, mass, thickness)
     center = _point(0.0, 0.0)
     return _rigid(m, 0.5 * m * r * r, center.place, {"center": center.place}, {"outline": Round(center, r)})
@@ -92,8 +91,8 @@ def Box(
     ModelError
         For anything not positive and finite, or both or none of density and mass.
     """
-    w = _positive("width", width)
-    h = _positive("height", height)
+    w = positive("width", width)
+    h = positive("height", height)
     m = _mass(w * h, density, mass, thickness)
     corners = {
         "bottom_left": (-w / 2, -h / 2),
@@ -184,19 +183,15 @@ def _check_convex(ring: FloatArray) -> None:
         raise ModelError("vertices: the sides cross each other, expected a convex polygon")
 
 
-def _positive(name: str, value: Any) -> float:
-    return positive(name, value)
-
-
 def _mass(area: float, density: float | None, mass: float | None, thickness: float) -> float:
-    depth = _positive("thickness", thickness)
+    depth = positive("thickness", thickness)
     if (density is None) == (mass is None):
         raise ModelError(
             f"density, mass: {shown(density)} and {shown(mass)} were given, expected exactly one of the two"
         )
     if density is None:
-        return _positive("mass", mass)
-    return _positive("density", density) * area * depth
+        return positive("mass", mass)
+    return positive("density", density) * area * depth
 
 
 def _point(x: float, y: float) -> MaterialPoint:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from lcpflex.bodies.bar import Bar
 from lcpflex.bodies.beam import Beam
 from lcpflex.bodies.body import Body, array_of, whole_number
+from lcpflex.bodies.fem.nodal_material import nearest_node
 from lcpflex.bodies.reduction.component_modes import undeformed
 from lcpflex.bodies.reduction.damping import Damping, check_damping
 from lcpflex.bodies.reduction.interface import Interface
@@ -127,9 +128,7 @@ class ReductionOrder:
             near = (min(max(x, 0.0), model.length), min(max(y, -0.5 * high), 0.5 * high))
             return near, math.dist(near, (x, y)) > 1e-9 * model.length
         mesh = self.model.finite_elements()
-        distance = np.hypot(mesh.places[:, 0] - x, mesh.places[:, 1] - y)
-        nearest = int(distance.argmin())
-        at_node = distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max())
+        nearest, at_node = nearest_node(mesh, x, y)
         if not at_node and mesh.locate is not None:
             try:
                 mesh.locate(x, y)

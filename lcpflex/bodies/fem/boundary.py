@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from lcpflex.bodies.body import named
+from lcpflex.bodies.fem.node_sets import node_numbers
 from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -236,19 +237,9 @@ def _nodes(name: str, value: Any, mesh: PlanarMesh) -> IntArray:
                 f"{y0:.6g} <= y <= {y1:.6g}, and places that are computed are equal to rounding only"
             )
         return chosen
-    try:
-        given = np.atleast_1d(np.asarray(value))
-    except ValueError:
-        given = np.zeros(0)
-    if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(
-            f"{label}: {shown(value)} was given, expected a predicate f(x, y), node numbers or a group's name"
-        )
-    count = len(mesh.places)
-    if given.min() < 0 or given.max() >= count:
-        bad = int(given.min() if given.min() < 0 else given.max())
-        raise ModelError(f"{label}: node {bad} was given, expected nodes from 0 to {count - 1}")
-    return np.unique(given)
+    return np.unique(
+        node_numbers(label, value, len(mesh.places), "a predicate f(x, y), node numbers or a group's name")
+    )
 
 
 def _asked(label: str, predicate: Any, mesh: PlanarMesh) -> np.ndarray[Any, np.dtype[np.bool_]]:

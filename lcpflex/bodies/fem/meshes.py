@@ -52,7 +52,7 @@ def rectangle(length: float, height: float, nx: int, ny: int, *, triangles: bool
     ModelError
         For sizes that are not positive, numbers below 1, or another order.
     """
-    across, up = _positive("length", length), _positive("height", height)
+    across, up = positive("length", length), positive("height", height)
     n = _counts(1, nx=nx, ny=ny)
     return grid(np.linspace(0.0, across, n[0] + 1), np.linspace(0.0, up, n[1] + 1), triangles=triangles, order=order)
 
@@ -116,7 +116,7 @@ def ring(inner: float, outer: float, around: int, through: int, *, order: int = 
         For radii that are not 0 < inner < outer, fewer than 3 elements around or 1 through, or another order.
     """
     raised = _is_quadratic(order)
-    inside = _positive("inner", inner)
+    inside = positive("inner", inner)
     outside = in_range("outer", outer, inside, math.inf, open_ends=True)
     whole_number("around", around, 3)
     n, layers = _counts(1, around=around, through=through)
@@ -155,7 +155,7 @@ def half_disc(radius: float, size: float, *, finest: float | None = None, within
     ModelError
         For sizes that are not positive, finest > size, another order, or a mesh of more than a million elements.
     """
-    R, raised = _positive("radius", radius), _is_quadratic(order)
+    R, raised = positive("radius", radius), _is_quadratic(order)
     mesh = _half_round(R, size, finest, within, np.array([0.0, -R]), -1.0)
     return _raised(mesh, _onto_circle(R)) if raised else mesh
 
@@ -168,7 +168,7 @@ def half_section_of_sphere(
     For :class:`SolidOfRevolution`. Boundaries "round" and "axis" (y = 0). Parameters and errors are those of
     :func:`half_disc`.
     """
-    R, raised = _positive("radius", radius), _is_quadratic(order)
+    R, raised = positive("radius", radius), _is_quadratic(order)
     mesh = _half_round(R, size, finest, within, np.array([R, 0.0]), 1.0)
     return _raised(mesh, _onto_circle(R)) if raised else mesh
 
@@ -181,7 +181,7 @@ def half_section_of_rod(
     For :class:`SolidOfRevolution`. Boundaries "left", "right", "bottom" (the axis), "top". The other parameters and
     errors are those of :func:`half_disc`.
     """
-    whole, up, largest = _positive("length", length), _positive("radius", radius), _positive("size", size)
+    whole, up, largest = positive("length", length), positive("radius", radius), positive("size", size)
     if not whole / largest * (up / largest) <= ELEMENTS:
         words = f"{whole:g} and {up:g} m were given with a size of {largest:g} m"
         raise ModelError(f"length, radius: {words}, expected a mesh of less than {ELEMENTS} elements")
@@ -217,7 +217,7 @@ def graded(mesh: Any, towards: npt.ArrayLike, finest: float, *, within: float = 
         raise ModelError(f"towards: {shown(towards)} was given, expected a place or the two ends of a line")
     line = np.array(array_of("towards", np.atleast_2d(ends), (-1, 2)))
     slope = in_range("growth", growth, 1e-3, 1.0)
-    zone = Zone(line, _positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
+    zone = Zone(line, positive("finest", finest), math.inf, in_range("within", within, 0.0, math.inf), slope)
     fine = named_again(refined_to(coarse, zone, None), coarse)
     return fine if coarse is mesh else _raised(fine, None)
 
@@ -229,10 +229,6 @@ def quadratic(mesh: Any) -> Any:
     scikit-fem.
     """
     return mesh if type(mesh).__name__ in RAISED.values() else _raised(mesh, None)
-
-
-def _positive(name: str, value: Any) -> float:
-    return positive(name, value)
 
 
 def _counts(least: int, **given: Any) -> list[int]:
@@ -257,10 +253,10 @@ def _is_quadratic(order: Any) -> bool:
 
 def _half_round(R: float, size: float, finest: float | None, within: float, pole: FloatArray, up: float) -> Any:
     """Three equal triangles, split until they are small enough, new boundary nodes put onto the circle."""
-    largest = _positive("size", size)
+    largest = positive("size", size)
     _few("radius", R, largest)
     least = largest if finest is None else in_range("finest", finest, 0.0, largest * (1.0 + 1e-12))
-    zone = Zone(pole[None], _positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
+    zone = Zone(pole[None], positive("finest", least), largest, in_range("within", within, 0.0, math.inf), 0.2)
     high = up * math.sqrt(0.75)
     places = R * np.array([[1.0, 0.5, -0.5, -1.0, 0.0], [0.0, high, high, 0.0, 0.0]])
     start = libs.skfem.MeshTri1(places, np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4]]).T)

@@ -10,13 +10,21 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics import libs
 from lcpflex.bodies.body import MaterialPoint
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.sparse_factor import links
 from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["Nodes", "displacement_rows", "material_at_nodes", "material_weights", "neighbours"]
+__all__ = [
+    "Nodes",
+    "displacement_rows",
+    "material_at_nodes",
+    "material_weights",
+    "nearest_node",
+    "neighbours",
+    "nodes_at",
+]
 
 Nodes: TypeAlias = tuple[IntArray, FloatArray]  # nodes (k,) and weights (k,), of sum 1
 
@@ -38,18 +46,11 @@ def _material(places: FloatArray, near_to: Callable[[int], IntArray], nodal: Flo
 
 def neighbours(mesh: FiniteElements) -> Callable[[int], IntArray]:
     """Node -> the linked nodes nearest to it; none on an axis of symmetry, which it cannot leave and does not turn."""
-    stiffness, places = mesh.stiffness, mesh.places
-    node = mesh.dofs // 2
-    count = len(places)
-    owner = libs.sparse.csc_matrix((np.ones(len(node)), (np.arange(len(node)), node)), shape=(len(node), count))
-    pattern = libs.sparse.csc_matrix(
-        (np.ones(stiffness.nnz), stiffness.indices, stiffness.indptr), shape=stiffness.shape
-    )
-    links = (owner.T @ pattern @ owner).tocsc()
-    links.sort_indices()
-    on_axis = np.ones(count, dtype=np.bool_)
+    linked = links(mesh.stiffness, mesh.dofs // 2, len(mesh.places))
+    linked.sort_indices()
+    on_axis = np.ones(len(mesh.places), dtype=np.bool_)
     on_axis[mesh.dofs[mesh.dofs % 2 == 1] // 2] = False
-    return partial(_near_to, links.indptr, links.indices, places, on_axis)
+    return partial(_near_to, linked.indptr, linked.indices, mesh.places, on_axis)
 
 
 def _near_to(
@@ -80,17 +81,31 @@ def displacement_rows(mesh: FiniteElements, at: Nodes, near_to: Callable[[int], 
     return np.asarray(rows.reshape(-1, 3)[mesh.dofs])
 
 
-def material_weights(mesh: FiniteElements, x: float, y: float) -> tuple[IntArray, FloatArray]:
+def nearest_node(mesh: FiniteElements, x: float, y: float) -> tuple[int, bool]:
+    """The node nearest to (x, y), and whether it is there."""
+    distance = np.hypot(mesh.places[:, 0] - x, mesh.places[:, 1] - y)
+    nearest = int(distance.argmin())
+    return nearest, bool(distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max()))
+
+
+def material_weights(mesh: FiniteElements, x: float, y: float) -> Nodes:
     """Nodes (k,) and weights (k,) of the material at (x, y): one at a node, or several where the elements are known."""
     at = (in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf))
-    distance = np.hypot(mesh.places[:, 0] - at[0], mesh.places[:, 1] - at[1])
-    nearest = int(distance.argmin())
-    if distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
+    nearest, there = nearest_node(mesh, *at)
+    if there:
         return np.array([nearest]), np.ones(1)
     if mesh.locate is not None:
         return mesh.locate(*at)
     near = tuple(float(value) for value in mesh.places[nearest])
     raise ModelError(f"x, y: {at} was given, expected the place of a node; node {nearest} at {near} is nearest")
+
+
+def nodes_at(mesh: FiniteElements, name: str, place: tuple[float, float]) -> Nodes:
+    """:func:`material_weights` of the place that an argument ``name`` gives, which the message begins with."""
+    try:
+        return material_weights(mesh, *place)
+    except ModelError as error:
+        raise ModelError(f"{name}: {error}") from None
 
 
 def _rotation(arms: FloatArray, moves: FloatArray) -> FloatArray:

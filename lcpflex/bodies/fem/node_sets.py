@@ -13,7 +13,7 @@ from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import IntArray
 
-__all__ = ["Nodes", "chosen_nodes", "rows_of"]
+__all__ = ["Nodes", "chosen_nodes", "node_numbers", "rows_of"]
 
 Nodes: TypeAlias = str | int | Sequence[str] | Sequence[int] | npt.NDArray[np.integer]
 
@@ -48,6 +48,20 @@ def chosen_nodes(mesh: FiniteElements, argument: str, choice: Nodes) -> IntArray
     if times.max() > 1:
         raise ModelError(f"{argument}: node {nodes[times.argmax()]} was given {times.max()} times, expected once")
     return np.asarray(nodes)
+
+
+def node_numbers(label: str, value: object, count: int, expected: str) -> IntArray:
+    """(k,) the node numbers of a user, one or more, of a mesh of ``count`` nodes; raises ModelError for others."""
+    try:
+        given = np.atleast_1d(np.asarray(value))
+    except ValueError:
+        given = np.zeros(0)
+    if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
+        raise ModelError(f"{label}: {shown(value)} was given, expected {expected}")
+    if given.min() < 0 or given.max() >= count:
+        bad = int(given.min() if given.min() < 0 else given.max())
+        raise ModelError(f"{label}: node {bad} was given, expected nodes from 0 to {count - 1}")
+    return given
 
 
 def _named(mesh: FiniteElements, argument: str, name: str) -> IntArray:

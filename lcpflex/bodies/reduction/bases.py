@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from lcpflex.bodies.body import whole_number
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.node_sets import rows_of
 from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, positive_factor
@@ -73,7 +72,7 @@ def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) 
     f = len(mesh.dofs)
     held = rows_of(mesh, boundary)
     inner = np.setdiff1d(np.arange(f), held)
-    n = _counted(modes, len(inner), "with its boundary held")
+    n = count_of_modes(modes, len(inner), "modes with its boundary held; None takes all")
     columns = len(held) + n
     check_memory("boundary, modes", f, SHARE * columns)
     basis = np.zeros((f, columns))
@@ -108,12 +107,6 @@ def _held(mass: Any, stiffness: Any, rank: IntArray, count: int) -> Factor:
         f"boundary: with its {count} node(s) held, the rest of the mesh can still move without deformation "
         f"(omega^2 = {lowest:.3g}), expected nodes that hold every piece of the rest: two, one of an axisymmetric mesh"
     )
-
-
-def _counted(modes: int | None, available: int, where: str) -> int:
-    if modes is None:
-        return available
-    return whole_number("modes", modes, 0, available, f" (the mesh has {available} modes {where}; None takes all)")
 
 
 def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
@@ -161,7 +154,7 @@ def regional_basis(mesh: FiniteElements, region: IntArray, modes: int | None, in
     massless = np.zeros(f, dtype=bool)
     massless[inside] = True
     r = mesh.rigid.shape[1]
-    n = _counted(modes, f - len(inside) - r, "outside the region")
+    n = count_of_modes(modes, f - len(inside) - r, "modes outside the region; None takes all")
     check_memory("region, modes", f, SHARE * (len(own) + n + r))
     free = FreeMesh.of(mesh, massless)
     _, shapes = free.modes(n)

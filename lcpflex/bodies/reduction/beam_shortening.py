@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from lcpflex.bodies.body import Shortening
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
-from lcpflex.bodies.reduction.beam_stiffening import Line, gauss, station_on
+from lcpflex.bodies.line_body import Line
+from lcpflex.bodies.reduction.beam_stiffening import gauss, station_on
 from lcpflex.bodies.reduction.line_interfaces import LineLoads
 from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.jit.kernel import FloatArray

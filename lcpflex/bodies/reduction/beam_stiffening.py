@@ -12,11 +12,11 @@ line A B.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
+from lcpflex.bodies.line_body import Line
 from lcpflex.bodies.reduction.damping import signed
 from lcpflex.bodies.reduction.line_interfaces import station
 from lcpflex.bodies.reduction.stiffening import Stiffening
@@ -24,16 +24,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Axis
 
-__all__ = ["Line", "axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
-
-
-class Line(NamedTuple):
-    """A straight beam: length [m], mass [kg], thickness [m] and number of elements."""
-
-    length: float
-    mass: float
-    thickness: float
-    elements: int
+__all__ = ["axis_of", "bent_under_tension", "gauss", "spinning", "station_on"]
 
 
 def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> FloatArray | None:
@@ -47,8 +38,9 @@ def spinning(line: Line, modes: LineModes, stiffening: Stiffening | None) -> Flo
     return np.asarray(0.5 * (G + G.T))
 
 
-def axis_of(line: Line, modes: LineModes, nodes: FloatArray, stiffening: Stiffening | None, rigidity: float) -> Axis:
+def axis_of(line: Line, modes: LineModes, stiffening: Stiffening | None, rigidity: float) -> Axis:
     """What the axial force of the beam is compared with, at its nodes. rigidity: E I [N m^2]."""
+    nodes = line.nodes
     spin, given = np.zeros_like(nodes), np.zeros_like(nodes)
     if stiffening is not None and not stiffening.actual:
         spin = _spun(line, stiffening, nodes)
@@ -122,7 +114,7 @@ def station_on(line: Line, name: str, held: object) -> float:
 def gauss(line: Line, first: float, *later: float) -> tuple[FloatArray, FloatArray]:
     """Stations and weights of four Gauss points between nodes and the given places: exact to degree 7 in each piece."""
     places = np.unique([first, *later])
-    nodes = np.linspace(0.0, line.length, line.elements + 1)
+    nodes = line.nodes
     breaks = np.unique(np.concatenate([places, nodes[(nodes > places[0]) & (nodes < places[-1])]]))
     place, weight = np.polynomial.legendre.leggauss(4)
     half = 0.5 * np.diff(breaks)

@@ -131,11 +131,11 @@ def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) ->
     return values
 
 
-def count_of_modes(modes: int | None, available: int) -> int:
-    """The number of modes to keep, ``None`` for all; raises :class:`ModelError` if the mesh has fewer."""
+def count_of_modes(modes: int | None, available: int, which: str = "elastic modes") -> int:
+    """The number of modes to keep, ``None`` for all; raises :class:`ModelError` if the mesh has fewer of them."""
     if modes is None:
         return available
-    return whole_number("modes", modes, 0, available, f" (the mesh has {available} elastic modes)")
+    return whole_number("modes", modes, 0, available, f" (the mesh has {available} {which})")
 
 
 def signed(shapes: FloatArray, translations: npt.NDArray[np.bool_] | None = None) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 
 from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.bodies.reduction.damping import Damping, Rayleigh
+from lcpflex.bodies.reduction.interface import Interface
 
 __all__ = ["ModeLevels", "counted"]
 
@@ -24,14 +25,16 @@ class ModeLevels:
     Attributes
     ----------
     available : number of modes of the mesh
-    reduce : makes the body with so many free modes, that damping, and its residual modes or none of them
+    reduce : makes the body with so many free modes, that damping, and residual modes for its ``interfaces=``
+    interfaces : those of the body that is given
     damping : of the body that is given. Where it is a ratio for each of its modes, the levels end with these: of the
         damping of others nothing is known.
     residual : number of residual modes that every level between rigid and the full mesh has besides
     """
 
     available: int
-    reduce: Callable[[int, Damping, bool], Body]
+    reduce: Callable[..., Body]
+    interfaces: tuple[Interface, ...]
     damping: Damping
     residual: int = 0
 
@@ -60,7 +63,8 @@ class ModeLevels:
     def _body(self, modes: int, between: bool) -> Body:
         ratios = self._ratios()
         own = self.damping if ratios is None else ratios[:modes]
-        return replace(self.reduce(modes, own, between), fidelity_levels=self)
+        body = self.reduce(modes, own, interfaces=self.interfaces if between else ())
+        return replace(body, fidelity_levels=self)
 
 
 def counted(modes: int, residual: int) -> str:

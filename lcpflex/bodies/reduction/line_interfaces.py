@@ -23,7 +23,7 @@ from lcpflex.bodies.reduction.stiffening import place_of
 from lcpflex.errors import in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["LineLoads", "LineStatics", "line_loads", "residual_line", "residual_modes", "station", "taken"]
+__all__ = ["LineLoads", "LineStatics", "joined", "line_loads", "residual_line", "residual_modes", "station", "taken"]
 
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
 
@@ -118,9 +118,14 @@ def residual_modes(omega2: FloatArray, loads: FloatArray) -> tuple[FloatArray, F
     return np.asarray(period**-2.0), np.asarray(turn)
 
 
-def taken(modes: LineModes, which: IntArray) -> LineModes:
+def taken(modes: LineModes, which: IntArray | slice) -> LineModes:
     """Some of the modes."""
     return LineModes(*(np.asarray(part[..., which]) for part in modes))
+
+
+def joined(*parts: LineModes) -> LineModes:
+    """Modes of one line, one part after the other."""
+    return LineModes(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
 def residual_line(left: LineModes, is_axial: BoolArray, h: float, loads: LineLoads) -> tuple[LineModes, BoolArray]:
@@ -134,7 +139,7 @@ def residual_line(left: LineModes, is_axial: BoolArray, h: float, loads: LineLoa
         omega2, turn = residual_modes(own.omega2, _on_modes(own, h, loads, stretching).T)
         parts.append(LineModes(omega2, *(shape @ turn for shape in own[1:])))
         axial.append(np.full(len(omega2), stretching))
-    both = LineModes(*(np.concatenate(pair, axis=-1) for pair in zip(*parts, strict=True)))
+    both = joined(*parts)
     order = np.argsort(both.omega2, kind="stable")
     return taken(both, order), np.concatenate(axial)[order]
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.bodies.fem.finite_elements import FiniteElements
-from lcpflex.bodies.fem.nodal_material import Nodes, displacement_rows, material_weights, neighbours
+from lcpflex.bodies.fem.nodal_material import Nodes, displacement_rows, material_weights, neighbours, nodes_at
 from lcpflex.bodies.fem.node_sets import chosen_nodes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh
 from lcpflex.bodies.reduction.interface import Interface, Interfaces, interfaces_of
@@ -52,10 +52,7 @@ def _places(mesh: FiniteElements, name: str, interface: Interface) -> list[Nodes
     """The nodes of an interface, one by one, or the material between nodes."""
     place = interface.place
     if isinstance(place, tuple):
-        try:
-            return [material_weights(mesh, *place)]
-        except ModelError as error:
-            raise ModelError(f"{name}: {error}") from None
+        return [nodes_at(mesh, name, place)]
     if isinstance(place, float):
         raise ModelError(f"{name}: {shown(place)} was given, expected a name, a place (x, y) or the number of a node")
     return [(np.array([node]), np.ones(1)) for node in chosen_nodes(mesh, name, place)]

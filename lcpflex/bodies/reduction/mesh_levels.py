@@ -107,7 +107,7 @@ def _levels(
 
     def some(n: int) -> None:
         if held is None or not n + residual.modes < most:
-            level(counted(n, 0), n, partial(_modes, free, n))
+            level(counted(n, 0), n, lambda: free_basis(free(), n))
         else:
             level(
                 counted(n, residual.modes),
@@ -121,7 +121,7 @@ def _levels(
     if not (damping is None or isinstance(damping, Rayleigh) or np.ndim(damping) == 0):
         damping = np.asarray(damping, dtype=np.float64)
         known = len(damping)
-    level("rigid", 0, partial(_modes, free, 0))
+    level("rigid", 0, lambda: free_basis(free(), 0))
     for n in _powers(min(known, most)):
         some(n)
     if known < most:
@@ -131,12 +131,8 @@ def _levels(
     if 0 < len(rows) <= 2 * MOST_NODES and NEAR * (len(rows) + KEPT) < most:
         level("boundary nodes", KEPT + len(rows), lambda: residual_basis(free(), rows, KEPT))
     if len(mesh.dofs) <= FULL_LIMIT:
-        level("full mesh", most, partial(_modes, free, most))
+        level("full mesh", most, lambda: free_basis(free(), most))
     return tuple(levels)
-
-
-def _modes(free: Callable[[], FreeMesh], count: int) -> Basis:
-    return free_basis(free(), count)
 
 
 def _powers(known: int) -> list[int]:

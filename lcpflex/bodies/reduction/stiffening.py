@@ -41,10 +41,11 @@ import numpy.typing as npt
 from lcpflex.basics import libs
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.fem.finite_elements import FiniteElements
+from lcpflex.bodies.fem.nodal_material import Nodes, nodes_at
 from lcpflex.bodies.fem.sparse_factor import NotPositive
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, held_up, mesh_rank
 from lcpflex.errors import ModelError, in_range, shown
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -188,9 +189,6 @@ def place_of(name: str, held: str | npt.ArrayLike, places: dict[str, tuple[float
     return places[held]
 
 
-Nodes = tuple[IntArray, FloatArray]  # nodes (k,) and weights (k,), of sum 1
-
-
 def _refuse_unknown_stress(mesh: FiniteElements) -> None:
     if mesh.axisymmetric:
         raise ModelError(
@@ -205,7 +203,7 @@ def _refuse_unknown_stress(mesh: FiniteElements) -> None:
 def _place(mesh: FiniteElements, name: str, held: Any) -> Nodes:
     """Nodes that share a force at a set (alike), a point or a place."""
     if not isinstance(held, str):
-        return _nodes_at(mesh, name, float(held[0]), float(held[1]))
+        return nodes_at(mesh, name, held)
     if held in mesh.sets:
         nodes = np.asarray(mesh.sets[held], dtype=np.int64)
     elif held in mesh.points:
@@ -214,23 +212,6 @@ def _place(mesh: FiniteElements, name: str, held: Any) -> Nodes:
         known = ", ".join(map(repr, sorted({*mesh.sets, *mesh.points}))) or "none"
         raise ModelError(f"{name}: {shown(held)} was given, expected the name of a point or set of the mesh ({known})")
     return nodes, np.full(len(nodes), 1.0 / len(nodes))
-
-
-def _nodes_at(mesh: FiniteElements, name: str, x: float, y: float) -> Nodes:
-    distance = np.hypot(mesh.places[:, 0] - x, mesh.places[:, 1] - y)
-    nearest = int(distance.argmin())
-    if distance[nearest] <= 1e-9 * float(np.ptp(mesh.places, axis=0).max()):
-        return np.array([nearest]), np.ones(1)
-    if mesh.locate is None:
-        near = tuple(float(value) for value in mesh.places[nearest])
-        raise ModelError(
-            f"{name}: {(x, y)} was given, expected the place of a node; node {nearest} at {near} is nearest"
-        )
-    try:
-        nodes, weights = mesh.locate(x, y)
-    except ModelError as error:
-        raise ModelError(f"{name}: {(x, y)} was given, expected a place of the body ({error})") from None
-    return np.asarray(nodes), np.asarray(weights)
 
 
 def _middle(mesh: FiniteElements, at: Nodes) -> FloatArray:
