@@ -1,4 +1,7 @@
-"""Contacts with play, declared in one call: a pin in a slot, a pin in a hole in the place of a revolute joint."""
+"""Contacts with play, declared in one call: a pin in a slot, a pin in a hole in the place of a revolute joint.
+
+They are methods of :class:`lcpflex.scene.scene.Scene`.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.basics.arguments import text
 from lcpflex.bodies.placed_point import check_pair
 from lcpflex.bodies.surface import Kind
 from lcpflex.errors import ModelError, in_range, shown
@@ -38,7 +42,24 @@ def contact_slot(
     *,
     law: Law | SlotParts[Law | None] | None = None,
 ) -> SlotParts[str]:
-    """See :meth:`lcpflex.scene.scene.Scene.contact_slot`."""
+    """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
+
+    They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
+    for a name if omitted), and have the same friction and restitution, as in
+    :meth:`lcpflex.scene.scene.Scene.contact`.
+
+    ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
+    as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
+    other begins: gap and normal go on, but the force does so only if both have the same law.
+
+    tangential_restitution: e_T in [0, 1].
+
+    Raises
+    ------
+    ModelError
+        For a pin that is no disc, that does not fit (its radius must be less than width / 2), or whose centre is
+        outside of the slot at the start, and as in :meth:`lcpflex.scene.scene.Scene.contact`.
+    """
     if not isinstance(slot, Slot):
         raise ModelError(f"slot: {shown(slot)} was given, expected one made by body.curved_slot or body.straight_slot")
     if not isinstance(pin, PlacedSurface) or pin.shape.kind is not Kind.CIRCLE:
@@ -75,7 +96,18 @@ def revolute_with_clearance(
     *,
     law: Law | None = None,
 ) -> str:
-    """See :meth:`lcpflex.scene.scene.Scene.revolute_with_clearance`."""
+    """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
+
+    No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
+    contact force; the rest as in :meth:`lcpflex.scene.scene.Scene.contact`.
+
+    friction, restitution, tangential_restitution: as in :meth:`lcpflex.scene.scene.Scene.contact`.
+
+    Raises
+    ------
+    ModelError
+        For pin_radius >= hole_radius, and for a start with the centre of the pin farther from P than the play.
+    """
     check_pair("revolute_with_clearance", P, Q)
     if P.scene is not scene or P.body == Q.body:
         raise ModelError(
@@ -109,9 +141,7 @@ def _check_fit(argument: str, pin: float, room: float, what: str) -> None:
 def _stem(kind: str, name: str | None, scene: Scene) -> str:
     """``name``, or the first free of kind1, kind2, ..."""
     if name is not None:
-        if not isinstance(name, str) or not name:
-            raise ModelError(f"name: {shown(name)} was given, expected a text")
-        return name
+        return text("name", name)
     taken = {contact.rsplit(".", 1)[0] for contact in scene.parts().contacts}
     number = 1
     while f"{kind}{number}" in taken:

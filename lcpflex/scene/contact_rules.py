@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from lcpflex.bodies.surface import can_be_node_side, can_touch
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.declared import ContactRule, DeclaredContact
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
-from lcpflex.scene.placed_surface import PlacedSurface, can_be_node_side, can_touch, check_own
+from lcpflex.scene.placed_surface import PlacedSurface, check_own
 
 __all__ = ["by_rules", "contact_between", "rule_of"]
 
@@ -35,7 +36,7 @@ def by_rules(
             for b in candidates[i + 1 :]:
                 pair = frozenset((a.label, b.label))
                 apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
-                if apart and pair not in taken and can_touch(a, b) and not _excluded(rule, a, b):
+                if apart and pair not in taken and can_touch(a.shape, b.shape) and not _excluded(rule, a, b):
                     taken.add(pair)
                     numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
                     found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *numbers, law=rule.law)
@@ -73,7 +74,7 @@ def contact_between(
     if a.body == b.body:
         where = "on the ground" if a.body < 0 else "on the same body"
         raise ModelError(f"contact: {a.label!r} and {b.label!r} are both {where}, expected surfaces of two bodies")
-    if not can_touch(a, b):
+    if not can_touch(a.shape, b.shape):
         raise ModelError(
             f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
             "which cannot touch each other, expected a node, disc or chain on one side"
@@ -116,7 +117,7 @@ def _check_node_side(node_side: PlacedSurface | None, a: PlacedSurface, b: Place
         given = repr(node_side.label) if isinstance(node_side, PlacedSurface) else shown(node_side)
         raise ModelError(f"node_side: {given} was given, expected one of the two surfaces, {a.label!r} or {b.label!r}")
     other = b if chosen == a.label else a
-    if not can_be_node_side(node_side, other):
+    if not can_be_node_side(node_side.shape, other.shape):
         raise ModelError(
             f"node_side: {node_side.label!r} (a {node_side.shape.kind.value}) was given for {other.label!r} (a "
             f"{other.shape.kind.value}), expected a node, disc, solid arc or chain, and no node for the other one"

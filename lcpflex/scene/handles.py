@@ -93,14 +93,11 @@ class Placed:
 
     def circle(self, center: Place, radius: float) -> PlacedSurface:
         """A disc of ``radius`` > 0 [m] that moves with the material at ``center``, solid inside."""
-        middle, size = self._located(center, "center"), _radius(radius)
-        again = partial(_again, "circle", center, (radius,))
-        return self._made("circle", shapes.circle(middle, size), again, (middle, size))
+        return self._about("circle", shapes.circle, center, "center", _radius(radius))
 
     def hole(self, center: Place, radius: float) -> PlacedSurface:
         """A circular hole of ``radius`` > 0 [m] that moves with the material at ``center``, solid outside."""
-        again = partial(_again, "hole", center, (radius,))
-        return self._made("hole", shapes.hole(self._located(center, "center"), _radius(radius)), again)
+        return self._about("hole", shapes.hole, center, "center", _radius(radius))
 
     def arc(self, center: Place, radius: float, start: float, extent: float, hole: bool = False) -> PlacedSurface:
         """Part of a circle, counter-clockwise from the angle ``start`` over ``extent`` in (0, 2 pi] [rad].
@@ -112,25 +109,20 @@ class Placed:
         extent = in_range("extent", extent, 0.0, 2.0 * math.pi)
         if extent == 0.0:
             raise ModelError("extent: 0 was given, expected an angle in (0, 2 pi]")
-        again = partial(_again, "arc", center, (radius, start, extent, hole))
-        return self._made(
-            "arc", shapes.arc(self._located(center, "center"), _radius(radius), start, extent, hole), again
-        )
+        return self._about("arc", shapes.arc, center, "center", _radius(radius), start, extent, hole)
 
     def node(self, x: float, y: float, radius: float = 0.0) -> PlacedSurface:
         """A single material point that may touch other surfaces, or a disc of ``radius`` [m] about it."""
         x, y = in_range("x", x, -math.inf, math.inf), in_range("y", y, -math.inf, math.inf)
-        middle, size = self._located((x, y)), in_range("radius", radius, 0.0, math.inf)
-        disc = (middle, size) if size > 0.0 else None
-        return self._made("node", shapes.node(middle, size), methodcaller("node", x, y, radius), disc)
+        shape = shapes.node(self._located((x, y)), in_range("radius", radius, 0.0, math.inf))
+        return self._made("node", shape, methodcaller("node", x, y, radius))
 
     def half_plane(self, point: Place, normal: npt.ArrayLike) -> PlacedSurface:
         """Everything behind the straight line through ``point`` is solid; ``normal`` (2,) points out of it."""
         direction = array_of("normal", normal, (2,))
         if not direction.any():
             raise ModelError(f"normal: {shown(normal)} was given, expected a direction (x, y), not both 0")
-        again = partial(_again, "half_plane", point, (direction,))
-        return self._made("half_plane", shapes.half_plane(self._located(point, "point"), direction), again)
+        return self._about("half_plane", shapes.half_plane, point, "point", direction)
 
     def chain(self, places: Sequence[Place], closed: bool = False) -> PlacedSurface:
         """Straight pieces from place to place, at least two, solid on the left and outward normal on the right.
@@ -176,14 +168,15 @@ class Placed:
             partial(_made_again, kind, tuple(places), shape),
         )
 
-    def _made(
-        self,
-        kind: str,
-        shape: Surface,
-        again: Callable[[Placed], PlacedSurface],
-        disc: tuple[MaterialPoint, float] | None = None,
+    def _about(
+        self, kind: str, shape: Callable[..., Surface], place: Place, argument: str, *numbers: Any
     ) -> PlacedSurface:
+        """The surface that the method ``kind`` makes about one place, from ``numbers`` that have been checked."""
+        return self._made(kind, shape(self._located(place, argument), *numbers), partial(_again, kind, place, numbers))
+
+    def _made(self, kind: str, shape: Surface, again: Callable[[Placed], PlacedSurface]) -> PlacedSurface:
         shape = self._on_body(shape)
+        disc = (shape.points[0], shape.radius) if shape.kind is shapes.Kind.CIRCLE else None
         surface = PlacedSurface(self.scene, self.body, self.scene.label(f"{self.name}.{kind}"), shape, again, disc)
         self.scene.keep(surface)
         return surface

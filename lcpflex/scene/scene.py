@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, flag, told_by
+from lcpflex.basics.arguments import absent, flag, listed, text, told_by
 from lcpflex.basics.renamed import renamed_keyword
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
@@ -22,13 +22,11 @@ from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
-from lcpflex.scene.placed_surface import PlacedSurface, check_own, listed
-from lcpflex.scene.slots import Slot, SlotParts
+from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.placed_point import PlacedPoint
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.scene.compiling import CompiledScene, ReductionOrder
@@ -226,65 +224,8 @@ class Scene:
         self._contacts[name] = declared
         return name
 
-    def contact_slot(
-        self,
-        pin: PlacedSurface,
-        slot: Slot,
-        friction: float = 0.0,
-        restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        name: str | None = None,
-        *,
-        law: Law | SlotParts[Law | None] | None = None,
-    ) -> SlotParts[str]:
-        """Let ``pin``, a disc of another body, run in ``slot``; returns the names of the four contacts.
-
-        They are called name.inner, name.outer, name.first and name.last after the parts of the slot (slot1, slot2, ...
-        for a name if omitted), and have the same friction and restitution, as in
-        :meth:`contact`.
-
-        ``law``: a continuous contact force, of all parts or ``SlotParts(inner=..., outer=..., first=..., last=...)``,
-        as their radii differ. Where the pin goes over the seam between a track and an end, one contact ends as the
-        other begins: gap and normal go on, but the force does so only if both have the same law.
-
-        tangential_restitution: e_T in [0, 1].
-
-        Raises
-        ------
-        ModelError
-            For a pin that is no disc, that does not fit (its radius must be less than width / 2), or whose centre is
-            outside of the slot at the start, and as in :meth:`contact`.
-        """
-        numbers = friction, restitution, tangential_restitution
-        return clearances.contact_slot(self, pin, slot, *numbers, name, law=law)
-
-    def revolute_with_clearance(
-        self,
-        P: PlacedPoint,
-        Q: PlacedPoint,
-        pin_radius: float,
-        hole_radius: float,
-        friction: float = 0.0,
-        restitution: float = 0.0,
-        tangential_restitution: float = 0.0,
-        name: str | None = None,
-        *,
-        law: Law | None = None,
-    ) -> str:
-        """A revolute joint with play: a hole about P, a pin about Q of another body; returns the name of the contact.
-
-        No joint is made: |P - Q| <= hole_radius - pin_radius [m] is kept by the contact alone. ``law``: a continuous
-        contact force; the rest as in :meth:`contact`.
-
-        friction, restitution, tangential_restitution: as in :meth:`contact`.
-
-        Raises
-        ------
-        ModelError
-            For pin_radius >= hole_radius, and for a start with the centre of the pin farther from P than the play.
-        """
-        numbers = friction, restitution, tangential_restitution
-        return clearances.revolute_with_clearance(self, P, Q, pin_radius, hole_radius, *numbers, name, law=law)
+    contact_slot = clearances.contact_slot
+    revolute_with_clearance = clearances.revolute_with_clearance
 
     def contact_all(
         self,
@@ -337,8 +278,8 @@ class Scene:
         if indents is not None and (isinstance(indents, type) or not callable(indents)):
             raise ModelError(f"indents: {shown(indents)} was given, expected a function of the name of a contact")
         compiled = self.compiled(flag("project", project), None if indents is None else told_by("indents", indents))
-        for text in compiled.warnings:
-            warnings.warn(text, ModelWarning, stacklevel=2)
+        for warning in compiled.warnings:
+            warnings.warn(warning, ModelWarning, stacklevel=2)
         return compiled
 
     def compiled(
@@ -386,8 +327,6 @@ def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:
         while f"{kind}{number}" in taken:
             number += 1
         return f"{kind}{number}"
-    if not isinstance(name, str) or not name:
-        raise ModelError(f"name: {shown(name)} was given, expected a text")
-    if name in taken:
+    if text("name", name) in taken:
         raise ModelError(f"name: {shown(name)} was given twice, expected a name other than {listed(taken)}")
     return name

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lcpflex.basics.arguments import listed
 from lcpflex.bodies.body import Body, named
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
-from lcpflex.scene.placed_surface import PlacedSurface, listed
+from lcpflex.scene.placed_surface import PlacedSurface
 
 if TYPE_CHECKING:
     from lcpflex.scene.compiling import ReductionOrder
