@@ -9,8 +9,7 @@ from lcpflex.basics.lazy import attach
 if TYPE_CHECKING:
     from lcpflex.force_laws.damping.kernels import KINDS as DAMPING_KINDS
     from lcpflex.force_laws.elastic.kernels import KINDS as ELASTIC_KINDS
-    from lcpflex.force_laws.friction.kernels import KINDS as FRICTION_KINDS
-    from lcpflex.force_laws.friction.kernels import friction_forces
+    from lcpflex.force_laws.friction.kernels import KINDS as FRICTION_KINDS, friction_forces
 
 __all__ = ["DAMPING_KINDS", "ELASTIC_KINDS", "FRICTION_KINDS", "friction_forces"]
 
