@@ -35,18 +35,8 @@ from lcpflex.solvers.lcp.principal_pivoting import PrincipalPivoting, principal_
 from lcpflex.solvers.lcp.proofs import FULL, exact_solution
 from lcpflex.solvers.lcp.tableau import EXTRA
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import (
-    NEARLY,
-    SOLVED,
-    Lcp,
-    LcpSolver,
-    PosedProblem,
-    Problem,
-    Solution,
-    Status,
-    accept,
-    confirmed,
-)
+from lcpflex.solvers.problem import NEARLY, Lcp, LcpSolver, PosedProblem, Problem, Solution, accept, confirmed
+from lcpflex.solvers.status import SOLVED, Status
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
 

@@ -39,6 +39,7 @@ __all__ = [
     "brought_back",
     "confirmed",
     "restored",
+    "retold",
 ]
 
 NEARLY = (
@@ -46,9 +47,6 @@ NEARLY = (
 )
 
 ROUNDED = "numerical failure: {} has no solution, but its rounding may be the reason"
-
-# The same codes as plain integers, for kernels.
-SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,6 +253,15 @@ def accept(
     return Solution(point, w, judged, residual, iterations, route, message, active, u, None, solutions, vector, strict)
 
 
+def retold(problem: Problem, z: FloatArray, found: Solution, tolerance: float, **changed: Any) -> Solution:
+    """The point z judged on ``problem``, with what ``found`` tells of how it was found.
+
+    changed: arguments of :func:`accept` that are not those of ``found``.
+    """
+    kept = {name: getattr(found, name) for name in ("status", "iterations", "route", "message", "active", "solutions")}
+    return accept(problem, z, tolerance=tolerance, **(kept | changed))
+
+
 def brought_back(
     problem: Problem, found: Solution, outward: Callable[[FloatArray], FloatArray], tolerance: float, **changed: Any
 ) -> Solution:
@@ -262,15 +269,8 @@ def brought_back(
 
     changed: arguments of :func:`accept` that are not those of ``found``.
     """
-    kept: dict[str, Any] = {
-        "status": found.status,
-        "iterations": found.iterations,
-        "route": found.route,
-        "message": found.message,
-        "active": found.active,
-        "solutions": tuple([outward(one) for one in found.solutions]),
-    }
-    return accept(problem, outward(found.z), tolerance=tolerance, **(kept | changed))
+    points = tuple([outward(one) for one in found.solutions])
+    return retold(problem, outward(found.z), found, tolerance, **({"solutions": points} | changed))
 
 
 def restored(problem: Problem, found: Solution, units: Units, tolerance: float) -> Solution:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import enum
 
-__all__ = ["Status"]
+__all__ = ["ITERATION_LIMIT", "NUMERICAL_FAILURE", "RAY", "SOLVED", "Status"]
+
+SOLVED, RAY, ITERATION_LIMIT, NUMERICAL_FAILURE = 0, 1, 2, 3  # as plain integers, for kernels
 
 
 class Status(enum.IntEnum):

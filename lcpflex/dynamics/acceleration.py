@@ -16,7 +16,6 @@ Sources: Pfeiffer & Glocker 1996; Glocker & Studer 2005.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -35,7 +34,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.index_sets import (
@@ -68,36 +67,26 @@ POSITION, VELOCITY, FORCE = 0, 1, 2  # what is solved for, ContactSets.level
 DEPENDENT = 1e-11  # a pivot below this part of the largest, of a matrix with unit diagonal, is a dependent row
 
 
-class ContactSets(NamedTuple):
-    """Index sets of the contacts in the table and the memory of their linear solve."""
+@struct
+class ContactSets:
+    """Index sets of the contacts in the table and the memory of their linear solve; rows: twice the contacts."""
 
-    mode: IntArray  # (capacity,) SMOOTH, STICKING, SLIDE_FORTH or SLIDE_BACK
-    tangent_of: IntArray  # (capacity,) tangential row of each contact, -1: frictionless
-    stick: IntArray  # (capacity,) contacts of the set H in order
-    fallback: IntArray  # (capacity,) modes to return to where a simpler choice breaks its own law
-    reduced: FloatArray  # (2 capacity, 2 capacity) columns with sliding friction in the normal ones
-    right: FloatArray  # (2 capacity,)
-    solution: FloatArray  # (2 capacity,)
-    scale: FloatArray  # (2 capacity,)
-    order: IntArray  # (2 capacity,)
-    level: IntArray  # (2,) POSITION, VELOCITY or FORCE; number of contacts in H
+    mode: IntArray = array("contacts")  # SMOOTH, STICKING, SLIDE_FORTH or SLIDE_BACK
+    tangent_of: IntArray = array("contacts")  # tangential row of each contact, -1: frictionless
+    stick: IntArray = array("contacts")  # contacts of the set H in order
+    fallback: IntArray = array("contacts")  # modes to return to where a simpler choice breaks its own law
+    reduced: FloatArray = array("rows", "rows")  # columns with sliding friction in the normal ones
+    right: FloatArray = array("rows")
+    solution: FloatArray = array("rows")
+    scale: FloatArray = array("rows")
+    order: IntArray = array("rows")
+    level: int  # POSITION, VELOCITY or FORCE
+    n_stick: int  # contacts in H
 
 
 def contact_sets(capacity: int) -> ContactSets:
     """Memory for ``capacity`` contacts."""
-    arrays = ContactSets(
-        mode=np.zeros(capacity, dtype=np.int64),
-        tangent_of=np.full(capacity, -1, dtype=np.int64),
-        stick=np.zeros(capacity, dtype=np.int64),
-        fallback=np.zeros(capacity, dtype=np.int64),
-        reduced=np.zeros((2 * capacity, 2 * capacity)),
-        right=np.zeros(2 * capacity),
-        solution=np.zeros(2 * capacity),
-        scale=np.zeros(2 * capacity),
-        order=np.zeros(2 * capacity, dtype=np.int64),
-        level=np.zeros(2, dtype=np.int64),
-    )
-    return pack(arrays)
+    return allocate(ContactSets, {"contacts": capacity, "rows": 2 * capacity})
 
 
 @kernel
@@ -147,11 +136,11 @@ def reduce_sets(work: Workspace, sets: ContactSets) -> int:
 
     Sliding friction counts at the level of forces only, sticking not at that of positions.
     """
-    sliding, sticking = sets.level[0] == FORCE, sets.level[0] != POSITION
+    sliding, sticking = sets.level == FORCE, sets.level != POSITION
     n_stick = reduce_columns(
         work.problem, sets.mode, sets.tangent_of, sliding, sticking, sets.stick, sets.reduced, sets.right
     )
-    sets.level[1] = n_stick
+    sets.n_stick = n_stick
     return n_stick
 
 
@@ -160,7 +149,7 @@ def pose_sets(work: Workspace, sets: ContactSets) -> int:
     """Let the sets count in the contact problem just posed; returns the size of H."""
     problem = work.problem
     problem.on_sets = 1
-    sets.level[0] = FORCE
+    sets.level = FORCE
     n_stick = 0
     for k in range(work.n_contacts):
         problem.mode[k] = sets.mode[k]
@@ -265,8 +254,8 @@ def solve_consistent(sets: ContactSets, m: int) -> None:
 @kernel
 def spread(work: Workspace, sets: ContactSets) -> None:
     """Forces or impulses p of all rows from the solution of the reduced system."""
-    level = sets.level[0]
-    n_stick = sets.level[1]
+    level = sets.level
+    n_stick = sets.n_stick
     n_joint = work.n_joint
     n = work.n_contacts
     total = n_joint + n + work.n_tangents
@@ -285,7 +274,7 @@ def spread(work: Workspace, sets: ContactSets) -> None:
 @kernel
 def fixed_forces(work: Workspace, sets: ContactSets) -> None:
     """Constraint forces ``work.p`` with the sets as they are, and the acceleration in ``work.free_u``."""
-    sets.level[0] = FORCE
+    sets.level = FORCE
     n_stick = reduce_sets(work, sets)
     solve_consistent(sets, work.n_contacts + n_stick)
     spread(work, sets)
@@ -348,7 +337,7 @@ def project(
                 if r < n_joint:
                     work.free[r] += work.rate[r]
         pose_contacts(work)
-        sets.level[0] = VELOCITY if left == 1 and velocities else POSITION
+        sets.level = VELOCITY if left == 1 and velocities else POSITION
         n_stick = reduce_sets(work, sets)
         solve_consistent(sets, n + n_stick)
         spread(work, sets)

@@ -15,12 +15,13 @@ import numpy as np
 
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.callback import is_compiled
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.scene.functions_of_time import Function, takes_state
 
-__all__ = ["DIFFERENCE_STEP", "CompiledFunction", "compiled_source"]
+__all__ = ["DIFFERENCE_STEP", "CompiledFunction", "called", "compiled_source"]
 
 VALUE, PAIR, MOTION, TRIPLE = range(4)  # a force, both components of one, a motion, that with its derivatives
-SIZES = {VALUE: 1, PAIR: 2, MOTION: 1, TRIPLE: 3}
+SHAPES = {VALUE: ((), (1,)), PAIR: ((2,),), MOTION: ((), (1,), (3,))}
 EXPECTED = {
     VALUE: "a finite number",
     PAIR: "2 finite numbers",
@@ -51,7 +52,7 @@ class CompiledFunction:
         self.name, self.function = name, function
         self._source = compiled_source(function)
         self.motion = form == MOTION
-        first = self._at(0.0, form)
+        first = called(name, form, self._source, 0.0)
         self.form = TRIPLE if form == MOTION and first.size == 3 else form
         self._data = np.zeros(2)
         self._code = _compiled(self._source, self.form)
@@ -76,26 +77,31 @@ class CompiledFunction:
         if mishap == 0.0:
             return ""
         try:
-            self._at(time, MOTION if self.motion else self.form)
+            called(self.name, MOTION if self.motion else self.form, self._source, time)
         except ModelError as error:
             return str(error)
         return f"{self.name}: the function is not a finite number about t = {time:.9g} s"
 
-    def _at(self, t: float, form: int) -> np.ndarray[Any, Any]:
-        """What the function returns; raises ModelError where that is something else."""
-        try:
-            returned = self._source(t)
-        except Exception as error:
-            raise ModelError(
-                f"{self.name}: the function raised {type(error).__name__} at t = {t:.9g} s: {error}"
-            ) from error
-        values = np.atleast_1d(np.asarray(returned, dtype=float))
-        sizes = (1, 3) if form == MOTION else (SIZES[form],)
-        if values.ndim != 1 or values.size not in sizes or not np.isfinite(values).all():
-            raise ModelError(
-                f"{self.name}: the function returned {shown(returned)} at t = {t:.9g} s, expected {EXPECTED[form]}"
-            )
-        return values
+
+def called(name: str, form: int, function: Callable[..., Any], *a: Any) -> FloatArray:
+    """What a user's function returns, as finite numbers of a shape of this ``form``.
+
+    Raises ModelError, chained to what the function raised.
+    """
+    try:
+        returned = function(*a)
+    except Exception as error:
+        raise ModelError(f"{name}: the function raised {type(error).__name__} at t = {a[0]:.9g} s: {error}") from error
+    try:
+        values = np.asarray(returned, dtype=float)
+        sound = values.shape in SHAPES[form] and bool(np.isfinite(values).all())
+    except (TypeError, ValueError):
+        sound = False
+    if not sound:
+        raise ModelError(
+            f"{name}: the function returned {shown(returned)} at t = {a[0]:.9g} s, expected {EXPECTED[form]}"
+        )
+    return values
 
 
 @lru_cache(maxsize=256)

@@ -17,13 +17,12 @@ kinetic energy. Inertia terms: Zwoelfer & Gerstmayr (2020), nodal-based floating
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from lcpflex.dynamics.shortening import factorise_tangent, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import pack
+from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import cholesky_solve
@@ -41,17 +40,18 @@ __all__ = [
 ]
 
 
-class Arrow(NamedTuple):
+@struct
+class Arrow:
     """The factorised matrices of all bodies."""
 
-    rigid: FloatArray  # (nb, 3, 3) lower Cholesky factor of the Schur complement
-    couple: FloatArray  # (modes, 3) B
+    rigid: FloatArray = array("bodies", 3, 3)  # lower Cholesky factor of the Schur complement
+    couple: FloatArray = array("modes", 3)  # B
     diagonal: FloatArray  # (modes,) 1 / d
-    turn: FloatArray  # (modes,) q^T D
-    full: IntArray  # (nb,) whether 1 / d is that of a dense matrix
+    turn: FloatArray = array("modes")  # q^T D
+    full: IntArray = array("bodies")  # whether 1 / d is that of a dense matrix
     dense_start: IntArray  # (nb + 1,) offsets into dense; equal where no such matrix can be
-    dense: FloatArray  # flat n x n lower Cholesky factors of these matrices
-    eased: FloatArray  # (modes, 3) their inverse times B
+    dense: FloatArray = array("dense")  # flat n x n lower Cholesky factors of these matrices
+    eased: FloatArray = array("eased", 3)  # their inverse times B
 
 
 def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
@@ -59,19 +59,10 @@ def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
 
     None: there is no such body.
     """
-    sizes = np.zeros(n_bodies, dtype=np.int64) if dense is None else np.asarray(dense, dtype=np.int64) ** 2
-    return pack(
-        Arrow(
-            rigid=np.zeros((n_bodies, 3, 3)),
-            couple=np.zeros((n_modes, 3)),
-            diagonal=np.ones(n_modes),
-            turn=np.zeros(n_modes),
-            full=np.zeros(n_bodies, dtype=np.int64),
-            dense_start=np.concatenate([[0], np.cumsum(sizes)]),
-            dense=np.zeros(int(sizes.sum())),
-            eased=np.zeros((n_modes if sizes.any() else 0, 3)),
-        )
-    )
+    squares = np.zeros(n_bodies, dtype=np.int64) if dense is None else np.asarray(dense, dtype=np.int64) ** 2
+    start = np.concatenate([[0], np.cumsum(squares)])
+    sizes = {"bodies": n_bodies, "modes": n_modes, "dense": int(start[-1]), "eased": n_modes if squares.any() else 0}
+    return allocate(Arrow, sizes, diagonal=np.ones(n_modes), dense_start=start)
 
 
 @kernel

@@ -18,9 +18,9 @@ from lcpflex.dynamics.compiled_function import (
     PAIR,
     VALUE,
     CompiledFunction,
+    called,
     compiled_source,
 )
-from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Model, Signals, frozen
 from lcpflex.model.planar import N_RIGID
@@ -139,28 +139,6 @@ def _turned(angle: float, s: FloatArray) -> FloatArray:
     return np.array([cos * s[0] - sin * s[1], sin * s[0] + cos * s[1]])
 
 
-def _called(
-    name: str, expected: str, shapes: tuple[tuple[int, ...], ...], function: Callable[..., Any], *a: Any
-) -> FloatArray:
-    """What a user's function returns, as finite numbers of one of ``shapes``.
-
-    Raises ModelError, chained to what the function raised.
-    """
-    try:
-        returned = function(*a)
-    except Exception as error:
-        raise ModelError(f"{name}: the function raised {type(error).__name__} at t = {a[0]:.9g} s: {error}") from error
-    try:
-        values = np.asarray(returned, dtype=float)
-    except (TypeError, ValueError):
-        raise ModelError(
-            f"{name}: the function returned {shown(returned)} at t = {a[0]:.9g} s, expected {expected}"
-        ) from None
-    if values.shape not in shapes or not np.isfinite(values).all():
-        raise ModelError(f"{name}: the function returned {shown(returned)} at t = {a[0]:.9g} s, expected {expected}")
-    return values
-
-
 @dataclass(frozen=True, slots=True)
 class ForceCallback:
     """A Python force: f(t) or f(t, state), for one external slot or two."""
@@ -172,12 +150,9 @@ class ForceCallback:
 
     def fill(self, t: float, state: State, external: FloatArray) -> None:
         """Write f into ``external`` (slots, 3). Raises ModelError if the function fails or returns something else."""
-        many = len(self.slots)
-        expected = "a finite number" if many == 1 else f"{many} finite numbers"
-        shapes = ((), (1,)) if many == 1 else ((many,),)
         arguments = (t, state) if self.with_state else (t,)
-        values = _called(self.name, expected, shapes, self.function, *arguments)
-        external[list(self.slots), 0] = values.reshape(many)
+        values = called(self.name, PAIR if len(self.slots) == 2 else VALUE, self.function, *arguments)
+        external[list(self.slots), 0] = values.reshape(len(self.slots))
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,20 +165,17 @@ class MotionCallback:
 
     def fill(self, t: float, state: State, external: FloatArray) -> None:
         """Write (f, f', f'') into ``external`` (slots, 3). Raises ModelError if the function fails."""
-        values = self._at(t)
+        values = called(self.name, MOTION, self.function, t)
         if values.shape == (3,):
             external[self.slot] = values
             return
         h = DIFFERENCE_STEP
-        far_before, before, after, far_after = (float(self._at(t + k * h).flat[0]) for k in (-2, -1, 1, 2))
+        around = (called(self.name, MOTION, self.function, t + k * h) for k in (-2, -1, 1, 2))
+        far_before, before, after, far_after = (float(values.flat[0]) for values in around)
         now = float(values.flat[0])
         external[self.slot, 0] = now
         external[self.slot, 1] = (8.0 * (after - before) - (far_after - far_before)) / (12.0 * h)
         external[self.slot, 2] = (16.0 * (after + before) - (far_after + far_before) - 30.0 * now) / (12.0 * h * h)
-
-    def _at(self, t: float) -> FloatArray:
-        expected = "a finite number or three: value, rate, acceleration"
-        return _called(self.name, expected, ((), (1,), (3,)), self.function, t)
 
 
 Callback = ForceCallback | MotionCallback

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.condensation import condensed, contact_problem, planar_rows
@@ -73,21 +74,14 @@ def save_fclib(path: str | os.PathLike[str], problem: ContactProblem | SpatialCo
         kind = type(problem).__name__
         raise ModelError(f"problem is a {kind}: expected a ContactProblem or a SpatialContactProblem")
     h5py, target = _h5py(), path_of("path", path)
-    part = target.with_name(f"{target.name}.{os.getpid()}.part")
-    try:
-        with h5py.File(part, "w") as file:
-            group = file.create_group("fclib_local")
-            group["spacedim"] = np.array([dimension], dtype=np.int32)
-            _write(group.create_group("W"), W)
-            group["vectors/q"], group["vectors/mu"] = q, problem.friction
-            group["info/title"] = np.bytes_("contact problem")
-            group["info/description"] = np.bytes_("written by lcpflex")
-            group["info/math_info"] = np.bytes_(f"{len(problem.friction)} contacts")
-        os.replace(part, target)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        words = f"{str(target)[-SHOWN:]!r}: {str(error)[:SHOWN]}"
-        raise ModelError(f"path: cannot write {words}; expected a writable folder") from error
+    with whole_file("path", target) as part, h5py.File(part, "w") as file:
+        group = file.create_group("fclib_local")
+        group["spacedim"] = np.array([dimension], dtype=np.int32)
+        _write(group.create_group("W"), W)
+        group["vectors/q"], group["vectors/mu"] = q, problem.friction
+        group["info/title"] = np.bytes_("contact problem")
+        group["info/description"] = np.bytes_("written by lcpflex")
+        group["info/math_info"] = np.bytes_(f"{len(problem.friction)} contacts")
     return target
 
 

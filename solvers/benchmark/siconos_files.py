@@ -53,13 +53,17 @@ class _Reader:
         """The error that tells where the reader is."""
         return ModelError(f"{self._name}: line {min(self._line + 1, len(self._lines))}: {what}; expected {expected}")
 
-    def word(self, expected: str) -> str:
-        """The next word."""
+    def _look(self, expected: str) -> None:
+        """Go to the next word."""
         while not self._rest:
             self._line += 1
             if self._line >= len(self._lines):
                 raise self.fail("the file ends", expected)
             self._rest = self._lines[self._line].split()[::-1]
+
+    def word(self, expected: str) -> str:
+        """The next word."""
+        self._look(expected)
         return self._rest.pop()
 
     def whole(self, expected: str, most: int = LARGEST) -> int:
@@ -90,11 +94,7 @@ class _Reader:
 
     def line(self, expected: str) -> str:
         """The rest of this line, or the next one that is not empty."""
-        while not self._rest:
-            self._line += 1
-            if self._line >= len(self._lines):
-                raise self.fail("the file ends", expected)
-            self._rest = self._lines[self._line].split()[::-1]
+        self._look(expected)
         text = " ".join(self._rest[::-1])
         self._rest = []
         return text

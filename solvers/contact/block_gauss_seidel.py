@@ -40,7 +40,8 @@ from lcpflex.solvers.contact.sweeps import (
 from lcpflex.solvers.guard import guarded
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import ITERATION_LIMIT, Lcp, PosedProblem, Solution, Status, accept, restored
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept, restored
+from lcpflex.solvers.status import ITERATION_LIMIT, Status
 
 __all__ = ["BlockGaussSeidel"]
 

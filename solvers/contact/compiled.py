@@ -21,7 +21,7 @@ from lcpflex.solvers.contact.memory import (
     SolverMemory,
 )
 from lcpflex.solvers.contact.methods import find
-from lcpflex.solvers.problem import SOLVED
+from lcpflex.solvers.status import SOLVED
 
 __all__ = [
     "pose_lcp",

@@ -159,15 +159,7 @@ class _Program:
         order = np.concatenate([smooth, pairs.ravel()]).astype(np.int64)
         aspect = np.ones(len(contact.free))
         aspect[normals:] = contact.friction[tangent]
-        if contact.delassus is not None:
-            diagonal = np.abs(np.diag(contact.delassus))
-        else:
-            diagonal = np.asarray(
-                abs(contact.factor).power(2).sum(axis=1)
-                if hasattr(contact.factor, "tocsr")
-                else (contact.factor**2).sum(axis=1)
-            ).ravel()
-        size = aspect * np.sqrt(diagonal)
+        size = aspect * np.sqrt(np.abs(contact.diagonal))
         size[tangent] = size[normals:] = np.maximum(size[tangent], size[normals:])
         unit = (aspect / np.where(size > 0.0, size, 1.0))[order]
         c = unit * contact.free[order]

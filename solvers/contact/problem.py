@@ -6,7 +6,7 @@ The forms are those of :mod:`lcpflex.solvers.contact.lcp_forms`.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -107,15 +107,25 @@ class ContactProblem:
         return np.flatnonzero(self.friction).astype(np.int64)
 
     @property
+    def diagonal(self) -> FloatArray:
+        """(m,) that of the Delassus operator."""
+        if self.delassus is not None:
+            return np.diag(self.delassus)
+        squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
+        return np.asarray(squares.sum(axis=1)).ravel()
+
+    def row_blocks(self) -> Iterator[tuple[slice, Any]]:
+        """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
+        for first in range(0, len(self.free), BLOCK):
+            rows = slice(first, min(first + BLOCK, len(self.free)))
+            yield rows, self.delassus[rows] if self.delassus is not None else self.factor[rows] @ self.factor.T
+
+    @property
     def units(self) -> FloatArray:
         """(n_N,) d_k = 1 / sqrt(max(G_NN, G_TT)) of each contact: see :mod:`lcpflex.solvers.balance`."""
         if not self._units:
             tangent, normals = self.tangent, len(self.friction)
-            if self.delassus is not None:
-                diagonal = np.diag(self.delassus)
-            else:
-                squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
-                diagonal = np.asarray(squares.sum(axis=1)).ravel()
+            diagonal = self.diagonal
             own = np.array(diagonal[:normals])
             own[tangent] = np.maximum(own[tangent], diagonal[normals:])
             own = np.maximum(own, 0.0)
@@ -168,14 +178,14 @@ class ContactProblem:
         """The Delassus matrix (m, m), multiplied out if only its factor is known."""
         if self.delassus is not None:
             return self.delassus
-        return np.ascontiguousarray(_as_dense(self.factor @ self.factor.T))
+        return np.ascontiguousarray(as_dense(self.factor @ self.factor.T))
 
     def lcp(self) -> Lcp:
         """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
         tangent, normals, n = self.tangent, len(self.friction), self.size
         M, q = np.zeros((n, n)), np.zeros(n)
         assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
-        factor = None if len(tangent) or self.factor is None else _as_dense(self.factor)
+        factor = None if len(tangent) or self.factor is None else as_dense(self.factor)
         return Lcp(M, q, factor).measured_in(self.unknown_units.d)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
@@ -294,11 +304,9 @@ class ContactProblem:
         )
         largest, terms = np.zeros(self.size), np.zeros(self.size)
         size = np.abs(z)
-        for first in range(0, m, BLOCK):
-            rows = slice(first, min(first + BLOCK, m))
-            block = self.delassus[rows] if self.delassus is not None else self.factor[rows] @ self.factor.T
+        for rows, block in self.row_blocks():
             block = abs(block @ columns)
-            largest[rows] = _as_dense(block.max(axis=1)).ravel()
+            largest[rows] = as_dense(block.max(axis=1)).ravel()
             terms[rows] = block @ size[:m]
         terms[:m] += np.abs(self.free)
         largest[normals:m] = np.maximum(largest[normals:m], 1.0)
@@ -327,7 +335,8 @@ def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | No
     return replace(guess, z=z, w=np.zeros(len(keys)), active=active, keys=keys)
 
 
-def _as_dense(matrix: Any) -> FloatArray:
+def as_dense(matrix: Any) -> FloatArray:
+    """A matrix of numpy or of scipy.sparse as an array."""
     return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
 
 

@@ -18,20 +18,12 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.contact.problem import ContactProblem, as_dense
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, relaxed_rows
-from lcpflex.solvers.problem import (
-    PROVED,
-    Lcp,
-    LcpSolver,
-    Solution,
-    accept,
-    confirmed,
-)
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, brought_back, confirmed
 
 __all__ = ["ConvexContactProblem"]
 
-BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 PRESSED = 1e-8  # lambda_N, relative to the largest, beyond which a contact counts as pressed
 
 
@@ -96,8 +88,7 @@ class ConvexContactProblem:
         """The law in the unknowns of :meth:`on_edges`: symmetric and semidefinite, as G is."""
         edges, contact = self._edges(), self.contact
         if contact.delassus is None:
-            factor = edges.T @ contact.factor
-            factor = np.ascontiguousarray(factor.toarray() if hasattr(factor, "toarray") else factor)
+            factor = np.ascontiguousarray(as_dense(edges.T @ contact.factor))
             return Lcp(factor @ factor.T, edges.T @ contact.free, factor)
         return Lcp(edges.T @ (edges.T @ contact.delassus.T).T, edges.T @ contact.free)
 
@@ -109,16 +100,12 @@ class ConvexContactProblem:
         if guess is not None and guess.z.shape == (self.size,):
             guess = replace(guess, z=np.maximum(self.on_edges(guess.z), 0.0))
         found = solver.solve(self.lcp(), guess)
-        judged = accept(
+        judged = brought_back(
             self,
-            edges @ found.z,
-            tolerance=getattr(solver, "tolerance", 1e-10),
-            status=found.status,
-            iterations=found.iterations,
-            route=found.route,
+            found,
+            lambda z: np.asarray(edges @ z),
+            getattr(solver, "tolerance", 1e-10),
             message="" if found.solved else found.message,
-            active=found.active,
-            solutions=tuple(edges @ z for z in found.solutions),
         )
         if not judged.solved and found.status in PROVED:
             return confirmed(self, replace(judged, status=found.status, certificate=found.certificate))
@@ -167,10 +154,9 @@ class ConvexContactProblem:
         """Of every row: max |G_ij| over both rows of its contact (1 if zero), and |free_i| + sum_j |G_ij z_j|."""
         contact, m = self.contact, self.size
         largest, terms = np.zeros(m), np.abs(contact.free)
-        for first in range(0, m, BLOCK):
-            rows = slice(first, min(first + BLOCK, m))
-            block = abs(contact.factor[rows] @ contact.factor.T if contact.delassus is None else contact.delassus[rows])
-            largest[rows] = block.max(axis=1).toarray().ravel() if hasattr(block, "tocsr") else block.max(axis=1)
+        for rows, block in contact.row_blocks():
+            block = abs(block)
+            largest[rows] = as_dense(block.max(axis=1)).ravel()
             terms[rows] += block @ np.abs(z)
         normals, tangent = len(contact.friction), contact.tangent
         largest[tangent] = largest[normals:] = np.maximum(largest[tangent], largest[normals:])

@@ -14,7 +14,7 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.lcp.pivoting import block_pivots
-from lcpflex.solvers.problem import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
+from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
 
 __all__ = ["block_gauss_seidel", "solve_contact", "sweep_delassus", "sweep_factor"]
 

@@ -19,6 +19,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.lcp.active_factor import backward
+from lcpflex.solvers.lcp.pivoting import eliminate
 from lcpflex.solvers.lcp.proofs import exact_solution
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
@@ -72,42 +74,15 @@ def _load(M: FloatArray, q: FloatArray, n: int, code: int, table: FloatArray, or
 
 
 @kernel
-def _rank(table: FloatArray, order: IntArray, m: int) -> int:
-    """Eliminate with complete pivoting, columns permuted along with ``order``; the rank found."""
-    for k in range(m):
-        r, s, best = k, k, abs(table[k, k])
-        for i in range(k, m):
-            for c in range(k, m):
-                if abs(table[i, c]) > best:
-                    r, s, best = i, c, abs(table[i, c])
-        if not best > SINGULAR:
-            return k
-        if r != k:
-            for c in range(k, m + 1):
-                table[k, c], table[r, c] = table[r, c], table[k, c]
-        if s != k:
-            for i in range(m):
-                table[i, k], table[i, s] = table[i, s], table[i, k]
-            order[k], order[s] = order[s], order[k]
-        for i in range(k + 1, m):
-            factor = table[i, k] / table[k, k]
-            if factor != 0.0:
-                for c in range(k + 1, m + 1):
-                    table[i, c] -= factor * table[k, c]
-    return m
-
-
-@kernel
 def _substitute(table: FloatArray, order: IntArray, m: int, n: int, z: FloatArray) -> None:
+    x = table[n]
+    for k in range(m):
+        x[k] = table[k, m]
+    backward(table, m, x)
     for i in range(n):
         z[i] = 0.0
-    for k in range(m - 1, -1, -1):
-        value = table[k, m]
-        for c in range(k + 1, m):
-            value -= table[k, c] * z[order[c]]
-        z[order[k]] = value / table[k, k]
     for k in range(m):
-        z[order[k]] *= table[n + 2, order[k]]
+        z[order[k]] = x[k] * table[n + 2, order[k]]
 
 
 @kernel
@@ -147,10 +122,10 @@ def enumerate_active_sets(
     ``enumeration_workspace(cap)``.
     """
     kept, undecided = 0, 0
-    z = table[n + 1, :n]
+    z, complete = table[n + 1, :n], n >= 0  # a literal would have it compiled once more
     for code in range(1 << n):
         m = _load(M, q, n, code, table, order)
-        rank = _rank(table, order, m)
+        rank = eliminate(table, order, m, complete, SINGULAR)
         if rank < m:
             left, right = 0.0, 0.0
             for k in range(m):
@@ -248,21 +223,18 @@ class Enumeration:
 
     def _without(self, problem: Lcp, tried: int) -> Solution:
         """The result where floats give no solution: the proof that there is none, or what was left open."""
-        if out_of_time():
-            zero = np.zeros(problem.size)
-            status = Status.TIME_LIMIT
-            return accept(problem, zero, tolerance=self.tolerance, status=status, iterations=tried, route="enumeration")
-        proof, z = exact_solution(problem)
+        late = out_of_time()
+        proof, z = (None, None) if late else exact_solution(problem)
         message = ""
         if z is not None:
             message = "a solution exists, but rounded to floats it leaves more than the tolerance; z is it"
-        elif proof is None:
+        elif proof is None and not late:
             message = "no active set gives a solution in floats, but the proof that none does was too much work"
         told = accept(
             problem,
             np.zeros(problem.size) if z is None else z,
             tolerance=self.tolerance,
-            status=Status.NUMERICAL_FAILURE,
+            status=Status.TIME_LIMIT if late else Status.NUMERICAL_FAILURE,
             iterations=tried,
             route="enumeration",
             message=f"numerical failure: {message}" if message else "",

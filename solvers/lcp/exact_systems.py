@@ -18,10 +18,14 @@ Row = list[Fraction]
 
 @dataclass(frozen=True, slots=True)
 class ExactSystem:
-    """w = M z + q in fractions. rows: [M_i, q_i] of the rows asked for; free: which z are free, their w being zero."""
+    """w = M z + q in fractions. row: [M_i, q_i] of row i; free: which z are free, their w being zero."""
 
-    rows: Callable[[Iterable[int]], list[Row]]
+    row: Callable[[int], Row]
     free: tuple[bool, ...]
+
+    def rows(self, numbers: Iterable[int]) -> list[Row]:
+        """Those of these numbers."""
+        return [self.row(i) for i in numbers]
 
     @property
     def size(self) -> int:
@@ -31,11 +35,7 @@ class ExactSystem:
 
 def exact_rows(M: FloatArray, q: FloatArray) -> ExactSystem:
     """The system of floats M (n, n), q (n,)."""
-
-    def rows(numbers: Iterable[int]) -> list[Row]:
-        return [fractions([*M[i].tolist(), float(q[i])]) for i in numbers]
-
-    return ExactSystem(rows, (False,) * len(q))
+    return ExactSystem(lambda i: fractions([*M[i].tolist(), float(q[i])]), (False,) * len(q))
 
 
 def contact_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, friction: FloatArray) -> ExactSystem:
@@ -61,7 +61,7 @@ def contact_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, fri
         entries[n] = load[i]
         return entries
 
-    return ExactSystem(lambda numbers: [row(i) for i in numbers], (False,) * n)
+    return ExactSystem(row, (False,) * n)
 
 
 def _products(factor: Any, i: int) -> Row:
@@ -94,7 +94,7 @@ def relaxed_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, fri
         entries = [sum((s * total[c] for c, s in edge), Fraction(0)) for edge in edges]
         return [*entries, sum((s * load[j] for j, s in edges[i]), Fraction(0))]
 
-    return ExactSystem(lambda numbers: [row(i) for i in numbers], (False,) * len(edges))
+    return ExactSystem(row, (False,) * len(edges))
 
 
 def boxed_rows(M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArray) -> ExactSystem:
@@ -126,7 +126,7 @@ def boxed_rows(M: FloatArray, q: FloatArray, lower: FloatArray, upper: FloatArra
         return entries
 
     free = (False,) * (n - len(unbounded)) + (True,) * len(unbounded)
-    return ExactSystem(lambda numbers: [row(k) for k in numbers], free)
+    return ExactSystem(row, free)
 
 
 def fractions(values: Iterable[float]) -> Row:

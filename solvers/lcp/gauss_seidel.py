@@ -23,16 +23,8 @@ from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    NUMERICAL_FAILURE,
-    SOLVED,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-)
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 
 __all__ = ["GaussSeidel", "projected_gauss_seidel"]
 

@@ -39,17 +39,8 @@ from lcpflex.solvers.lcp.tableau import (
     leaving_row,
 )
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    NUMERICAL_FAILURE,
-    RAY,
-    SOLVED,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-)
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 
 __all__ = ["Lemke", "attempt", "lemke", "lemke_workspace"]
 
@@ -61,6 +52,7 @@ RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
 ATTEMPTS = 26
 BASIS = "basis of the guess"
 LATE = 10  # attempts after which only those go on that ended near a solution, each with another cover
+PERTURBATIONS = (1e-8, 1e-6, 1e-8, 1e-4, 1e-11, 1e-6, 1e-4, 1e-8, 1e-4)  # of q, relative, in the first attempts
 
 
 def lemke_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
@@ -257,15 +249,9 @@ def attempt(
         for i in range(n):
             table[n + CANDIDATE, i] = 0.0
         return NUMERICAL_FAILURE, 0, np.inf
-    perturbation = 1e-8
-    if number in (1, 5):
-        perturbation = 1e-6
-    elif number in (3, 6, 8):
-        perturbation = 1e-4
-    elif number == 4:
-        perturbation = 1e-11
-    elif number >= LATE - 1:
-        perturbation = 1e-5 if number % 4 < 2 else 1e-4
+    perturbation = 1e-5 if number % 4 < 2 else 1e-4
+    if number < len(PERTURBATIONS):
+        perturbation = PERTURBATIONS[number]
     r = _start(M, q, n, table, basis, number, perturbation, load)
     status, pivots = _path(table, basis, n, r, perturbation, load, pivot_limit)
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])

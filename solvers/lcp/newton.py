@@ -19,16 +19,8 @@ from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.pivoting import solve_active
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    NUMERICAL_FAILURE,
-    SOLVED,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-)
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 
 __all__ = ["MinMapNewton", "min_map_newton", "newton_workspace"]
 

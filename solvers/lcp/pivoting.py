@@ -13,7 +13,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import guarded_residual, row_parts
 from lcpflex.solvers.lcp.active_factor import backward
 
-__all__ = ["block_pivots", "solve_active"]
+__all__ = ["block_pivots", "eliminate", "solve_active"]
 
 SINGULAR = 1e-14  # smallest pivot of rows scaled to 1
 DOUBTFUL = 1e-9  # pivot of rows scaled to 1 below which rows and columns are searched for a better one
@@ -46,7 +46,7 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
             for c in range(m):
                 row[c] *= lift
             row[m] = -q[basis[n + k]] * lift
-        rank = _eliminate(table, basis, n, m, complete)
+        rank = eliminate(table, basis[n:], m, complete, SINGULAR if complete else DOUBTFUL)
         if rank == m:
             break
     for k in range(rank, m):
@@ -60,12 +60,11 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
 
 
 @kernel
-def _eliminate(table: FloatArray, basis: IntArray, n: int, m: int, complete: bool) -> int:
+def eliminate(table: FloatArray, order: IntArray, m: int, complete: bool, least: float) -> int:
     """Upper triangle of the first m rows and columns, the right-hand side in column m; returns the rank.
 
-    The pivot is the largest entry of the row, and the order falls short of m at the first doubtful one; or, with
-    ``complete``, of all that is left, which shows the rank. basis[n:n + m], the unknowns of the columns, is permuted
-    with them.
+    The pivot is the largest entry of the row or, with ``complete``, of all that is left; the order falls short of m at
+    the first one that is not above ``least``. order[:m], the unknowns of the columns, is permuted with them.
     """
     for k in range(m):
         r, s = k, k
@@ -73,7 +72,7 @@ def _eliminate(table: FloatArray, basis: IntArray, n: int, m: int, complete: boo
             for c in range(k, m):
                 if abs(table[i, c]) > abs(table[r, s]):
                     r, s = i, c
-        if not abs(table[r, s]) > (SINGULAR if complete else DOUBTFUL):
+        if not abs(table[r, s]) > least:
             return k
         if r != k:
             for c in range(k, m + 1):
@@ -81,7 +80,7 @@ def _eliminate(table: FloatArray, basis: IntArray, n: int, m: int, complete: boo
         if s != k:
             for i in range(m):
                 table[i, k], table[i, s] = table[i, s], table[i, k]
-            basis[n + k], basis[n + s] = basis[n + s], basis[n + k]
+            order[k], order[s] = order[s], order[k]
         above, inverse = table[k], 1.0 / table[k, k]
         for i in range(k + 1, m):
             row = table[i]

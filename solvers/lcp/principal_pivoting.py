@@ -26,17 +26,8 @@ from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.limits import keep_settings
-from lcpflex.solvers.problem import (
-    ITERATION_LIMIT,
-    NUMERICAL_FAILURE,
-    RAY,
-    SOLVED,
-    Lcp,
-    PosedProblem,
-    Solution,
-    Status,
-    accept,
-)
+from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 
 __all__ = [
     "PrincipalPivoting",

@@ -30,7 +30,7 @@ from lcpflex.solvers.guard import joined
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, boxed_rows
 from lcpflex.solvers.mixed.box_measure import BoxMeasure
 from lcpflex.solvers.mixed.boxes import DOUBLE, FREE, box_parts, on_bounds, recover_box, reduce_box, sound_box
-from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed
+from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, accept, brought_back, confirmed, retold
 
 __all__ = ["BoxedLcp", "MixedLcp"]
 
@@ -358,16 +358,7 @@ def _polished(problem: BoxedLcp, found: Solution, tolerance: float) -> Solution:
     measure = problem._measured()
     others = () if found.solved else (*found.solutions, measure.rest)
     for z in (*others, measure.polished(found.z)):
-        trial = accept(
-            problem,
-            z,
-            tolerance=tolerance,
-            status=found.status,
-            iterations=found.iterations,
-            route=found.route,
-            active=found.active,
-            solutions=found.solutions,
-        )
+        trial = retold(problem, z, found, tolerance, message="")
         if trial.solved and not (found.solved and found.strict <= trial.strict):
             found = trial
     return found
