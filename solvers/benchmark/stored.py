@@ -44,6 +44,7 @@ NEEDED = {
     "spatial": ("A", "b", "mu"),
     "lcp": ("M", "q"),
 }
+_BY_PARTS: dict[str, type[MixedLcp | BoxedLcp]] = {"mixed": MixedLcp, "boxed": BoxedLcp}
 LARGE = 3000  # unknowns from which the matrix of an LCP is not written beside the factor it is made of
 _SPARSE = ("factor_data", "factor_indices", "factor_indptr", "factor_shape")
 
@@ -52,11 +53,10 @@ def arrays_of(problem: AnyProblem) -> dict[str, Any]:
     """The arrays of a problem by name. Raises ModelError for anything else, and for keys that JSON does not hold."""
     if isinstance(problem, Lcp):
         return {"M": problem.M, "q": problem.q, **_factor(problem.factor)}
-    if isinstance(problem, MixedLcp):
-        return {"kind": np.array("mixed"), "matrix": problem.M, "vector": problem.q, "free": problem.free}
-    if isinstance(problem, BoxedLcp):
-        bounds = {"lower": problem.lower, "upper": problem.upper}
-        return {"kind": np.array("boxed"), "matrix": problem.M, "vector": problem.q, **bounds}
+    for name, kind in _BY_PARTS.items():
+        if isinstance(problem, kind):
+            parts = {"matrix": problem.M, "vector": problem.q}
+            return {"kind": np.array(name), **parts, **{key: getattr(problem, key) for key in NEEDED[name][2:]}}
     if isinstance(problem, ContactProblem):
         arrays = _contact(problem)
         if problem.delassus is not None or problem.size <= LARGE:
@@ -86,10 +86,8 @@ def problem_of(arrays: Mapping[str, Any], end: str = "") -> AnyProblem:
     for key in needed:
         if key not in arrays:
             raise ModelError(f"key {key}{end} is missing; expected {', '.join(name + end for name in needed)}")
-    if kind == "mixed":
-        return MixedLcp(arrays["matrix"], arrays["vector"], arrays["free"])
-    if kind == "boxed":
-        return BoxedLcp(*(arrays[key] for key in needed))
+    if kind in _BY_PARTS:
+        return _BY_PARTS[kind](*(arrays[key] for key in needed))
     if kind == "lcp":
         return Lcp(arrays["M"], arrays["q"], factor)
     keys = _keys(arrays.get("keys"))

@@ -75,9 +75,7 @@ class ContactProblem:
     _units: list[FloatArray] = field(default_factory=list, init=False, repr=False, compare=False)  # once asked for
 
     def __post_init__(self) -> None:
-        friction = finite_array("friction", self.friction, 1)
-        if (friction < 0.0).any():
-            raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
+        friction = coefficients(self.friction)
         free = finite_array("free", self.free, 1)
         n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
         delassus = self.delassus
@@ -94,9 +92,7 @@ class ContactProblem:
                 f"{given} and free {free.shape}: expected {m} rows for {n_normal} contacts, "
                 f"{m - n_normal} of them with friction"
             )
-        keys = keys_of(self.keys) or tuple(range(n_normal))
-        if len(keys) != n_normal or len(set(keys)) != n_normal:
-            raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n_normal}, one each")
+        keys = keys_of(self.keys, n_normal)
         given_values = {"delassus": delassus, "free": free, "friction": friction, "keys": keys, "factor": factor}
         for name, value in given_values.items():
             object.__setattr__(self, name, value)
@@ -345,16 +341,27 @@ def is_sparse(value: Any) -> bool:
     return bool(scipy.sparse.issparse(value))
 
 
-def keys_of(value: Any) -> tuple[Hashable, ...]:
-    """Names of contacts; raises ModelError for what is no sequence of names."""
+def coefficients(value: Any) -> FloatArray:
+    """Friction coefficients; raises ModelError for what is none."""
+    friction = finite_array("friction", value, 1)
+    if (friction < 0.0).any():
+        raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
+    return friction
+
+
+def keys_of(value: Any, n: int) -> tuple[Hashable, ...]:
+    """Names of n contacts, their numbers where none are given; raises ModelError for what is no sequence of names."""
     try:
         keys = tuple(value) if not isinstance(value, str | bytes | set | dict) and hasattr(value, "__len__") else None
-        if keys is not None:
-            hash(keys)
-            return keys
+        hash(keys)
     except Exception:  # names without a hash, and sequences that are none
-        pass
-    raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
+        keys = None
+    if keys is None:
+        raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
+    keys = keys or tuple(range(n))
+    if len(keys) != n or len(set(keys)) != n:
+        raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n}, one each")
+    return keys
 
 
 def _read_factor(value: Any) -> Any:

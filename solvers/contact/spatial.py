@@ -13,10 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import point_of
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.contact.problem import keys_of
+from lcpflex.solvers.contact.problem import coefficients, keys_of
 
 __all__ = ["SpatialContactProblem"]
 
@@ -36,17 +36,13 @@ class SpatialContactProblem:
     keys: tuple[Hashable, ...] = ()
 
     def __post_init__(self) -> None:
-        friction = finite_array("friction", self.friction, 1)
+        friction = coefficients(self.friction)
         free = finite_array("free", self.free, 1)
         n = 3 * len(friction)
         delassus = finite_array("delassus", self.delassus, 2) if n else np.zeros((0, 0))
         if delassus.shape != (n, n) or free.shape != (n,):
             raise ModelError(f"delassus has shape {delassus.shape}, free {free.shape}: expected ({n}, {n}) and ({n},)")
-        if (friction < 0.0).any():
-            raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
-        keys = keys_of(self.keys) or tuple(range(len(friction)))
-        if len(keys) != len(friction) or len(set(keys)) != len(friction):
-            raise ModelError(f"keys has {len(keys)} entries: expected {len(friction)} different ones")
+        keys = keys_of(self.keys, len(friction))
         for name, value in {"delassus": delassus, "free": free, "friction": friction, "keys": keys}.items():
             object.__setattr__(self, name, value)
 
