@@ -11,7 +11,8 @@ from __future__ import annotations
 
 import time
 import warnings
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -25,7 +26,7 @@ from tests.property.random_scenes import Drawn, box_corners, build, references, 
 
 Array = npt.NDArray[np.float64]
 
-__all__ = ["AGREED", "LEAST", "OFF", "TIMES", "Verdict", "judge", "judge_result"]
+__all__ = ["AGREED", "LEAST", "OFF", "TIMES", "Verdict", "judge", "judge_result", "smaller"]
 
 AGREED = 1e-3  # of the size: references that differ by more tell no truth any longer
 OFF = 0.02  # of the size or the largest speed: wrong
@@ -252,3 +253,17 @@ def judge(drawn: Drawn) -> Verdict:
     else:
         outcome = "loud" if said else "stated"
     return verdict(outcome, truth.until, off, off_speed, stated, stated_speed, depth, said=said)
+
+
+def smaller(drawn: Drawn) -> Iterator[Drawn]:
+    """The scene with one part less: what a failure is shrunk by, by hand."""
+    for k in range(len(drawn.pushes)):
+        yield replace(drawn, pushes=drawn.pushes[:k] + drawn.pushes[k + 1 :])
+    for k in range(len(drawn.walls)):
+        yield replace(drawn, walls=drawn.walls[:k] + drawn.walls[k + 1 :])
+    last = len(drawn.shapes) - 1
+    if last > 0 and all(push.body < last for push in drawn.pushes):
+        yield replace(drawn, shapes=drawn.shapes[:last])
+    for k, shape in enumerate(drawn.shapes):
+        if shape.hold != "free":
+            yield replace(drawn, shapes=(*drawn.shapes[:k], replace(shape, hold="free"), *drawn.shapes[k + 1 :]))

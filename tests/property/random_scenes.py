@@ -1,14 +1,14 @@
 """Random scenes from seeds: bodies, joints, loads in time, contacts, a stepper and its step.
 
 A scene is drawn as a description of plain numbers (:class:`Drawn`), which can be built as often as needed, printed,
-and made smaller part by part where it fails (:func:`smaller`).
+and made smaller part by part where it fails (:func:`tests.property.judge.smaller`).
 """
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -386,17 +386,3 @@ def references(drawn: Drawn) -> tuple[Any, Any]:
     if drawn.stepper == "events":
         return smooth, moreau
     return (events, smooth) if drawn.stepper.startswith("moreau") else (events, moreau)
-
-
-def smaller(drawn: Drawn) -> Iterator[Drawn]:
-    """The scene with one part less: what a failure is shrunk by, by hand."""
-    for k in range(len(drawn.pushes)):
-        yield replace(drawn, pushes=drawn.pushes[:k] + drawn.pushes[k + 1 :])
-    for k in range(len(drawn.walls)):
-        yield replace(drawn, walls=drawn.walls[:k] + drawn.walls[k + 1 :])
-    last = len(drawn.shapes) - 1
-    if last > 0 and all(push.body < last for push in drawn.pushes):
-        yield replace(drawn, shapes=drawn.shapes[:last])
-    for k, shape in enumerate(drawn.shapes):
-        if shape.hold != "free":
-            yield replace(drawn, shapes=(*drawn.shapes[:k], replace(shape, hold="free"), *drawn.shapes[k + 1 :]))

@@ -10,9 +10,9 @@ import pytest
 
 import lcpflex as lf
 from tests.property.campaign import JUDGED, passes, quiet_share
-from tests.property.judge import judge, judge_result, reference_runs, truth_of
+from tests.property.judge import judge, judge_result, reference_runs, smaller, truth_of
 from tests.property.overlap import deepest
-from tests.property.random_scenes import Drawn, Shape, build, draw, smaller, stepper_of
+from tests.property.random_scenes import Drawn, Shape, build, draw, stepper_of
 
 FEW = (2, 3, 8, 12, 21, 22)  # seeds of the default run: a second each, all with a truth
 MORE = range(1000, 1060)  # of the slow one

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from scipy.integrate import BDF
 
 import lcpflex as lf
+from lcpflex.runs.checkpoint import Checkpoints
 from tests.scenes import floor_of
 
 LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
@@ -113,3 +119,28 @@ def assert_same_bits(one: lf.Result, other: lf.Result) -> None:
             np.testing.assert_array_equal(a, b, err_msg=name)
         else:
             assert a == b, name
+
+
+class Breaks:
+    """Ctrl-C in the midst of some chunks of steps, counted over all runs."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, at: set[int]) -> None:
+        self._at, self.chunks = at, 0
+        begins = Checkpoints.chunk_begins
+
+        def begin(keeper: Checkpoints) -> None:
+            begins(keeper)
+            self.chunks += 1
+            if self.chunks in self._at:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        monkeypatch.setattr(Checkpoints, "chunk_begins", begin)
+        monkeypatch.setattr(sys.modules["lcpflex.runs.simulate"], "CHUNK_SECONDS", 0.0)
+
+
+def broken_off(path: Path, monkeypatch: pytest.MonkeyPatch, build: Any = thrown, stepper: Any = None) -> None:
+    """A checkpoint in the midst of a run."""
+    with monkeypatch.context() as patch:
+        Breaks(patch, {5})
+        result = lf.simulate(build(), 0.1, stepper or lf.MoreauJean(1e-3), checkpoint=path)
+    assert not result.complete

@@ -17,7 +17,6 @@ from lcpflex.errors import ModelError
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.substitution import settled
 from lcpflex.studies import right_size
-from lcpflex.studies.model_order.estimate import Sample, cost_of, lacking, left_at, trend_of
 from lcpflex.studies.model_order.report import FidelityRun, RightSize
 from lcpflex.studies.model_order.scenes import comparable, of_scene
 from lcpflex.studies.model_order.search import Search
@@ -35,36 +34,6 @@ def wall(elements: int = 40) -> Scene:
 def found() -> RightSize:
     """A bar strikes a wall, tolerance 5 %."""
     return right_size(wall, tolerance=0.05, duration=1.5, stepper=STEP, verify=False, progress=False)
-
-
-@pytest.mark.parametrize("rate", [0.7, 1.0, 2.0])
-def test_the_law_of_errors_is_found(rate: float) -> None:
-    z = {modes: (modes + 0.5) ** -rate for modes in (0, 1, 2, 4, 8, 16, 64, 100)}
-    samples = [Sample(modes, 0.3 * (z[modes] - z[64])) for modes in (0, 2, 4, 8, 16)]
-    trend = trend_of(samples, 64)
-    assert trend.rate == pytest.approx(rate, abs=0.05)
-    assert left_at(trend, 64, 100) == pytest.approx(0.3 * (z[64] - z[100]), rel=0.1)
-    assert left_at(trend, 100, 100) == 0.0
-    assert lacking(samples, 64, 100) >= left_at(trend, 64, 100)
-
-
-def test_differences_that_do_not_fall_are_not_extrapolated() -> None:
-    falling = [Sample(8, 0.08), Sample(16, 0.04), Sample(32, 0.015)]
-    scattered = [Sample(8, 0.08), Sample(16, 0.02), Sample(32, 0.03)]
-    assert lacking(falling, 64, 100) < 0.01
-    assert lacking(scattered, 64, 100) == pytest.approx(math.sqrt(0.02 * 0.03))
-    assert lacking(scattered, 100, 100) == 0.0
-    assert lacking([], 64, 100) == math.inf
-    assert lacking([Sample(0, 0.0), Sample(8, 0.0)], 64, 100) == 0.0
-
-
-def test_costs_grow_with_the_coordinates() -> None:
-    known = [(n, 1e-3 * (20.0 + n)) for n in (3, 11, 67)]
-    assert cost_of(known, 123) == pytest.approx(0.143, rel=1e-6)
-    assert cost_of([(3, 2.0), (11, 1.0)], 100) >= 1.0  # noise does not make rich ones cheap
-    assert cost_of([(n, 1e-3 * (1.0 + n * n)) for n in (3, 5, 11, 35)], 67) == pytest.approx(4.49, rel=1e-3)
-    assert cost_of([(3, 0.2), (11, 0.2), (67, 0.77)], 123) >= 0.77
-    assert math.isnan(cost_of([], 5))
 
 
 def test_the_bar_needs_modes_and_says_how_many(found) -> None:
