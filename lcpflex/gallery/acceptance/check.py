@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from lcpflex.gallery.acceptance.bounds import BOUNDS
 from lcpflex.results.result import Result
 from lcpflex.runs.case import Case
 from lcpflex.runs.simulate import Stepper, simulate
 
-__all__ = ["ROUNDING", "Absent", "Check", "Entry", "Quantity", "Refused"]
+__all__ = ["ROUNDING", "Absent", "Check", "Entries", "Entry", "Quantity", "Refused"]
 
 ROUNDING = 1e-9  # errors below it are rounding, or the last printed digit of the reference: 0 in the table
 
@@ -61,13 +62,16 @@ class Absent:
     warning: str = ""
 
 
+Entries: TypeAlias = Mapping[str, Entry | Refused | Absent]
+
+
 @dataclass(frozen=True, slots=True)
 class Check:
     """One case of the gallery with its quantities, and what each stepper makes of it."""
 
     case: Case
     quantities: tuple[Quantity, ...]
-    entries: Mapping[str, Entry | Refused | Absent]
+    entries: Entries
     duration: float | None = None  # [s], that of the case if omitted
     record: float | None = None  # [s]
     name: str = field(default="")

@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.force_laws.penalty import Penalty
 from lcpflex.gallery.acceptance import measures
-from lcpflex.gallery.acceptance.check import Absent, Check, Entry, Quantity, Refused
+from lcpflex.gallery.acceptance.check import Absent, Check, Entries, Entry, Quantity, Refused
 from lcpflex.gallery.mechanisms.flexible import cases as flexible_cases, pendulum
 from lcpflex.gallery.mechanisms.rigid import cases, painleve_rod
 from lcpflex.gallery.mechanisms.user_systems import cases as user_cases
@@ -58,7 +58,7 @@ def checks() -> tuple[Check, ...]:
     )
 
 
-def _three(step: float, slow: bool = False) -> dict[str, Entry | Refused | Absent]:
+def _three(step: float, slow: bool = False) -> Entries:
     """Entries of the rigid steppers."""
     return {
         "Moreau-Jean": Entry(MoreauJean(step=step), slow=slow),
@@ -127,7 +127,7 @@ def _incline(case: Case) -> Check:
     return Check(case, quantities, {**_three(1e-5), **_smooth()}, record=1e-4)
 
 
-def _smooth(why: str = "") -> dict[str, Entry | Refused | Absent]:
+def _smooth(why: str = "") -> Entries:
     """Rigid friction: the massless boundary refuses, the force law creeps."""
     return {"massless boundary": NO_MODES, "smooth": Entry(Smooth(LAW, integrator=LOOSE), why)}
 
