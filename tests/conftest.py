@@ -13,9 +13,14 @@ Between processes: file by file, because fixtures are dear; examples one by one.
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import pytest
+
+# Read when numpy is loaded, which no plugin does before. Processes share the cores, and threads of BLAS that wait for
+# work of small eigenproblems take them away from each other: nine tenths of the time of test_reductions.py.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # With a cold cache every process compiles what no other one has finished: each of these files needs one stepper alone.
 FIRST = (
