@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.body import Body, Displacement, whole_number
 from lcpflex.bodies.fem.line_elements import LineModes, stretching_modes
 from lcpflex.bodies.fem.material import check_material
@@ -33,7 +34,7 @@ from lcpflex.bodies.reduction.damping import (
 from lcpflex.bodies.reduction.fidelity_levels import ModeLevels
 from lcpflex.bodies.reduction.interface import Interfaces, interfaces_of
 from lcpflex.bodies.reduction.line_interfaces import LineLoads, LineStatics, joined, line_loads, residual_line, taken
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Bar"]
@@ -85,8 +86,7 @@ class Bar:
         check_positive(self, ("length", "area"))
         check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BAR_ELEMENTS))
-        if not isinstance(self.lumped, (bool, np.bool_)):
-            raise ModelError(f"lumped: {shown(self.lumped)} was given, expected True or False")
+        keep_flag(self, "lumped")
         if self.height is not None:
             check_positive(self, ("height",))
 
@@ -122,7 +122,7 @@ class Bar:
         places = interfaces_of(interfaces)
         found = self._modes(n, mass, line_loads(self.length, height, places))
         residual = len(found.omega2) - n
-        moments = partial(line_moments, line.nodes, mass / self.elements, lumped=bool(self.lumped))
+        moments = partial(line_moments, line.nodes, mass / self.elements, lumped=self.lumped)
         S, a = moments(found.stretch).T
         vanish("S", S, math.sqrt(mass))
         return body_of_line(
@@ -145,7 +145,7 @@ class Bar:
                 shapes=found.stretch,
                 nodes=line.nodes,
                 element_mass=mass / self.elements,
-                lumped=bool(self.lumped),
+                lumped=self.lumped,
             ),
         )
 
@@ -154,7 +154,7 @@ class Bar:
         more = bool(len(loads.stretch))
         count = self.elements if more else n
         rigidity = self.youngs_modulus * self.area
-        every = _stretching(*stretching_modes(self.elements, self.length, mass, rigidity, count, bool(self.lumped)))
+        every = _stretching(*stretching_modes(self.elements, self.length, mass, rigidity, count, self.lumped))
         if not more:
             return every
         kept, left = taken(every, slice(n)), taken(every, np.arange(n, count))

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.body import Body, Displacement, array_of, whole_number
 from lcpflex.bodies.fem.line_elements import LineModes, bending_modes, interpolate, mixed_mass, stretching_modes
 from lcpflex.bodies.fem.material import check_material
@@ -44,7 +45,7 @@ from lcpflex.bodies.reduction.line_interfaces import (
     taken,
 )
 from lcpflex.bodies.reduction.stiffening import Stiffening, check_stiffening
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["Beam"]
@@ -97,8 +98,7 @@ class Beam:
         check_positive(self, ("length", "width", "thickness"))
         check_material(self)
         object.__setattr__(self, "elements", whole_number("elements", self.elements, 1, BEAM_ELEMENTS))
-        if not isinstance(self.axial, (bool, np.bool_)):
-            raise ModelError(f"axial: {shown(self.axial)} was given, expected True or False")
+        keep_flag(self, "axial")
 
     def reduce(
         self,

@@ -22,8 +22,9 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of, mapping_of as named, whole_number
+from lcpflex.basics.options import keep_number
 from lcpflex.basics.renamed import renamed_property
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
 from lcpflex.model.planar import N_RIGID
@@ -268,8 +269,8 @@ class Body:
             "moment": (2,), "S": (n, 2), "a": (n,), "c": (n,), "stiffness": (n,), "damping": (n,),
             "coupling": (n, n), "cross_damping": (n, n), "geometric": (n, n),
         }  # fmt: skip
-        object.__setattr__(self, "mass", in_range("mass", self.mass, 0.0, math.inf, open_ends=True))
-        object.__setattr__(self, "inertia", in_range("inertia", self.inertia, 0.0, math.inf, open_ends=True))
+        keep_number(self, "mass", 0.0, math.inf, open_ends=True)
+        keep_number(self, "inertia", 0.0, math.inf, open_ends=True)
         for name, shape in shapes.items():
             value = getattr(self, name)
             if value is not None:
@@ -282,9 +283,8 @@ class Body:
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         if self.geometric is not None and not np.array_equal(self.geometric, self.geometric.T):
             raise ModelError("geometric: the matrix that was given is not symmetric, expected G = G^T")
-        object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
-        most = self.residual_modes
-        object.__setattr__(self, "contact_modes", whole_number("contact_modes", self.contact_modes, 0, most))
+        for name, most in (("residual_modes", n), ("contact_modes", self.residual_modes)):
+            object.__setattr__(self, name, whole_number(name, getattr(self, name), 0, most))
         least = float(self.moment @ self.moment) / self.mass
         if not self.inertia > least:
             raise ModelError(

@@ -7,10 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from lcpflex.basics.arguments import positive
-from lcpflex.bodies.body import Body
+from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
@@ -18,10 +16,6 @@ from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
-from lcpflex.bodies.reduction.damping import Damping
-from lcpflex.bodies.reduction.interface import Interfaces
-from lcpflex.bodies.reduction.stiffening import Stiffening
-from lcpflex.errors import ModelError, shown
 
 __all__ = ["Continuum"]
 
@@ -78,8 +72,7 @@ class Continuum:
     def __post_init__(self) -> None:
         check_material(self)
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
-        if not isinstance(self.plane_strain, (bool, np.bool_)):
-            raise ModelError(f"plane_strain: {shown(self.plane_strain)} was given, expected True or False")
+        keep_flag(self, "plane_strain")
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=not self.plane_strain)
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:
@@ -105,39 +98,4 @@ class Continuum:
         """
         return stiffness_error(self._finite_elements)
 
-    def reduce(
-        self,
-        modes: int | None = 8,
-        damping: Damping | None = None,
-        stiffening: Stiffening | None = None,
-        *,
-        interfaces: Interfaces = (),
-        residual_damping: float | None = None,
-    ) -> Body:
-        """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
-
-        Parameters
-        ----------
-        modes : at most 2 N - 3 of N nodes; None for all, 0 for a rigid body
-        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
-            None for none
-        stiffening : :class:`Stiffening` to keep the geometric stiffness of a turning body; None for none
-        interfaces : where joints hold the body, springs or loads act on it, or something strikes it, as for
-            :func:`free_interface`: residual modes behind the free ones make the compliance there that of the mesh.
-            ``scene.add(mesh, modes=8)`` finds the interfaces itself
-        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
-
-        Raises
-        ------
-        ModelError
-            For more modes than the mesh has, nodes it does not have, or a damping that is negative or of the wrong
-            length.
-        """
-        return free_interface(
-            self,
-            modes,
-            damping=damping,
-            stiffening=stiffening,
-            interfaces=interfaces,
-            residual_damping=residual_damping,
-        )
+    reduce = free_interface  # to the lowest free modes

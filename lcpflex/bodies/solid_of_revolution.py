@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from lcpflex.bodies.body import Body
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
@@ -16,9 +15,6 @@ from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.planar_mesh import FLAT, PlanarMesh
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
-from lcpflex.bodies.reduction.damping import Damping
-from lcpflex.bodies.reduction.interface import Interfaces
-from lcpflex.bodies.reduction.stiffening import Stiffening
 from lcpflex.errors import ModelError
 
 __all__ = ["SolidOfRevolution"]
@@ -90,41 +86,7 @@ class SolidOfRevolution:
         """
         return stiffness_error(self._finite_elements)
 
-    def reduce(
-        self,
-        modes: int | None = 8,
-        damping: Damping | None = None,
-        stiffening: Stiffening | None = None,
-        *,
-        interfaces: Interfaces = (),
-        residual_damping: float | None = None,
-    ) -> Body:
-        """The body with the ``modes`` lowest free-free modes of the mesh: :func:`free_interface`.
-
-        Parameters
-        ----------
-        modes : at most one less than there are degrees of freedom; None for all, 0 for a rigid body
-        damping : damping ratio zeta of all modes, one for each (ascending frequencies), or :class:`Rayleigh`;
-            None for none
-        stiffening : must be None: a body that moves along its axis only does not turn
-        interfaces : where joints hold the body, springs or loads act on it, or something strikes it, as for
-            :func:`free_interface`: residual modes behind the free ones make the compliance there that of the mesh.
-            ``scene.add(mesh, modes=8)`` finds the interfaces itself
-        residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
-
-        Raises
-        ------
-        ModelError
-            For more modes than the mesh has, or a damping that is negative or of the wrong length.
-        """
-        return free_interface(
-            self,
-            modes,
-            damping=damping,
-            stiffening=stiffening,
-            interfaces=interfaces,
-            residual_damping=residual_damping,
-        )
+    reduce = free_interface  # to the lowest free modes
 
 
 def _above_axis(mesh: PlanarMesh) -> PlanarMesh:

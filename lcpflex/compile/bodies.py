@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,51 +17,32 @@ from lcpflex.scene.placed_surface import PlacedSurface
 
 __all__ = ["compile_bodies", "drawn_shapes", "scene_size"]
 
+NOT_SHORTENING = Shortening(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 0, 0)))
+
 
 def compile_bodies(sources: Sequence[Body]) -> Bodies:
     """Inertia, stiffness and damping of all bodies, one after the other."""
 
-    def joined(pick: Callable[[Body], object], columns: int = 0) -> FloatArray:
-        parts = [np.asarray(pick(body), dtype=float).reshape((-1, columns) if columns else -1) for body in sources]
+    def joined(name: str, columns: int = 0) -> FloatArray:
+        shape = (-1, columns) if columns else -1
+        parts = [np.asarray(getattr(body, name), dtype=float).reshape(shape) for body in sources]
         return frozen(np.concatenate(parts), columns=columns)
 
-    def square(pick: Callable[[Body], FloatArray | None]) -> tuple[IntArray, FloatArray]:
-        flat = [np.zeros(0) if pick(body) is None else np.ravel(np.asarray(pick(body))) for body in sources]
-        return frozen(np.cumsum([0, *(part.size for part in flat)]), np.int64), frozen(np.concatenate(flat))
-
-    def listed(pick: Callable[[Shortening], IntArray]) -> tuple[IntArray, IntArray]:
-        parts = [np.zeros(0) if body.shortening is None else pick(body.shortening) for body in sources]
-        return frozen(np.cumsum([0, *map(len, parts)]), np.int64), frozen(np.concatenate(parts), np.int64)
-
-    coupling_start, coupling = square(lambda body: body.coupling)
-    cross_start, cross = square(lambda body: body.cross_damping)
-    geometric_start, geometric = square(lambda body: body.geometric)
-    shortening_start, shortening = square(lambda body: body.shortening.matrices if body.shortening else None)
-    axial_start, axial = listed(lambda of: of.axial)
-    bending_start, bending = listed(lambda of: of.bending)
-    return Bodies(
-        dof=frozen(np.cumsum([0, *(N_RIGID + body.modes for body in sources)]), np.int64),
-        mass=joined(lambda body: body.mass),
-        inertia=joined(lambda body: body.inertia),
-        moment=joined(lambda body: body.moment, 2),
-        S=joined(lambda body: body.S, 2),
-        a=joined(lambda body: body.a),
-        c=joined(lambda body: body.c),
-        stiffness=joined(lambda body: body.stiffness),
-        damping=joined(lambda body: body.damping),
-        coupling_start=coupling_start,
-        coupling=coupling,
-        cross_damping_start=cross_start,
-        cross_damping=cross,
-        geometric_start=geometric_start,
-        geometric=geometric,
-        axial_start=axial_start,
-        axial_mode=axial,
-        bending_start=bending_start,
-        bending_mode=bending,
-        shortening_start=shortening_start,
-        shortening=shortening,
-    )
+    arrays: dict[str, Any] = {name: joined(name) for name in ("mass", "inertia", "a", "c", "stiffness", "damping")}
+    arrays |= {name: joined(name, 2) for name in ("moment", "S")}
+    own = [body.shortening or NOT_SHORTENING for body in sources]
+    for name, parts, dtype in (
+        ("coupling", [body.coupling for body in sources], float),
+        ("cross_damping", [body.cross_damping for body in sources], float),
+        ("geometric", [body.geometric for body in sources], float),
+        ("shortening", [part.matrices for part in own], float),
+        ("axial_mode", [part.axial for part in own], np.int64),
+        ("bending_mode", [part.bending for part in own], np.int64),
+    ):
+        flat = [np.zeros(0) if part is None else np.ravel(part) for part in parts]
+        arrays[name.removesuffix("_mode") + "_start"] = frozen(np.cumsum([0, *map(len, flat)]), np.int64)
+        arrays[name] = frozen(np.concatenate(flat), dtype)
+    return Bodies(dof=frozen(np.cumsum([0, *(N_RIGID + body.modes for body in sources)]), np.int64), **arrays)
 
 
 def drawn_shapes(

@@ -41,8 +41,7 @@ def compiled_scene(
     """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
     reduced, said = reduced_scene(scene, gives_way)
     parts = reduced.parts()
-    modes = [one.source.modes if one.source is not None else 0 for one in parts.placed]
-    materials = Materials(parts.placed, modes)
+    materials = Materials(parts.placed, [body.modes for body in parts.bodies])
     compiled = compiled_parts(reduced.gravity, parts, materials, project, indents)
     return replace(compiled, notes=tuple(f"residual modes for {text}" for text in said))
 
@@ -57,17 +56,15 @@ def compiled_parts(
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
     placed, joints, loads, contacts, rules, surfaces = parts
     refuse_no_body(placed)
-    sources = [p.source for p in placed if p.source is not None]
-    bodies = compile_bodies(sources)
+    bodies = compile_bodies(parts.bodies)
     q = frozen(np.concatenate([p.start[0] for p in placed]))
     u = frozen(np.concatenate([p.start[1] for p in placed]))
     assembly = Assembly(State(0.0, q, u, bodies.dof, materials))
     refuse_unguided(placed, tuple(joints.values()), assembly.state)
     named = {
-        (p.name, name): assembly.point(p.body, p.source.points[name])
-        for p in placed
-        if p.source
-        for name in p.source.points
+        (p.name, name): assembly.point(p.body, point)
+        for p, body in zip(placed, parts.bodies, strict=True)
+        for name, point in body.points.items()
     }
     outlines, circles = drawn_shapes(placed, surfaces, assembly)
     declared = {**contacts, **by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
@@ -78,12 +75,18 @@ def compiled_parts(
     )
     signals, callbacks = assembly.signals.compile()
     model = Model(bodies, assembly.points.compile(), signals, *arrays)
-    meshes = [p.source.resolution if p.source else None for p in placed]
-    resolutions = tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes)
-    names = tuple(p.name for p in placed)
-    residual = tuple((p.source.residual_modes, p.source.contact_modes) if p.source else (0, 0) for p in placed)
-    axes = tuple(p.source.axis if p.source else None for p in placed)
-    layout = Layout(names, tuple(declared), tuple(joints), outlines, circles, named, resolutions, residual, axes)
+    meshes = [body.resolution for body in parts.bodies]
+    layout = Layout(
+        bodies=tuple(p.name for p in placed),
+        contacts=tuple(declared),
+        joints=tuple(joints),
+        outlines=outlines,
+        circles=circles,
+        points=named,
+        resolutions=tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes),
+        residual=tuple((body.residual_modes, body.contact_modes) for body in parts.bodies),
+        axes=tuple(body.axis for body in parts.bodies),
+    )
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
         callback.fill(0.0, assembly.state, external)

@@ -21,13 +21,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.line_interfaces import LineStatics
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.body import Body
+    from lcpflex.bodies.body import Body, Statics
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.declared import DeclaredContact, Parts
     from lcpflex.scene.handles import Placed
@@ -49,20 +48,16 @@ class Deficit(NamedTuple):
     @property
     def place(self) -> tuple[float, float]:
         """Where [m]."""
-        assert isinstance(self.acting.interface.place, tuple)
-        return self.acting.interface.place
+        return _place(self.acting)
 
 
 def missing_compliance(parts: Parts, contacts: Mapping[str, DeclaredContact]) -> tuple[str, ...]:
     """A warning for each body that misses more than a hundredth of the compliance of its mesh somewhere."""
     found = []
-    for one in parts.placed:
-        body = one.source
-        if body is None or body.statics is None or not body.modes:
-            continue
-        short = [deficit for acting in _acting(one, body, parts, contacts) for deficit in deficits(body, acting)]
-        if short:
-            found.append(_said(one.name, body, short))
+    for one, body in zip(parts.placed, parts.bodies, strict=True):
+        if body.statics is not None and body.modes:
+            short = [deficit for acting in _acting(one, body, parts, contacts) for deficit in deficits(body, acting)]
+            found += [_said(one.name, body, body.statics, short)] if short else []
     return tuple(found)
 
 
@@ -76,14 +71,20 @@ def _acting(one: Placed, body: Body, parts: Parts, contacts: Mapping[str, Declar
     found = acting_on(
         one.body, *everything, None, snap, isinstance(body.statics, LineStatics), parts.angle, frame=one.frame_point
     )
-    return [acting for acting in found if _has(body, acting.interface)]
+    return [acting for acting in found if _has(body, acting)]
 
 
-def _has(body: Body, interface: Interface) -> bool:
+def _place(acting: Acting) -> tuple[float, float]:
+    """Where something acts [m]: what acts in a scene has coordinates."""
+    place = acting.interface.place
+    assert isinstance(place, tuple)
+    return place
+
+
+def _has(body: Body, acting: Acting) -> bool:
     """Whether a place is on the body: a track beside it or a centre in a hole is carried by it, and not of it."""
-    assert isinstance(interface.place, tuple)
     try:
-        body.locate(*interface.place)
+        body.locate(*_place(acting))
     except ModelError:
         return False
     return True
@@ -94,17 +95,15 @@ def deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
     assert body.statics is not None
     modes, known = body.statics.known.get(acting, (None, ()))
     if modes is not body.stiffness:
-        known = tuple(deficit for deficit in _compared(body, acting) if deficit.share > MISSING)
+        known = tuple(deficit for deficit in _compared(body, body.statics, acting) if deficit.share > MISSING)
         body.statics.known[acting] = (body.stiffness, known)
     return tuple(known)
 
 
-def _compared(body: Body, acting: Acting) -> Iterator[Deficit]:
-    place = acting.interface.place
-    assert isinstance(place, tuple)
-    assert body.statics is not None
+def _compared(body: Body, statics: Statics, acting: Acting) -> Iterator[Deficit]:
+    place = _place(acting)
     point = body.locate(*place)
-    whole = body.statics.compliance(*place)
+    whole = statics.compliance(*place)
     shapes = np.column_stack([point.phi, point.psi])
     missing = whole - shapes.T @ (shapes / body.stiffness[:, None])
     for rows in _rows(acting):
@@ -128,12 +127,11 @@ def _rows(acting: Acting) -> Iterator[FloatArray]:
         yield np.eye(3)[:, 2:]
 
 
-def _said(name: str, body: Body, short: Sequence[Deficit]) -> str:
-    assert body.statics is not None
+def _said(name: str, body: Body, statics: Statics, short: Sequence[Deficit]) -> str:
     worst = max(short, key=lambda deficit: deficit.share)
     free = body.modes - body.residual_modes
     more = sum(deficit.rows.shape[1] for deficit in short)
-    enough = max(body.statics.enough(*one.place, (one.rows @ one.way)[:, None], MISSING) for one in short)
+    enough = max(statics.enough(*one.place, (one.rows @ one.way)[:, None], MISSING) for one in short)
     x, y = worst.place
     kept = f"{free} free and {body.residual_modes} residual modes" if body.residual_modes else f"{free} modes"
     remedy = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from lcpflex.bodies.body import Body
 from lcpflex.force_laws.law import Law
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
@@ -46,6 +47,11 @@ class Parts(NamedTuple):
     contacts: dict[str, DeclaredContact]
     rules: tuple[ContactRule, ...]
     surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """What was placed, in the same order."""
+        return tuple(one.source for one in self.placed if one.source is not None)
 
     def angle(self, body: int) -> float:
         """Angle of a body at the start [rad]; 0 for the ground."""

@@ -196,8 +196,7 @@ class Functions:
         self._given = given
         self.n = n
         self.m = m
-        self.stiffness = np.zeros((n, n)) if given.stiffness is None else np.asarray(given.stiffness, dtype=float)
-        self.damping = np.zeros((n, n)) if given.damping is None else np.asarray(given.damping, dtype=float)
+        self.stiffness, self.damping = self._of("stiffness", (n, n)), self._of("damping", (n, n))
         self.friction = np.asarray(given.friction, dtype=float)
         start = np.asarray(given.q, dtype=float)
         self.n_joint = (
@@ -276,16 +275,21 @@ class Functions:
         J = self.jacobian(0.0, q)
         return q, u - nearest(J, J @ u + self.rate(0.0, q))
 
+    def _of(self, name: str, shape: tuple[int, ...], *arguments: Any) -> FloatArray:
+        """What was given as ``name``: a function, asked with copies of the arguments, or an array; zeros for None."""
+        given = getattr(self._given, name)
+        if given is None:
+            return np.zeros(shape)
+        copies = (one.copy() if isinstance(one, np.ndarray) else one for one in arguments)
+        return _call(name, given, shape, *copies) if callable(given) else _array(name, given, shape)
+
     def mass(self, q: FloatArray) -> FloatArray:
         """M (n, n)."""
-        return self._matrix("mass", self._given.mass, (self.n, self.n), q)
-
-    def _matrix(self, name: str, given: Any, shape: tuple[int | None, ...], *arguments: Any) -> FloatArray:
-        return _call(name, given, shape, *arguments) if callable(given) else _array(name, given, shape)
+        return self._of("mass", (self.n, self.n), q)
 
     def force(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
         """h (n,)."""
-        return _call("force", self._given.force, (self.n,), t, q.copy(), u.copy())
+        return self._of("force", (self.n,), t, q, u)
 
     @property
     def has_potential(self) -> bool:
@@ -294,48 +298,37 @@ class Functions:
 
     def potential(self, q: FloatArray) -> float:
         """Potential energy of ``force`` [J]; 0 where unknown."""
-        if self._given.potential is None:
-            return 0.0
-        return float(_call("potential", self._given.potential, (), q.copy()))
+        return float(self._of("potential", (), q))
 
     def gaps(self, q: FloatArray) -> FloatArray:
         """g_N (m,)."""
-        if self._given.gaps is None:
-            return np.zeros(0)
-        return _call("gaps", self._given.gaps, (self.m,), q.copy())
+        return self._of("gaps", (self.m,), q)
 
     def normals(self, q: FloatArray) -> FloatArray:
         """W_N (n, m)."""
-        return self._matrix("normals", self._given.normals, (self.n, self.m), q.copy())
+        return self._of("normals", (self.n, self.m), q)
 
     def tangents(self, q: FloatArray) -> FloatArray:
         """W_T (n, m)."""
-        if self._given.tangents is None:
-            return np.zeros((self.n, self.m))
-        return self._matrix("tangents", self._given.tangents, (self.n, self.m), q.copy())
+        return self._of("tangents", (self.n, self.m), q)
 
     def biases(self, q: FloatArray, u: FloatArray) -> tuple[FloatArray, FloatArray]:
         """w_N and w_T (m,) each."""
-        given = (self._given.normal_bias, self._given.tangent_bias)
-        rows = (self.normals, self.tangents)
-        names = ("normal_bias", "tangent_bias")
-        pair = [
-            _call(name, function, (self.m,), q.copy(), u.copy()) if function is not None else _change(w, q, u)
-            for name, function, w in zip(names, given, rows, strict=True)
-        ]
-        return pair[0], pair[1]
+        return self._bias("normal_bias", self.normals, q, u), self._bias("tangent_bias", self.tangents, q, u)
+
+    def _bias(self, name: str, w: Callable[[FloatArray], FloatArray], q: FloatArray, u: FloatArray) -> FloatArray:
+        if getattr(self._given, name) is not None:
+            return self._of(name, (self.m,), q, u)
+        e = _difference_step(q, u)  # (d/dt W)^T u along the motion, by central differences
+        return np.asarray((w(q + e * u) - w(q - e * u)).T @ u / (2.0 * e))
 
     def residual(self, t: float, q: FloatArray) -> FloatArray:
         """phi (r,)."""
-        if self._given.constraints is None:
-            return np.zeros(0)
-        return _call("constraints", self._given.constraints, (self.n_joint,), t, q.copy())
+        return self._of("constraints", (self.n_joint,), t, q)
 
     def jacobian(self, t: float, q: FloatArray) -> FloatArray:
         """J (r, n)."""
-        if self._given.jacobian is None:
-            return np.zeros((0, self.n))
-        return _call("jacobian", self._given.jacobian, (self.n_joint, self.n), t, q.copy())
+        return self._of("jacobian", (self.n_joint, self.n), t, q)
 
     def rate(self, t: float, q: FloatArray) -> FloatArray:
         """Partial time derivative of phi (r,)."""
@@ -343,12 +336,12 @@ class Functions:
             h = DIFFERENCE_STEP
             far_before, before, after, far_after = (self.residual(t + k * h, q) for k in (-2, -1, 1, 2))
             return np.asarray((8.0 * (after - before) - (far_after - far_before)) / (12.0 * h))
-        return _call("constraint_rate", self._given.constraint_rate, (self.n_joint,), t, q.copy())
+        return self._of("constraint_rate", (self.n_joint,), t, q)
 
     def constraint_bias(self, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
         """phiddot - J udot (r,)."""
         if self._given.constraint_bias is not None:
-            return _call("constraint_bias", self._given.constraint_bias, (self.n_joint,), t, q.copy(), u.copy())
+            return self._of("constraint_bias", (self.n_joint,), t, q, u)
         e = _difference_step(q, u)
         ahead = self.jacobian(t + e, q + e * u) @ u + self.rate(t + e, q + e * u)
         behind = self.jacobian(t - e, q - e * u) @ u + self.rate(t - e, q - e * u)
@@ -358,9 +351,3 @@ class Functions:
 def _difference_step(q: FloatArray, u: FloatArray) -> float:
     """Time step [s] that moves the configuration by about 1e-5 of its size: the best of a central difference."""
     return 1e-5 * (1.0 + float(np.abs(q).max(initial=0.0))) / max(1.0, float(np.abs(u).max(initial=0.0)))
-
-
-def _change(w: Callable[[FloatArray], FloatArray], q: FloatArray, u: FloatArray) -> FloatArray:
-    """(d/dt W)^T u along the motion, by central differences."""
-    e = _difference_step(q, u)
-    return np.asarray((w(q + e * u) - w(q - e * u)).T @ u / (2.0 * e))

@@ -7,7 +7,8 @@ import warnings
 from typing import Any
 
 from lcpflex.basics.arguments import positive
-from lcpflex.errors import ModelWarning, in_range
+from lcpflex.basics.options import keep_number
+from lcpflex.errors import ModelWarning
 
 __all__ = ["check_material"]
 
@@ -20,8 +21,7 @@ def check_material(part: Any) -> None:
     for name in ("density", "youngs_modulus"):
         object.__setattr__(part, name, positive(name, getattr(part, name)))
     if hasattr(part, "poissons_ratio"):
-        ratio = in_range("poissons_ratio", part.poissons_ratio, -1.0, 0.5, open_ends=True)
-        object.__setattr__(part, "poissons_ratio", ratio)
+        keep_number(part, "poissons_ratio", -1.0, 0.5, open_ends=True)
     E, density = part.youngs_modulus, part.density
     speed = math.sqrt(E / density)
     if SPEEDS[0] <= speed <= SPEEDS[1] or 1e-3 * DIMENSIONLESS < min(E, density) <= max(E, density) < DIMENSIONLESS:

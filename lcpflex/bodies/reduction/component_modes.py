@@ -67,9 +67,9 @@ class Mesh(Protocol):
 def free_interface(
     model: Mesh,
     modes: int | None = 8,
-    *,
     damping: Damping | None = None,
     stiffening: Stiffening | None = None,
+    *,
     interfaces: Interfaces = (),
     residual_damping: float | None = None,
 ) -> Body:
@@ -80,15 +80,18 @@ def free_interface(
     b: unit forces along x and y and a unit moment at each point (forces alone at nodes of sets, and at nodes that are
     numbered), G as for :func:`residual_compliance`. Without interfaces: for global vibration of a free body.
 
+    It is ``Continuum.reduce`` and ``SolidOfRevolution.reduce``.
+
     Parameters
     ----------
     model : the mesh
-    modes : how many; None for all, 0 for a rigid body
+    modes : how many, at most those of the mesh, 2 N - 3 of N nodes of a planar one; None for all, 0 for a rigid body
     damping : damping ratio of all modes, one for each (ascending frequencies), or :class:`Rayleigh`; None for the
         damping matrix of the mesh, no damping if there is none
-    stiffening : by spin and axial force; None for the linear body
+    stiffening : by spin and axial force; None for the linear body, and for a solid of revolution, which does not turn
     interfaces : where joints hold the body, springs or loads act on it, or something strikes it: names of points or
-        sets, numbers of nodes, places (x, y), or :class:`Interface`. The compliance there is that of the mesh
+        sets, numbers of nodes, places (x, y), or :class:`Interface`: residual modes behind the free ones make the
+        compliance there that of the mesh. ``scene.add(mesh, modes=8)`` finds the interfaces itself
     residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
 
     Raises

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import numbers
+from lcpflex.basics.options import keep_number
 from lcpflex.bodies.body import Displacement, array_of, whole_number
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
@@ -45,8 +46,8 @@ class Rayleigh:
     beta: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "alpha", in_range("alpha", self.alpha, 0.0, math.inf))
-        object.__setattr__(self, "beta", in_range("beta", self.beta, 0.0, math.inf))
+        keep_number(self, "alpha", 0.0, math.inf)
+        keep_number(self, "beta", 0.0, math.inf)
 
 
 Damping: TypeAlias = float | Sequence[float] | npt.NDArray[np.float64] | Rayleigh

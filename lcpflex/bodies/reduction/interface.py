@@ -10,7 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import flag, sequence_of
+from lcpflex.basics.arguments import sequence_of
+from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
 
@@ -58,7 +59,7 @@ class Interface:
                 raise ModelError(f"along: {shown(self.along)} was given, expected a direction (x, y), not both 0")
             object.__setattr__(self, "along", (float(x) / size, float(y) / size))
         for name in ("moment", "contact", "forces"):
-            object.__setattr__(self, name, flag(name, getattr(self, name)))
+            keep_flag(self, name)
         if not (self.forces or self.moment):
             raise ModelError("forces, moment: both are False, expected at least one: nothing would act there")
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, ModelWarning, as_number, in_range, shown
 
 __all__ = ["Material", "check_materials", "check_units", "contact_modulus"]
@@ -40,9 +41,8 @@ class Material:
     def __post_init__(self) -> None:
         rigid = as_number(self.youngs_modulus) == math.inf and not isinstance(self.youngs_modulus, int)
         modulus = math.inf if rigid else in_range("youngs_modulus", self.youngs_modulus, 0.0, math.inf, open_ends=True)
-        ratio = in_range("poissons_ratio", self.poissons_ratio, -1.0, 0.5, open_ends=True)
         object.__setattr__(self, "youngs_modulus", modulus)
-        object.__setattr__(self, "poissons_ratio", ratio)
+        keep_number(self, "poissons_ratio", -1.0, 0.5, open_ends=True)
 
     @property
     def compliance(self) -> float:
