@@ -1,8 +1,8 @@
 """Surfaces of bodies and of the ground: what they are made of, which can touch, and which points touch which side.
 
-A surface holds *slaves*, material points with a radius that may touch others, and *features*, the segments and arcs
-that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are slaves of
-everything, the nodes of a chain of half-planes, holes and (both ways) of another chain, if nothing else was chosen.
+A surface holds *nodes*, material points with a radius that may touch others, and *features*, the segments and arcs
+that others may touch. Which side does what follows from the two kinds: discs, single nodes and solid arcs are the node
+side of everything, chains that of half-planes, holes and (both ways) of other chains, if nothing else was chosen.
 """
 
 from __future__ import annotations

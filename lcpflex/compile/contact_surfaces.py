@@ -1,4 +1,4 @@
-"""Compilation of surfaces and declared contacts to flat arrays: slaves, features, and the passes between them."""
+"""Compilation of surfaces and declared contacts to flat arrays: nodes, features, and the passes between them."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def compile_surfaces(
 
 
 def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, node_side: int | None) -> list[tuple[int, int]]:
-    """(slave surface, feature surface) pairs of one declared contact; one only where a ``node_side`` is chosen."""
+    """(node surface, feature surface) pairs of one declared contact; one only where a ``node_side`` is chosen."""
     if surfaces[a][0] == surfaces[b][0]:
         raise ModelError(f"contact: surfaces {a} and {b} belong to the same body, expected two bodies")
     first, second = surfaces[a][1], surfaces[b][1]
@@ -181,7 +181,7 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
                 features[before].span = (features[before].span[0], math.inf)
                 features[after].span = (-math.inf, features[after].span[1])
             if STRAIGHT - math.pi < turn < -sharp:
-                continue  # hollow: the two segments hold the slave between them
+                continue  # hollow: the two segments hold the node between them
         elif surface.goes_over:
             continue
         meeting = tuple(first + i if i >= 0 else -1 for i in (before, after))
@@ -202,7 +202,7 @@ def _hole_reach(surface: Surface) -> float:
 
 
 def _bounds(surface: Surface) -> tuple[float, float, float]:
-    """Circle (x, y, radius), undeformed, that holds the surface and all slaves that belong to it."""
+    """Circle (x, y, radius), undeformed, that holds the surface and all nodes that belong to it."""
     if surface.kind is Kind.HALF_PLANE:
         return (*surface.points[0].place, math.inf)
     if surface.kind is Kind.HOLE:

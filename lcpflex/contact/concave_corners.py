@@ -1,4 +1,4 @@
-"""Continuous contact forces in a hollow, where one slave touches two segments at once."""
+"""Continuous contact forces in a hollow, where one node touches two segments at once."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from lcpflex.jit.kernel import kernel
 
 __all__ = ["YIELDED", "yield_to_deeper"]
 
-SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a slave at a time
+SHALLOW = 0.98  # cosine of 0.2 rad: of two segments that meet in a hollow of less turn, one holds a node at a time
 YIELDED = 1e-300  # [m] gap of the other one: it does not touch
 
 
 @kernel
 def yield_to_deeper(table: ContactTable, n: int) -> None:
-    """In a shallow hollow of two segments, leave a slave the deeper of its two indentations: the other one ends.
+    """In a shallow hollow of two segments, leave a node the deeper of its two indentations: the other one ends.
 
-    A slave comes over the second segment when it is already below it. Both forces together would begin there with a
+    A node comes over the second segment when it is already below it. Both forces together would begin there with a
     jump, and the second spring would be found compressed by nobody. The deeper of two indentations has no jumps.
     """
     deepest = 0

@@ -1,4 +1,4 @@
-"""How deep below a surface a slave still belongs to it, from undeformed shapes.
+"""How deep below a surface a node still belongs to it, from undeformed shapes.
 
 Which way out of a solid is the nearest is decided when contacts are detected, among the segments of one surface. That
 needs a bound for what one surface alone cannot tell: that the body has another side, which belongs to no surface or to
@@ -23,7 +23,7 @@ ROWS = 256  # segments treated at once: memory grows with the square of their nu
 def below_chain(places: FloatArray, closed: bool, outline: FloatArray | None) -> FloatArray:
     """(segments, 3) reach [m] below the beginning, middle and end of each segment; between them it is linear.
 
-    A slave in a closed solid is no deeper than the radius of its largest inscribed circle, which is at most half the
+    A node in a closed solid is no deeper than the radius of its largest inscribed circle, which is at most half the
     least width. An open chain, or one around a hole, reaches half the way through the solid to the other side of
     ``outline`` (k, 2), the closed outline of its body, or of the chain itself; and never farther than the chain is
     large: the radius of its bounding box.

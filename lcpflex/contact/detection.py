@@ -1,7 +1,7 @@
-"""Which surfaces are near each other: bounding circles first, then slaves against features one by one.
+"""Which surfaces are near each other: bounding circles first, then nodes against features one by one.
 
-A slave is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.bodies.surface`). An entry of
-the table is one pair (slave, feature) with its gap, normal and foot; what depends on the configuration is renewed by
+A node is a material point with a radius, a feature a segment or an arc (:mod:`lcpflex.bodies.surface`). An entry of
+the table is one pair (node, feature) with its gap, normal and foot; what depends on the configuration is renewed by
 :func:`lcpflex.contact.narrow_phase.feature.refresh`, with the feature kept.
 
 Two tests come before anything is deformed: undeformed shapes, widened by the most that the present modal coordinates
@@ -28,9 +28,9 @@ __all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table", "dete
 
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
-SEAM = 2e-9  # in s: two segments are both over a slave whose feet are so near their common end
+SEAM = 2e-9  # in s: two segments are both over a node whose feet are so near their common end
 BESIDE = -1  # instead of the law of a candidate
-AWAY = 0  # column of ``span`` where candidates have the distance from the feature to the centre of the slave
+AWAY = 0  # column of ``span`` where candidates have the distance from the feature to the centre of the node
 
 
 @kernel
@@ -89,16 +89,16 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
 
 @kernel
 def below_or_beyond(table: ContactTable, k: int) -> bool:
-    """Whether the slave of the candidate k is below its segment, or beyond an end of it."""
+    """Whether the node of the candidate k is below its segment, or beyond an end of it."""
     d = table.gap[k] + table.slave_radius[k]
     return d < 0.0 or table.span[k, AWAY] > (1.0 + WIDEN) * d
 
 
 @kernel
 def dominated(model: Model, table: ContactTable, k: int, i: int) -> bool:
-    """Whether what one slave has with the feature of entry k is no contact because of what it has with that of i.
+    """Whether what one node has with the feature of entry k is no contact because of what it has with that of i.
 
-    The nearest feature tells whether the slave is in the solid, and which is the way out. So a slave below a segment
+    The nearest feature tells whether the node is in the solid, and which is the way out. So a node below a segment
     has no contact with it if another is nearer, and none with two that meet in a bulge. Those that meet in a hollow
     hold it between them, if their corner is the nearest: near is who is near the segment itself, not its line, which
     passes anything.
@@ -130,7 +130,7 @@ def dominated(model: Model, table: ContactTable, k: int, i: int) -> bool:
 
 @kernel
 def keep_nearest(model: Model, q: FloatArray, margin: float, table: ContactTable, law: int, first: int, n: int) -> int:
-    """Of the candidates first..n of one slave, keep the contacts with gap <= margin; returns the new count."""
+    """Of the candidates first..n of one node, keep the contacts with gap <= margin; returns the new count."""
     count = len(model.contacts.feature_kind)
     for k in range(first, n):
         kept = table.law[k] != BESIDE and table.gap[k] <= margin
@@ -160,11 +160,11 @@ def keep_nearest(model: Model, q: FloatArray, margin: float, table: ContactTable
 
 @kernel
 def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: float, ny: float) -> bool:
-    """Whether a slave may touch what has the normal (nx, ny), in the frame of the features."""
+    """Whether a node may touch what has the normal (nx, ny), in the frame of the features."""
     c = model.contacts
     cos = table.frame[0]
     sin = table.frame[1]
-    x = cos * nx + sin * ny  # in the frame of the slaves
+    x = cos * nx + sin * ny  # in the frame of the nodes
     y = cos * ny - sin * nx
     mx = c.slave_normal[slave, 0]
     my = c.slave_normal[slave, 1]
@@ -187,10 +187,10 @@ def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: floa
 def collect(
     model: Model, q: FloatArray, highest: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
 ) -> int:
-    """Candidates of one slave, at most ``highest`` above a feature, from entry n on; returns the count.
+    """Candidates of one node, at most ``highest`` above a feature, from entry n on; returns the count.
 
-    (x, y): place of the slave, undeformed, in the frame of the features. A candidate that looks the slave's way is
-    marked as BESIDE: it is none, but tells that the slave is outside. So is a vertex near a point: they cannot touch.
+    (x, y): place of the node, undeformed, in the frame of the features. A candidate that looks the node's way is
+    marked as BESIDE: it is none, but tells that the node is outside. So is a vertex near a point: they cannot touch.
     """
     c = model.contacts
     surface = c.pass_feature[w]
@@ -242,7 +242,7 @@ def collect(
 def detect_slave(
     model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
 ) -> int:
-    """Contacts of one slave, undeformed at (x, y) in the frame of the features, from entry n on; returns the count."""
+    """Contacts of one node, undeformed at (x, y) in the frame of the features, from entry n on; returns the count."""
     radius = model.contacts.slave_radius[slave]
     first = n
     n = collect(model, q, margin + radius, table, w, slave, x, y, first)
@@ -313,7 +313,7 @@ def above_half_plane(model: Model, table: ContactTable, a: int, b: int) -> float
 
 @kernel
 def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
-    """All contacts with gap <= margin [m] at q, in the order of passes, slaves and features.
+    """All contacts with gap <= margin [m] at q, in the order of passes, nodes and features.
 
     Returns how many there are, or at least as many if that exceeds the capacity: entries then mean nothing.
     """

@@ -1,4 +1,4 @@
-"""What slaves may touch, in blocks of few that share a bounding circle: most blocks are far, and cost one look."""
+"""What nodes may touch, in blocks of few that share a bounding circle: most blocks are far, and cost one look."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def _height(block: Sequence[Feature]) -> tuple[float, float, float]:
 
 @kernel
 def near_block(model: Model, block: int, x: float, y: float, reach: float) -> bool:
-    """Whether a slave at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
+    """Whether a node at (x, y), in the frame of the features, may be within ``reach`` of a block of them, or below it.
 
     Normals of a block with a height deviate from their mean n by less than 60 degrees, so that what is h lower than
     its top is farther aside than its points by no more than h tan 60 degrees.

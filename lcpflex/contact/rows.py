@@ -1,6 +1,6 @@
 """Rows W and biases w of contact pairs: gdot = W^T u, gddot = W^T udot + w.
 
-P is the slave with radius r on body i; the feature belongs to body j. With J = [[0, -1], [1, 0]] and t = -J n:
+P is the node with radius r on body i; the feature belongs to body j. With J = [[0, -1], [1, 0]] and t = -J n:
 
     segment a-b, Q = r_a + s e, e = r_b - r_a:  gdot_N = n.(v_P - v_Q), gdot_T = t.(v_P - v_Q) + r adot_P
     arc about o, n = sense (r_P - r_o)/|.|:     gdot_N = n.(v_P - v_o), gdot_T = t.(v_P - v_o) + r adot_P + R adot_o
@@ -54,6 +54,6 @@ def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k:
 
 @kernel
 def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
-    """Where entry k touches: the point of the slave's circle nearest to the feature [m], world axes."""
+    """Where entry k touches: the point of the node's circle nearest to the feature [m], world axes."""
     px, py = point_position(model.bodies, model.points, q, table.slave[k])
     return px - table.slave_radius[k] * table.normal[k, 0], py - table.slave_radius[k] * table.normal[k, 1]

@@ -11,16 +11,16 @@ from lcpflex.jit.struct import allocate, array, struct
 
 __all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table"]
 
-SET_VALUED, BY_LAW, ALL = range(3)  # contacts that a table collects
+SET_VALUED, BY_LAW, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
 
 @struct
 class ContactTable:
     """Near contacts, one an entry, in the order of detection. Work arrays apart, the first length is the capacity."""
 
-    key: IntArray = array("contacts")  # slave and feature in one number, the same from call to call
+    key: IntArray = array("contacts")  # node and feature in one number, the same from call to call
     law: IntArray = array("contacts")  # declared contact
-    slave: IntArray = array("contacts")  # material point P
+    slave: IntArray = array("contacts")  # material point P of the node
     slave_radius: FloatArray = array("contacts")  # [m]
     kind: IntArray = array("contacts")  # of the feature
     a: IntArray = array("contacts")  # material points of the feature
@@ -29,12 +29,12 @@ class ContactTable:
     radius: FloatArray = array("contacts")  # of an arc, signed [m]
     sense: FloatArray = array("contacts")  # of an arc: +1 solid inside, -1 hole
     span: FloatArray = array("contacts", 2)  # of the feature
-    body: IntArray = array("contacts", 2)  # i of the slave, j of the feature; -1: ground
+    body: IntArray = array("contacts", 2)  # i of the node, j of the feature; -1: ground
     gap: FloatArray = array("contacts")  # [m]
     normal: FloatArray = array("contacts", 2)  # from j to i
     bound: FloatArray = array("surfaces", 5)  # work: world centre, sway, and cosine and sine of the angle of its body
-    frame: FloatArray = array(4)  # work: cosine, sine, x, y of the slaves' body in the frame of the features' body
-    by_law: IntArray  # (laws,) 1: has a continuous contact force, 0: is set-valued; (0,): of no matter
+    frame: FloatArray = array(4)  # work: cosine, sine, x, y of the nodes' body in the frame of the features' body
+    by_law: IntArray  # (laws,) 1: compliant, has a continuous contact force, 0: rigid; (0,): of no matter
     collects: int  # which of these two the table is for, or ALL
 
 

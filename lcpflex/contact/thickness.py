@@ -18,7 +18,7 @@ __all__ = ["farthest", "law_thickness", "pass_thickness"]
 
 
 def pass_thickness(contacts: Contacts) -> FloatArray:
-    """(passes,) least radius of a slave plus least depth of what it touches [m]; infinite for half-planes."""
+    """(passes,) least radius of a node plus least depth of what it touches [m]; infinite for half-planes."""
     depths = _feature_depths(contacts)
     thickness = np.full(len(contacts.pass_law), math.inf)
     for w, (a, b) in enumerate(zip(contacts.pass_slave, contacts.pass_feature, strict=True)):
@@ -53,7 +53,7 @@ def farthest(contacts: Contacts, points: Points) -> float:
 
 
 def _feature_depths(contacts: Contacts) -> FloatArray:
-    """(features,) how deep below its middle a slave belongs to a feature: no bound below vertices of chains."""
+    """(features,) how deep below its middle a node belongs to a feature: no bound below vertices of chains."""
     depths = contacts.feature_reach[:, 1].astype(float)
     discs = (contacts.feature_kind == ARC) & (contacts.feature_radius > 0.0)
     depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])

@@ -1,7 +1,7 @@
 """What contacts under continuous laws remember from step to step.
 
-Each slave has two places under each law that needs some, for two features of a surface at a time (a hollow corner). A
-place is taken when the slave touches a feature, and handed on when the slave passes on to the next one.
+Each node has two places under each law that needs some, for two features of a surface at a time (a hollow corner). A
+place is taken when the node touches a feature, and handed on when the node passes on to the next one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lcpflex.model.arrays import Contacts
 
 __all__ = ["FREE", "PLACES", "ContactMemory", "contact_memory", "first_place", "place_of"]
 
-PLACES = 2  # for one slave under one law
+PLACES = 2  # for one node under one law
 FREE = -1  # feature of a place that nobody has
 
 
@@ -32,8 +32,8 @@ class ContactMemory(NamedTuple):
     turns: IntArray  # (laws,) 1 for laws with an unloading branch of its own, which begins where a contact turns back
     watched: IntArray  # (1,) 1 where a law remembers something or has a range to stay in
     worst: FloatArray  # (laws,) largest indentation of an accepted state [m]
-    ranges: IntArray  # (laws, 2, 3) for each pass of a law: its slaves first..last-1, first place; no slaves: no memory
-    feature: IntArray  # (places,) feature that the slave touches, or FREE
+    ranges: IntArray  # (laws, 2, 3) for each pass of a law: its nodes first..last-1, first place; no nodes: no memory
+    feature: IntArray  # (places,) feature that the node touches, or FREE
     seen: IntArray  # (places,) work
     speed: FloatArray  # (places,) impact speed [m/s]
     mass: FloatArray  # (places,) effective mass at the touch [kg]
@@ -79,7 +79,7 @@ def contact_memory(contacts: Contacts, laws: Sequence[LawRow | None]) -> Contact
 
 @kernel
 def first_place(memory: ContactMemory, law: int, slave: int) -> int:
-    """First of the places of a slave under a law; -1 if the law remembers nothing."""
+    """First of the places of a node under a law; -1 if the law remembers nothing."""
     for w in range(2):
         first = memory.ranges[law, w, 0]
         if first <= slave < memory.ranges[law, w, 1]:
@@ -89,7 +89,7 @@ def first_place(memory: ContactMemory, law: int, slave: int) -> int:
 
 @kernel
 def place_of(memory: ContactMemory, law: int, slave: int, feature: int) -> int:
-    """Place of a slave on a feature; the one it comes from if it has just passed on to it; -1: none."""
+    """Place of a node on a feature; the one it comes from if it has just passed on to it; -1: none."""
     place = first_place(memory, law, slave)
     if place < 0:
         return -1

@@ -66,7 +66,7 @@ class LawRow:
     bristles: bool  # whether its friction has states of its own
     turns: bool  # whether it unloads along a curve of its own, which begins where a contact turns back
     lenient: bool  # whether an indentation beyond LIMIT is a warning instead of an error
-    own: UserLaw | None = None  # a user's own law: what stands at the ADDRESS, and says what went wrong there
+    own: UserLaw | None = None  # a user's law: what stands at the ADDRESS, and says what went wrong there
 
 
 # stands for the law of a rigid contact, which is never asked for a force

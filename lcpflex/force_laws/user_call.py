@@ -1,4 +1,4 @@
-"""The call of a user's own law from kernels, which are compiled once and for all laws.
+"""The call of a user's law from kernels, which are compiled once and for all laws.
 
 ``address`` is that of two words: the address of a function double(double, double, double, double*), and that of the
 numbers which are its last argument. Nothing of it is known when a kernel is compiled.
@@ -38,7 +38,7 @@ def call_at(typing: Any, address: Any, depth: Any, rate: Any, speed: Any) -> Any
 
 @kernel
 def own_force(address: int, depth: float, rate: float, speed: float) -> float:
-    """What the function of a user's own law returns, for an indentation [m] growing with ``rate`` [m/s]."""
+    """What the function of a user's law returns, for an indentation [m] growing with ``rate`` [m/s]."""
     return call_at(address, depth, rate, speed)
 
 

@@ -1,4 +1,4 @@
-"""A user's own law of the normal force: one function."""
+"""A user's law of the normal force: one function."""
 
 from __future__ import annotations
 

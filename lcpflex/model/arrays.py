@@ -161,22 +161,22 @@ class Loads(NamedTuple):
 class Contacts(NamedTuple):
     """Surfaces, their pairing, and the law of each declared contact. See :mod:`lcpflex.contact`.
 
-    A surface holds *slaves* (material points with a radius >= 0) and *features* (what slaves touch).
+    A surface holds *nodes* (material points with a radius >= 0) and *features* (what nodes touch).
     The kinds of features, segments, arcs and vertices of chains, are in :mod:`lcpflex.contact.narrow_phase`.
     """
 
     # surfaces
     slave_start: Offsets  # (ns + 1,)
-    slave_point: IntArray  # (slaves,)
-    slave_radius: FloatArray  # (slaves,)
-    slave_normal: Pairs  # (slaves, 2) mean outward normal, body frame; zero: any direction may touch
-    slave_span: Pairs  # (slaves, 2) start angle and extent of the part of its circle that may touch, body frame
+    slave_point: IntArray  # (nodes,)
+    slave_radius: FloatArray  # (nodes,)
+    slave_normal: Pairs  # (nodes, 2) mean outward normal, body frame; zero: any direction may touch
+    slave_span: Pairs  # (nodes, 2) start angle and extent of the part of its circle that may touch, body frame
     feature_start: Offsets  # (ns + 1,)
     feature_kind: IntArray  # (features,)
     feature_point: IndexPairs  # (features, 2) material points a, b (b = a for arcs)
     feature_radius: FloatArray  # (features,) signed
     feature_sense: FloatArray  # (features,) +1 convex, -1 hole
-    feature_reach: Triples  # (features, 3) how deep below s = 0, 1/2, 1 a slave belongs to it, linear between [m]
+    feature_reach: Triples  # (features, 3) how deep below s = 0, 1/2, 1 a node belongs to it, linear between [m]
     feature_span: Pairs  # (features, 2) range of s, endless at hollow corners; arcs: start angle and extent
     feature_neighbour: IndexPairs  # (features, 2) segments before and behind on the chain, -1: none
     surface_block: Offsets  # (ns + 1,) offsets of the blocks of features of each surface
@@ -187,7 +187,7 @@ class Contacts(NamedTuple):
     surface_center: Pairs  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
     surface_sway: Rows  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
-    # passes: slaves of one surface against features of another
+    # passes: nodes of one surface against features of another
     pass_slave: IntArray  # (passes,) surface
     pass_feature: IntArray  # (passes,) surface
     pass_law: IntArray  # (passes,) declared contact

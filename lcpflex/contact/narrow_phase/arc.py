@@ -1,6 +1,6 @@
 """A piece of a circle about a material point o, of signed radius R: > 0 solid inside, < 0 a hole.
 
-With n = sense (r_P - r_o) / |.|, the gap is sense |r_P - r_o| - R less the radius of the slave.
+With n = sense (r_P - r_o) / |.|, the gap is sense |r_P - r_o| - R less the radius of the node.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def in_arc(model: Model, q: FloatArray, p: int, angle: float, start: float, exte
 
 @kernel
 def near_arc(model: Model, f: int, x: float, y: float, reach: float) -> bool:
-    """Whether a slave at (x, y), in the frame of arc f, is within ``reach`` of it, undeformed, or inside the solid."""
+    """Whether a node at (x, y), in the frame of arc f, is within ``reach`` of it, undeformed, or inside the solid."""
     c = model.contacts
     a = c.feature_point[f, 0]
     dx = x - model.points.place[a, 0]
@@ -109,7 +109,7 @@ def within_arc(angle: float, start: float, extent: float) -> float:
 
 @kernel
 def arc_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the slave of entry k is over its arc [rad]."""
+    """How far the node of entry k is over its arc [rad]."""
     px, py = point_position(model.bodies, model.points, q, table.slave[k])
     x, y = point_position(model.bodies, model.points, q, table.a[k])
     angle = math.atan2(py - y, px - x) - point_angle(model.bodies, model.points, q, table.a[k])

@@ -49,7 +49,7 @@ SEGMENT, ARC, VERTEX = range(3)
 
 @kernel
 def may_touch(model: Model, f: int, x: float, y: float, reach: float, sway: float) -> bool:
-    """Whether a slave at (x, y), in the frame of feature f, is within ``reach`` of its undeformed shape or below it.
+    """Whether a node at (x, y), in the frame of feature f, is within ``reach`` of its undeformed shape or below it.
 
     ``sway``: how far deformation may carry points of the feature's surface [m].
     """
@@ -62,10 +62,10 @@ def may_touch(model: Model, f: int, x: float, y: float, reach: float, sway: floa
 def over(
     model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
 ) -> tuple[bool, float, float, float, float, float]:
-    """Whether a slave at (x, y), in the frame of the body of f, is over f, at most ``highest`` above and not too deep.
+    """Whether a node at (x, y), in the frame of the body of f, is over f, at most ``highest`` above and not too deep.
 
-    Further s, the signed distance without radius of the slave from the line or circle of f, the normal, and how far
-    the slave is from f itself: beyond the end of a segment from that end, not from its line.
+    Further s, the signed distance without radius of the node from the line or circle of f, the normal, and how far
+    the node is from f itself: beyond the end of a segment from that end, not from its line.
     """
     kind = model.contacts.feature_kind[f]
     if kind == SEGMENT:
@@ -123,7 +123,7 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
 
 @kernel
 def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the foot of entry k is inside the arc that its slave is [rad]."""
+    """How far the foot of entry k is inside the arc that its node is [rad]."""
     if table.slave_radius[k] == 0.0:
         return math.inf
     span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
@@ -133,7 +133,7 @@ def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> fl
 
 @kernel
 def depth_of_feature(model: Model, table: ContactTable, k: int) -> float:
-    """How deep below its feature the slave of entry k is still of it [m]: no deeper than to the centre of a disc."""
+    """How deep below its feature the node of entry k is still of it [m]: no deeper than to the centre of a disc."""
     reach = model.contacts.feature_reach[table.key[k] % len(model.contacts.feature_kind), 1]
     if table.kind[k] != SEGMENT and table.radius[k] >= 0.0:
         reach = min(reach, table.radius[k])

@@ -1,6 +1,6 @@
 """A segment from material point a to b: solid on its left, its outward normal on its right. Half-planes are some.
 
-With Q = r_a + s e, e = r_b - r_a, the gap is n.(r_P - Q) less the radius of the slave; Q slides along e.
+With Q = r_a + s e, e = r_b - r_a, the gap is n.(r_P - Q) less the radius of the node; Q slides along e.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def foot(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> tu
 
 @kernel
 def deep(model: Model, f: int, s: float) -> float:
-    """How deep below s on the segment f a slave still belongs to it [m]."""
+    """How deep below s on the segment f a node still belongs to it [m]."""
     reach = model.contacts.feature_reach
     end = reach[f, 0] if s < 0.5 else reach[f, 2]
     middle = reach[f, 1]
@@ -50,7 +50,7 @@ def deep(model: Model, f: int, s: float) -> float:
 
 @kernel
 def near_segment(model: Model, f: int, x: float, y: float, reach: float, sway: float) -> bool:
-    """Whether a slave at (x, y), in the frame of segment f, is within ``reach`` of it, undeformed, or below it.
+    """Whether a node at (x, y), in the frame of segment f, is within ``reach`` of it, undeformed, or below it.
 
     ``sway``, the deformation of the feature's surface, bounds nothing on a half-plane, which goes on for ever.
     """
@@ -80,9 +80,9 @@ def near_segment(model: Model, f: int, x: float, y: float, reach: float, sway: f
 
 @kernel
 def held(model: Model, q: FloatArray, f: int, side: int, x: float, y: float, nx: float, ny: float) -> bool:
-    """Whether a slave beyond the end ``side`` of segment f may belong to it because of the next segment.
+    """Whether a node beyond the end ``side`` of segment f may belong to it because of the next segment.
 
-    At a hollow corner, a slave that is over neither segment is in the solid: only both together lead it out, by the
+    At a hollow corner, a node that is over neither segment is in the solid: only both together lead it out, by the
     corner. One that is over the next segment, and below it, belongs to f as well if its foot is on f after it has been
     lifted out of the next one. Either way only where nothing else is nearer, which the table of candidates tells.
     """
@@ -114,7 +114,7 @@ def held(model: Model, q: FloatArray, f: int, side: int, x: float, y: float, nx:
 def over_segment(
     model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
 ) -> tuple[bool, float, float, float, float, float]:
-    """As :func:`lcpflex.contact.narrow_phase.feature.over`: beyond an end, the slave is as far as it is from that."""
+    """As :func:`lcpflex.contact.narrow_phase.feature.over`: beyond an end, the node is as far as it is from that."""
     c = model.contacts
     ax, ay = local_place(model.bodies, model.points, q, c.feature_point[f, 0])
     bx, by = local_place(model.bodies, model.points, q, c.feature_point[f, 1])

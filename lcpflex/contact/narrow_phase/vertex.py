@@ -16,7 +16,7 @@ __all__ = ["over_vertex", "vertex_margin"]
 
 @kernel
 def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
-    """Whether a slave at (x, y), in the frame of its body, lies beyond both segments that meet in the vertex f."""
+    """Whether a node at (x, y), in the frame of its body, lies beyond both segments that meet in the vertex f."""
     c = model.contacts
     before = c.feature_neighbour[f, 0]
     after = c.feature_neighbour[f, 1]
@@ -42,7 +42,7 @@ def in_wedge(model: Model, q: FloatArray, f: int, x: float, y: float) -> bool:
 def over_vertex(
     model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
 ) -> tuple[bool, float, float, float, float, float]:
-    """As :func:`lcpflex.contact.narrow_phase.feature.over`; a slave at the very vertex is left to its segments."""
+    """As :func:`lcpflex.contact.narrow_phase.feature.over`; a node at the very vertex is left to its segments."""
     ax, ay = local_place(model.bodies, model.points, q, model.contacts.feature_point[f, 0])
     dx = x - ax
     dy = y - ay
@@ -56,7 +56,7 @@ def over_vertex(
 
 @kernel
 def vertex_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
-    """How far the slave of entry k is inside the wedge of its vertex, in lengths of the segments that meet there."""
+    """How far the node of entry k is inside the wedge of its vertex, in lengths of the segments that meet there."""
     px, py = point_position(model.bodies, model.points, q, table.slave[k])
     x, y = point_position(model.bodies, model.points, q, table.a[k])
     px -= x

@@ -33,7 +33,7 @@ FINE = 4e-16  # relative
 LAST_LOGARITHM = 1.01  # u at the end of a logarithmic law: at u = 1, 5e-5 of the indentation on, it has no slope
 FROM_SERIES = 0.25  # of the clearance, below which the closed form of the energy of Liu's law would cancel
 PERSSON_POLE = 0.8346152454776573  # tan^2(eps/2) at which the load of Persson's solution is infinite
-OWN_SPEED = 1.0  # impact speed at which the elastic part of a user's own law is taken [m/s]
+OWN_SPEED = 1.0  # impact speed at which the elastic part of a user's law is taken [m/s]
 OWN_LEAST = 1e-12  # indentation whose slope is that at the touch [m]
 OWN_DIFFERENCE = 1e-4  # relative, of the indentations between which its slope is taken
 # not more than 1e-13 off up to the end of Persson's law, with the pole moved to infinity
@@ -96,7 +96,7 @@ def liu_energy(x: float) -> float:
 
 @kernel
 def own_energy(address: int, depth: float) -> float:
-    """Integral of the elastic part of a user's own law, over x with depth x^2: smooth for powers of indentation."""
+    """Integral of the elastic part of a user's law, over x with depth x^2: smooth for powers of indentation."""
     total = 0.0
     for i in range(len(NODES)):
         x = 0.5 * (1.0 + NODES[i])
@@ -106,7 +106,7 @@ def own_energy(address: int, depth: float) -> float:
 
 @kernel
 def own_stiffness(address: int, depth: float) -> float:
-    """Slope of the elastic part of a user's own law, by a central difference."""
+    """Slope of the elastic part of a user's law, by a central difference."""
     more = own_force(address, depth * (1.0 + OWN_DIFFERENCE), 0.0, OWN_SPEED)
     less = own_force(address, depth * (1.0 - OWN_DIFFERENCE), 0.0, OWN_SPEED)
     return (more - less) / (2.0 * OWN_DIFFERENCE * depth)

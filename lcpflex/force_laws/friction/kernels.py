@@ -65,7 +65,7 @@ def bristle_rate(p: FloatArray, slip: float, mu: float, bristle: float) -> float
 def friction_force(
     kinds: IntArray, p: FloatArray, slip: float, normal: float, mu: float, bristle: float, dwell: float
 ) -> float:
-    """Tangential force [N] on the slave at a slip velocity [m/s] under a normal force >= 0 [N]: it opposes the slip.
+    """Tangential force [N] on the node at a slip velocity [m/s] under a normal force >= 0 [N]: it opposes the slip.
 
     ``bristle`` [m] and ``dwell`` are the states of laws that have some.
     """
