@@ -5,10 +5,10 @@
 
     __getattr__, __dir__ = attach(__name__)
 
-``as Beam`` tells type checkers that the name is public. ``__all__``, where it is not written, is all of the block. So
-each name is written once, with its home: type checkers and the import linter read the lines that are carried out
-later (PEP 562; packages of scientific Python do the same with stub files, SPEC 1). ``import lcpflex`` comes by here,
-and loads neither numpy nor what only the first use needs.
+``as Beam`` tells type checkers that the name is public; ``import *``, all that ``__all__`` of that module lists.
+``__all__``, where it is not written, is all of the block. So each name is written once, with its home: type checkers
+and the import linter read the lines that are carried out later (PEP 562; packages of scientific Python do the same with
+stub files, SPEC 1). ``import lcpflex`` comes by here, and loads neither numpy nor what only the first use needs.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ def attach(
     Parameters
     ----------
     module
-        ``__name__`` of a module with a block ``if TYPE_CHECKING:`` of imports, each ``from home import name`` or
-        ``import home as name``.
+        ``__name__`` of a module with a block ``if TYPE_CHECKING:`` of imports, each ``from home import name``,
+        ``from home import *`` or ``import home as name``.
     label
         What messages call the module, its name if omitted.
     renamed
@@ -75,14 +75,32 @@ def _homes(module: str) -> dict[str, tuple[str, str]]:
     """Module, and name in it, of each name that the block for type checkers imports; no name for a whole module."""
     import ast
 
-    spec = sys.modules[module].__spec__
-    source = getattr(spec.loader, "get_source", lambda _: None)(spec.name) if spec is not None else None
     found: dict[str, tuple[str, str]] = {}
-    for block in ast.parse(source or "").body:
+    for block in _statements(module):
         if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING":
             for line in block.body:
                 if isinstance(line, ast.ImportFrom) and line.module:
-                    found |= {one.asname or one.name: (line.module, one.name) for one in line.names}
+                    names = _listed(line.module) if line.names[0].name == "*" else ()
+                    found |= {name: (line.module, name) for name in names}
+                    found |= {one.asname or one.name: (line.module, one.name) for one in line.names if not names}
                 elif isinstance(line, ast.Import):
                     found |= {one.asname or one.name: (one.name, "") for one in line.names}
     return found
+
+
+def _listed(module: str) -> list[str]:
+    """What ``__all__`` holds where it is written, of a module that is not loaded for it."""
+    import ast
+
+    lines = (line for line in _statements(module) if isinstance(line, ast.Assign))
+    return next(ast.literal_eval(line.value) for line in lines if ast.unparse(line.targets[0]) == "__all__")
+
+
+def _statements(module: str) -> list[Any]:
+    """The source of a module, as its parser has it."""
+    import ast
+    from importlib.util import find_spec
+
+    spec = find_spec(module)
+    source = getattr(spec.loader, "get_source", lambda _: None)(spec.name) if spec is not None else None
+    return ast.parse(source or "").body

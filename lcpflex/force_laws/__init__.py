@@ -12,14 +12,7 @@ from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
     from lcpflex.force_laws.contact_law import ContactLaw as ContactLaw
-    from lcpflex.force_laws.damping.dissipative import (
-        Jankowski as Jankowski,
-        KelvinVoigt as KelvinVoigt,
-        KuwabaraKono as KuwabaraKono,
-        PermanentIndentation as PermanentIndentation,
-        Ristow as Ristow,
-        Tsuji as Tsuji,
-    )
+    from lcpflex.force_laws.damping.dissipative import *
     from lcpflex.force_laws.damping.hysteresis import (
         HysteresisDamping as HysteresisDamping,
         HysteresisFactor as HysteresisFactor,
@@ -29,12 +22,7 @@ if TYPE_CHECKING:
         restitution_of as restitution_of,
     )
     from lcpflex.force_laws.elastic.cylinder_pair import CylinderPair as CylinderPair
-    from lcpflex.force_laws.elastic.explicit_line_laws import (
-        LankaraniNikraveshCylinder as LankaraniNikraveshCylinder,
-        Liu as Liu,
-        Pereira as Pereira,
-        Persson as Persson,
-    )
+    from lcpflex.force_laws.elastic.explicit_line_laws import *
     from lcpflex.force_laws.elastic.hertz import Hertz as Hertz
     from lcpflex.force_laws.elastic.line_contact import (
         DubowskyFreudenstein as DubowskyFreudenstein,
@@ -44,18 +32,9 @@ if TYPE_CHECKING:
         Radzimovsky as Radzimovsky,
     )
     from lcpflex.force_laws.elastic.materials import Material as Material
-    from lcpflex.force_laws.elastic.power_fit import PowerFit as PowerFit, fit_power_law as fit_power_law
+    from lcpflex.force_laws.elastic.power_fit import *
     from lcpflex.force_laws.elastic.power_law import PowerLaw as PowerLaw
-    from lcpflex.force_laws.friction.bristles import Bristle as Bristle, LuGre as LuGre
-    from lcpflex.force_laws.friction.laws import (
-        Ambrosio as Ambrosio,
-        ArctangentCoulomb as ArctangentCoulomb,
-        BengisuAkay as BengisuAkay,
-        BrownMcPhee as BrownMcPhee,
-        RampCoulomb as RampCoulomb,
-        SmoothedCoulomb as SmoothedCoulomb,
-        Threlfall as Threlfall,
-    )
+    from lcpflex.force_laws.friction.laws import *
     from lcpflex.force_laws.user_law import UserLaw as UserLaw
 
 __getattr__, __dir__ = attach(__name__, "lcpflex.laws", {"OwnLaw": "UserLaw"})
