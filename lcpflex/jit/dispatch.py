@@ -15,6 +15,7 @@ from functools import cache
 from typing import Any, cast
 
 from lcpflex.jit.kernel import interpreted
+from lcpflex.jit.leaf import Leaf
 
 __all__ = ["Hooks", "callees", "link", "reaching"]
 
@@ -35,10 +36,23 @@ def link(root: Kernel, hooks: Hooks) -> Kernel:
     if root in hooks:
         return hooks[root]
     calls = reaching(root, hooks)
-    linked = {**hooks, **{function: interpreted(function) for function in calls}}
+    linked = {**hooks, **{function: _opened(function) for function in calls}}
     for function, called in calls.items():
-        linked[function].__globals__.update({name: linked[callee] for name, callee in called.items()})
+        _put_in(linked[function], {name: linked[callee] for name, callee in called.items()})
     return linked.get(root, root)
+
+
+def _opened(function: Kernel) -> Kernel:
+    """A copy whose calls can be replaced."""
+    return function.copy() if isinstance(function, Leaf) else interpreted(function)
+
+
+def _put_in(function: Kernel, called: dict[str, Kernel]) -> None:
+    """Replace what a copy calls, by the names of :func:`callees`."""
+    if isinstance(function, Leaf):
+        function.put_in(called)
+    else:
+        function.__globals__.update(called)
 
 
 def reaching(root: Kernel, hooks: Hooks) -> dict[Kernel, dict[str, Kernel]]:
@@ -76,6 +90,8 @@ def callees(function: Kernel) -> dict[str, Kernel]:
     TypeError
         If it could call kernels through a module, a container or an enclosing function, where they cannot be replaced.
     """
+    if isinstance(function, Leaf):
+        return function.calls
     source = _source(function)
     called: dict[str, Kernel] = {}
     for name in _names(source.__code__):
@@ -103,7 +119,7 @@ def _names(code: types.CodeType) -> frozenset[str]:
 
 def _is_kernel(value: Any) -> bool:
     """A compiled function, or a plain one, as kernels are where numba is told not to compile."""
-    return hasattr(value, "py_func") or isinstance(value, types.FunctionType)
+    return hasattr(value, "py_func") or isinstance(value, types.FunctionType | Leaf)
 
 
 def _hides_kernels(value: Any) -> bool:

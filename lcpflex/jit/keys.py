@@ -22,12 +22,15 @@ import llvmlite
 import numba
 import numpy as np
 
+from lcpflex.jit.leaf import Leaf
+
 __all__ = ["LEVELS", "Magic", "content", "derived", "key_of", "machines"]
 
 Magic = tuple[str, str, str]  # triple, name and features of a processor, as numba's codegen tells them
 
 ADDRESS = re.compile(r"\b0x[0-9a-fA-F]+")
 PACKAGE = __name__.partition(".")[0]
+COMPILERS = __name__.rpartition(".")[0] + "."
 SOURCES = sorted(
     Path(__file__).parent.glob("*.py")
 )  # how kernels are compiled and linked, what numba is told of structs
@@ -52,9 +55,11 @@ def key_of(function: Callable[..., Any], arguments: Iterable[Any], result: Any, 
     """
     if not _is_own(function) or "<locals>" in function.__qualname__:
         return None
+    arguments = tuple(arguments)
     try:
         told = [*map(_told, arguments), str(result)]
-        return derived(*_environment(), limit, *magic, content(function), *told)
+        structs = frozenset(label for kind in arguments for label in _structs(kind))
+        return derived(*_environment(), limit, *magic, content(function, structs), *told)
     except NotKnownError:
         return None
 
@@ -98,9 +103,19 @@ def _told(kind: Any) -> object:
     return str(kind)
 
 
+def _structs(kind: Any) -> Iterator[str]:
+    """Names of the structs in an argument type: by them leaves choose their kernels."""
+    if label := getattr(kind, "label", ""):
+        yield label
+        for _, part in kind.fields:
+            yield from _structs(part)
+
+
 @cache
-def content(function: Callable[..., Any]) -> str:
+def content(function: Callable[..., Any], structs: frozenset[str] = frozenset()) -> str:
     """Hash of a kernel's code and of all that it reaches: kernels, and values of other names of their modules.
+
+    ``structs``: names of those in the arguments.
 
     Raises
     ------
@@ -112,14 +127,14 @@ def content(function: Callable[..., Any]) -> str:
     while waiting:
         reached = waiting.pop()
         if reached not in found:
-            found[reached], called = _own(reached)
+            found[reached], called = _own(reached, structs)
             waiting += called
     return derived(found[function], *sorted(found.values()))
 
 
 @cache
-def _own(function: Any) -> tuple[str, list[Any]]:
-    """Hash of a function without what it calls, and that."""
+def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
+    """Hash of a function without what it calls, and that; of leaves, the kernels for such structs."""
     if function.__closure__:
         raise NotKnownError(f"{function.__qualname__} is a closure")
     values: dict[str, object] = {}
@@ -127,14 +142,20 @@ def _own(function: Any) -> tuple[str, list[Any]]:
     for name in sorted(_names(function.__code__)):  # of attributes, too: at worst, the hash holds what does not matter
         if name in function.__globals__:
             value = function.__globals__[name]
-            source = getattr(value, "py_func", getattr(value, "_defn", value))  # of a kernel, of an intrinsic
-            if _is_own(source):
-                called.append(source)
-                values[name] = source.__module__, source.__qualname__
+            kernels = value.calls if isinstance(value, Leaf) else {"": value}
+            reached = [_source(kernel) for kind, kernel in sorted(kernels.items()) if not kind or kind in structs]
+            if all(map(_is_own, reached)):
+                called += [source for source in reached if not source.__module__.startswith(COMPILERS)]
+                values[name] = [(source.__module__, source.__qualname__) for source in reached]
             else:
                 values[name] = _meaning(value)
     place = function.__module__, function.__qualname__, function.__defaults__, function.__kwdefaults__
     return derived(*place, _of_code(function.__code__, function.__doc__), values), called
+
+
+def _source(value: Any) -> Any:
+    """The function that a kernel or an intrinsic was made of; any other value as it is."""
+    return getattr(value, "py_func", getattr(value, "_defn", value))
 
 
 def _is_own(value: Any) -> bool:

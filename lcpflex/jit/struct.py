@@ -178,7 +178,10 @@ def numbers_of(values: Any) -> npt.NDArray[np.int64]:
 
 
 def copy_parts(source: Any, target: Any) -> None:
-    """Content of one struct into another, whose arrays are at least as large; what is beyond stays."""
+    """Content of one struct into another, whose arrays are at least as large; what is beyond stays.
+
+    In kernels, of two structs of one type with arrays of the same shapes.
+    """
     for name, value in parts_of(source).items():
         if isinstance(value, np.ndarray):
             getattr(target, name)[tuple(slice(size) for size in value.shape)] = value

@@ -8,9 +8,9 @@ from typing import Any
 from numba.core import cgutils, types
 from numba.core.imputils import lower_getattr_generic, lower_setattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import NativeValue, models, register_model, typeof_impl, unbox
+from numba.extending import NativeValue, lower_builtin, models, register_model, type_callable, typeof_impl, unbox
 
-from lcpflex.jit.struct import Packed
+from lcpflex.jit.struct import Packed, copy_parts
 
 __all__ = ["PackedType", "number_type"]
 
@@ -21,6 +21,7 @@ class PackedType(types.Type):
     """A pointer to numbers, array descriptors and further structs; ``fields``: (name, type) in the order of memory."""
 
     def __init__(self, label: str, fields: tuple[tuple[str, Any], ...]) -> None:
+        self.label = label
         self.fields = fields
         told = ", ".join(f"{name}: {kind.name}" for name, kind in fields)
         super().__init__(name=label + sha256(told.encode()).hexdigest()[:16])  # told in full, symbols are kilobytes
@@ -111,3 +112,30 @@ def store_number(context: Any, builder: Any, sig: Any, args: Any, name: str) -> 
         raise TypeError(f"{name} is not a number: only numbers of a struct can be set in kernels")
     block = context.get_value_type(found)
     builder.store(args[1], builder.bitcast(cgutils.pointer_add(builder, args[0], offset), block.as_pointer()))
+
+
+@type_callable(copy_parts)  # type: ignore[untyped-decorator]
+def type_copy(context: Any) -> Any:
+    """``copy_parts(source, target)`` of two structs of one type."""
+    return lambda source, target: types.none if isinstance(source, PackedType) and source == target else None
+
+
+@lower_builtin(copy_parts, PackedType, PackedType)  # type: ignore[untyped-decorator]
+def copy_block(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    """Code for ``copy_parts``: numbers and the content of arrays, which have the same shapes, and that of structs."""
+    _copy_fields(context, builder, sig.args[0], *args)
+    return context.get_dummy_value()
+
+
+def _copy_fields(context: Any, builder: Any, kind: PackedType, source: Any, target: Any) -> None:
+    for name, found in kind.fields:
+        value = load_field(context, builder, kind, source, name)
+        if isinstance(found, types.Number):
+            store_number(context, builder, types.none(kind, found), (target, value), name)
+        elif isinstance(found, PackedType):
+            _copy_fields(context, builder, found, value, load_field(context, builder, kind, target, name))
+        else:
+            array = context.make_array(found)
+            given, taken = array(context, builder, value), load_field(context, builder, kind, target, name)
+            size = builder.mul(given.nitems, given.itemsize)
+            cgutils.raw_memcpy(builder, array(context, builder, taken).data, given.data, size, 1)

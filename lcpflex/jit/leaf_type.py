@@ -1,0 +1,48 @@
+"""What numba must know of :class:`lcpflex.jit.leaf.Leaf`: a call has the type and the code of the kernel it chooses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core import types
+from numba.extending import models, register_model, typeof_impl
+
+from lcpflex.jit.leaf import Leaf
+
+__all__ = ["LeafType"]
+
+
+class LeafType(types.Callable, types.Dummy):
+    """The type of one leaf."""
+
+    def __init__(self, leaf: Leaf[Any, Any]) -> None:
+        self.leaf = leaf
+        super().__init__(name=f"leaf {leaf.name}")
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """The signature of the kernel for these arguments."""
+        return self._dispatcher(args).get_call_type(context, args, kws)
+
+    def get_call_signatures(self) -> tuple[tuple[Any, ...], bool]:
+        """None that hold for all arguments."""
+        return (), True
+
+    def get_impl_key(self, sig: Any) -> Any:
+        """Under what numba finds the code of a call."""
+        return self._dispatcher(sig.args).get_impl_key(sig)
+
+    def _dispatcher(self, arguments: Any) -> Any:
+        """The type of the kernel for arguments of these types."""
+        chosen: Any = self.leaf.chosen(getattr(argument, "label", "") for argument in arguments)
+        return types.Dispatcher(chosen)
+
+
+@typeof_impl.register(Leaf)  # type: ignore[untyped-decorator]
+def typeof_leaf(value: Leaf[Any, Any], context: Any) -> LeafType:
+    """A type of its own."""
+    return LeafType(value)
+
+
+@register_model(LeafType)
+class LeafModel(models.OpaqueModel):  # type: ignore[misc]
+    """Nothing is passed."""
