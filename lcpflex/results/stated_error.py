@@ -20,7 +20,7 @@ from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.planar import N_RIGID
-from lcpflex.steppers.run import Records
+from lcpflex.steppers.records import Records
 from lcpflex.steppers.step_error import ORDER, Units
 
 if TYPE_CHECKING:

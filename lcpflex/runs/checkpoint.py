@@ -83,8 +83,9 @@ class Checkpoint:
 
     def restore(self, setup: Setup, run: Run) -> tuple[float, float]:
         """Put the state of the run back into ``run``, at its beginning; the wall time so far, as a Stopwatch tells."""
-        if hasattr(run, "begin_again"):
-            run.begin_again()
+        begin_again = getattr(getattr(run, "method", None), "begin_again", None)
+        if begin_again is not None:
+            begin_again()
         self.thawed("run", run)
         if setup.recorder is not None:
             setup.recorder.seen, setup.recorder.stride, setup.recorder.kept = self.thawed("recorder")

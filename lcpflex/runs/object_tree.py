@@ -36,7 +36,7 @@ CLASSES = {"Radau": "scipy.integrate", "BDF": "scipy.integrate"}
 # of packed tuples: addresses of functions in this process, and laws, which follow from the scene
 CONSTANT = {"kinds", "parameters", "address"}
 # objects that belong to the scene or to the user: they are as the scene makes them again
-LIVE = {"System", "Model", "CompiledFunction", "OwnFunction", "LawRow"}
+LIVE = {"System", "Model", "CompiledFunction", "OwnFunction", "LawRow", "Support"}
 CACHES = {("Sampling", "_known")}  # attributes that are made again where they are missing
 FUNCTIONS = (types.FunctionType, types.MethodType, types.BuiltinFunctionType, types.MethodWrapperType)
 

@@ -17,7 +17,7 @@ from lcpflex.steppers.user_functions import watch
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
-    from lcpflex.steppers.run import Records
+    from lcpflex.steppers.records import Records
     from lcpflex.steppers.system import System
 
 __all__ = ["Run", "Setup", "Stepper", "compiled_for", "set_up"]

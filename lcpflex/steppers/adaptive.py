@@ -18,15 +18,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
-from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
-from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.instants import longest_look, time_left
-from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import StepClock
-from lcpflex.steppers.recorder import Counts, Tape, copy_counts
+from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
@@ -34,22 +31,17 @@ __all__ = [
     "MOST_STRIKES",
     "SETTLE",
     "AdaptiveStep",
-    "Backup",
     "Limits",
     "accept",
     "add_differences",
     "after_impact",
     "after_rejection",
-    "backup",
     "doubling_error",
     "end_there",
     "next_length",
     "position_tolerance",
-    "put_back",
-    "put_by",
     "resume",
     "threshold",
-    "unmet",
 ]
 
 PART = 0.01  # of the duration that one step may take, where no limit is given
@@ -130,67 +122,6 @@ class Limits(NamedTuple):
     velocity_threshold: float  # negative: from the tolerances
 
 
-@struct
-class Backup:
-    """What a rejected step is undone with: state, running sums of the tape, contacts held."""
-
-    q: FloatArray = array("ndof")
-    u: FloatArray = array("ndof")
-    long_q: FloatArray = array("ndof")  # state after the one long step
-    long_u: FloatArray = array("ndof")
-    counts: Counts
-    total_impulse: FloatArray = array("laws", 2)
-    n_held: int
-    held_key: IntArray = array("contacts")
-    held_gap: FloatArray = array("contacts")
-    at: FloatArray = array("ndof")  # a configuration within the step
-
-
-def backup(system: System, capacity: int) -> Backup:
-    """Memory for ``capacity`` contacts."""
-    sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
-    return allocate(Backup, sizes, counts=allocate(Counts, {}))
-
-
-@kernel
-def copy_totals(source: Tape | Backup, target: Tape | Backup) -> None:
-    """What a tape has counted, to a backup or back."""
-    copy_counts(source.counts, target.counts)
-    for law in range(len(source.total_impulse)):
-        target.total_impulse[law, 0] = source.total_impulse[law, 0]
-        target.total_impulse[law, 1] = source.total_impulse[law, 1]
-
-
-@kernel
-def put_by(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Backup) -> None:
-    """Keep the present state; the long step starts from a copy of it."""
-    for i in range(len(q)):
-        kept.q[i] = q[i]
-        kept.u[i] = u[i]
-        kept.long_q[i] = q[i]
-        kept.long_u[i] = u[i]
-    copy_totals(tape, kept)
-    held = work.n_held
-    kept.n_held = held
-    for k in range(held):
-        kept.held_key[k] = work.held_key[0, k]
-        kept.held_gap[k] = work.held_gap[0, k]
-
-
-@kernel
-def put_back(q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, kept: Backup) -> None:
-    """Undo everything since ``put_by``."""
-    for i in range(len(q)):
-        q[i] = kept.q[i]
-        u[i] = kept.u[i]
-    copy_totals(kept, tape)
-    held = kept.n_held
-    work.n_held = held
-    for k in range(held):
-        work.held_key[0, k] = kept.held_key[k]
-        work.held_gap[0, k] = kept.held_gap[k]
-
-
 @kernel
 def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -> float:
     """Largest difference of the two results over its tolerance; infinite where one is not finite."""
@@ -220,23 +151,6 @@ def position_tolerance(limits: Limits, q: FloatArray) -> float:
     for i in range(len(q)):
         largest = max(largest, abs(q[i]))
     return limits.near + limits.rtol * largest
-
-
-@kernel
-def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: ContactTable) -> float:
-    """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
-    if len(compliant.friction) == 0:
-        return 0.0
-    touching = 0.0
-    count = detect(model, q, touching, table)
-    sunk = 0.0
-    for k in range(min(count, len(table.key))):
-        known = table.by_law[table.law[k]] == SET_VALUED
-        for i in range(compliant.n_contacts):
-            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k])
-        if not known:
-            sunk = max(sunk, -table.gap[k])
-    return sunk
 
 
 @kernel
@@ -311,6 +225,5 @@ def accept(limits: Limits, clock: StepClock, h: float, error: float, alone: bool
     clock.rejected = 0
     clock.deepest = sunk
     clock.time = limits.duration if clock.time + h >= limits.duration else clock.time + h
-    clock.recent = h if alone else 0.5 * h
     clock.steps += 1 if alone else 2
     clock.n_shortest += 1 if alone else 0

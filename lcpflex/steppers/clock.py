@@ -1,23 +1,30 @@
-"""Where a run stands: time and steps, and what a loop that returned has to say."""
+"""Where a run of a time-stepping scheme stands: time and steps, and what a loop that returned has to say."""
 
 from __future__ import annotations
 
 from lcpflex.jit.struct import struct
 
-__all__ = ["StepClock", "StepCount"]
+__all__ = ["ALONE", "FIRST", "FRESH", "LONG", "SECOND", "StepClock", "StepCount"]
+
+# StepClock.part: of a step that is tried as a whole and in two halves, or made alone; FRESH: none is begun
+FRESH, LONG, FIRST, SECOND, ALONE = range(5)
 
 
 @struct
 class StepCount:
-    """Of steps of one length, and of their parts."""
+    """Of steps of one length."""
 
     number: float  # explains what a loop returned
-    made: int  # steps
+    length: float  # of the steps [s]
+    start: float  # time at which steps of this length began [s]
+    first: int  # steps made until then
+    made: int  # steps in all
+    last: int  # step after which the run ends, which is stored
+    stride: int  # steps between stored instants
     stored: int  # the step last stored
     within: float  # time made of the present step [s]
-    begun: int  # 1 where the state at the start was recorded
-    parts: float  # of a step
-    closed_then: int  # contacts closed when a step was divided
+    begun: int  # 1 where the state at the start is whole and may be recorded
+    taken: float  # length of the part of a step that was made last [s]
 
 
 @struct
@@ -28,7 +35,6 @@ class StepClock:
     time: float  # [s]
     step: float  # to try next [s]
     steps: int  # made
-    recent: float  # length of the last one [s]
     due: float  # time at which an instant is to be stored [s]
     n_shortest: int  # steps of the shortest length
     rejected: int  # 1 after a rejection
@@ -42,4 +48,3 @@ class StepClock:
     # steps that are made in parts
     part: int
     tried: float  # length of the step whose parts these are [s]
-    scaled: float  # step that the recursive acceleration belongs to [s]

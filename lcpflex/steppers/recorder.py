@@ -18,7 +18,7 @@ __all__ = [
     "RUNNING",
     "Counts",
     "Tape",
-    "copy_counts",
+    "has_room",
     "note_certificate",
     "note_compliant",
     "note_contact",
@@ -123,6 +123,13 @@ def tape(
 
 
 @kernel
+def has_room(work: Workspace, tape: Tape) -> bool:
+    """Whether an instant with the contacts of the present step fits on the tape."""
+    spots = tape.n_points + work.n_contacts + work.compliant.n_contacts
+    return tape.n_instants < len(tape.times) and spots <= len(tape.spots)
+
+
+@kernel
 def note_contact(
     tape: Tape, law: int, place: tuple[float, float], normal: FloatArray, force_n: float, force_t: float, state: int
 ) -> None:
@@ -202,23 +209,6 @@ def forget_worst(counts: Counts) -> None:
     counts.worst_drift = 0.0
     counts.worst_size = 0.0
     counts.worst_relative = 0.0
-
-
-@kernel
-def copy_counts(source: Counts, target: Counts) -> None:
-    """All of them."""
-    target.lost_friction = source.lost_friction
-    target.lost_impacts = source.lost_impacts
-    target.lost_damping = source.lost_damping
-    target.supplied = source.supplied
-    target.worst_residual = source.worst_residual
-    target.worst_penetration = source.worst_penetration
-    target.worst_drift = source.worst_drift
-    target.worst_size = source.worst_size
-    target.worst_relative = source.worst_relative
-    target.gained = source.gained
-    target.largest_gain = source.largest_gain
-    target.gain_time = source.gain_time
 
 
 @kernel

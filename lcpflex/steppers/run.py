@@ -1,94 +1,138 @@
-"""A run in progress: state, memory and records of one stepper, advanced in chunks by the driver."""
+"""A run in progress: what makes its steps, advanced in chunks, and what it has recorded."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
-import numpy as np
+from lcpflex.steppers.records import Records
+from lcpflex.steppers.status import RunStatus
 
-from lcpflex.force_laws.layout import UserLaw
-from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import copy_parts
-from lcpflex.steppers.passages import Passages, swallowed
-from lcpflex.steppers.recorder import FIELDS, RUNNING, Tape
-from lcpflex.steppers.system import System
-
-__all__ = ["Records"]
+__all__ = ["Method", "Run", "remedied"]
 
 
-class Records:
-    """The tape of a run and what was read off earlier tapes."""
+class Method(Protocol):
+    """What makes the steps of a run: :class:`FixedSteps`, :class:`StepDoubling`, or a method with a loop of its own."""
 
-    def __init__(self, system: System) -> None:
-        self._system = system
-        self._pages: list[dict[str, Any]] = []
-        # declared contacts that are a continuous force
-        self.laws = [law.row() if law else None for law in system.laws] or [None] * system.n_laws  # those of them
-        self.by_law = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
-        self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
-        self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
-        self.set_valued = np.array([not law for law in system.by_law] or [True] * system.n_laws, dtype=bool)
-        # what the steps cost in accuracy, beside tape.local: errors of some of them (step_error.Sampling);
-        # the length of steps that place an impact at their end [s]
-        self.sampling: Any = None
-        self.missed_friction: FloatArray | None = None  # of contacts by law; see law_run.friction_warnings
-        self.impact_step = 0.0
-        self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
-        self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
-        self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
-        self._passages = Passages(system.model, system.names)
-        self.tape: Tape = system.tape(64, 1024)
-
-    def empty(self) -> None:
-        """Read off the tape and make it ready for more."""
-        tape = self.tape
-        instants, spots = tape.n_instants, tape.n_points
-        page = {name: getattr(tape, name)[:instants].copy() for name in FIELDS}
-        page["spots"] = tape.spots[:spots].copy()
-        page["spots"][:, 0] += sum(len(p["times"]) for p in self._pages)
-        self._pages.append(page)
-        tape.n_instants = tape.n_points = 0
-
-    def grow(self, needed: int) -> None:
-        """A tape whose contact table holds ``needed`` entries; what it was counting goes on."""
-        self.empty()
-        old = self.tape
-        self.tape = self._system.tape(2 * needed, max(len(old.spots), 8 * needed))
-        for name in RUNNING:
-            getattr(self.tape, name)[:] = getattr(old, name)
-        copy_parts(old.counts, self.tape.counts)
-
-    def examine(self, time: float, step: float) -> None:
-        """Look at the path of a step that may have taken a body through another."""
-        while needed := self._passages.examine(time, step, self.tape):
-            self.grow(needed)
-
-    def wrong(self) -> list[str]:
-        """Clauses: all that went wrong, so that the result is not to be trusted."""
-        system = self._system
-        deep = [] if self.indentation is None else swallowed(system.model, system.names, self.indentation)
-        return [*self.found_wrong, *self._passages.clauses(), *deep]
-
-    def merge(self) -> None:
-        """Make one page of all, which a file holds in few pieces."""
-        if len(self._pages) > 1:
-            names = (*FIELDS, "spots")
-            self._pages = [{name: np.concatenate([page[name] for page in self._pages]) for name in names}]
-
-    def collected(self) -> dict[str, FloatArray]:
-        """All records so far, one array a field."""
-        self.empty()
-        self.merge()
-        return dict(self._pages[0])
+    records: Records
+    fixed_step: float  # length of steps of one length [s]; 0 where error control chooses it
 
     @property
-    def gain(self) -> tuple[float, float, float]:
-        """Energy created by contact impulses: in all [J], most at once [J], when [s]."""
-        counts = self.tape.counts
-        return counts.gained, counts.largest_gain, counts.gain_time
+    def time(self) -> float:
+        """Time reached [s]."""
 
-    def energy_scale(self) -> float:
-        """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""
-        pages = [page["energies"] for page in self._pages] + [self.tape.energies[: int(self.tape.n_instants)]]
-        energies = np.concatenate(pages)
-        return float(energies[:, :3].sum(axis=1).max() - energies[:, 2].min()) if len(energies) else 0.0
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+
+    @property
+    def touching(self) -> Any:
+        """Declared contacts of the last contact problem or evaluation, each at least once."""
+
+    @property
+    def number(self) -> int:
+        """What explains the last status: how much room is needed, which contact it was."""
+
+    @property
+    def taken(self) -> float:
+        """Length of the last step, or part of one [s]."""
+
+    def loop(self, target: int) -> int:
+        """Steps until there are ``target`` of them or the duration is reached; a status."""
+
+    def make_room(self, number: int) -> None:
+        """Larger tables."""
+
+    def trouble(self, status: int) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+
+    def remarks(self) -> tuple[list[str], list[str]]:
+        """Warnings and notes of the run so far."""
+
+
+Event = tuple[float, str, int, float]  # time [s], kind, declared contact, energy change [J]
+
+
+class Run:
+    """A run: steps of a method, its records, and its events where it locates them."""
+
+    def __init__(self, method: Method) -> None:
+        self.method = method
+        self.records = method.records
+
+    @property
+    def fixed_step(self) -> float:
+        """Length of steps of one length [s]; 0 where error control chooses it."""
+        return self.method.fixed_step
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        return self.method.time
+
+    @property
+    def steps(self) -> int:
+        """Steps made, without those rejected and without the long ones that only measure the error."""
+        return self.method.steps
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.method.finished
+
+    @property
+    def touching(self) -> list[int]:
+        """Declared contacts that the last contact problem held, or that touched at the last evaluation."""
+        return sorted(set(self.method.touching.tolist()))
+
+    @property
+    def events(self) -> list[Event]:
+        """The events so far; only event-driven runs locate them."""
+        found: list[Event] = getattr(self.method, "events", [])
+        return found
+
+    def advance(self, n_steps: int) -> str:
+        """Make up to ``n_steps`` steps, some of them sampled; empty, or why the run cannot go on.
+
+        A sample that begins among these steps is made as a whole, be they fewer: which steps are sampled, and with it
+        the result, must not depend on how many are made at a time.
+        """
+        last, sampling = self.steps + n_steps, self.records.sampling
+        try:
+            while sampling and sampling.ahead - 1.0 < last:
+                message = self._to(int(sampling.ahead) - 1) or sampling.sample(self)
+                if message or self.finished:
+                    return message
+            return self._to(max(last, self.steps))
+        finally:  # of an interrupted run, too
+            self.records.warnings[:], self.records.notes[:] = self.method.remarks()
+
+    def make(self, n_steps: int) -> str:
+        """Make ``n_steps`` steps, none of them sampled; empty, or why the run cannot go on."""
+        return self._to(self.steps + n_steps)
+
+    def _to(self, target: int) -> str:
+        while True:
+            status = self.method.loop(target)
+            if status == RunStatus.DONE:
+                return ""
+            if message := remedied(self.method, status):
+                return message
+
+
+def remedied(method: Method, status: int) -> str:
+    """Empty what is full and grow what is too small; why a loop cannot go on where neither is the reason."""
+    if status == RunStatus.TAPE_FULL:
+        method.records.empty()
+    elif status == RunStatus.GROW_TAPE:
+        method.records.grow(method.number)
+    elif status == RunStatus.GROW:
+        method.make_room(method.number)
+    elif status == RunStatus.PASSED:
+        method.records.examine(method.time, method.taken)
+    else:
+        return method.trouble(status)
+    return ""

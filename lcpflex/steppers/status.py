@@ -19,6 +19,7 @@ class RunStatus(IntEnum):
         return member
 
     DONE = 0
+    PART = 17  # of a step was made
     # something is full or too small: the loop goes on with more room
     TAPE_FULL = 1
     GROW = 2

@@ -11,7 +11,7 @@ than after one. Steps in which something strikes are left out: their error is co
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,12 +22,10 @@ from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.memory import known
-from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.recorder import FIELDS
-from lcpflex.steppers.run import Records
-from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.records import Records
 
-__all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried", "half_steps"]
+__all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried"]
 
 BLOCK = 4  # steps of a sample
 SAMPLES = 12  # of a run: each costs some 0.1 ms
@@ -88,33 +86,13 @@ class Sampled(Protocol):
         """``count`` steps of half the length, none stored, after ``done`` ones since ``time`` [s]; 0: all went well."""
 
 
-class Halved(Protocol):
-    """A scheme of :mod:`lcpflex.steppers.stepping_run` with its numbers."""
-
-    clock: StepCount
-    _settings: Any
+class Advancing(Protocol):
+    """A run."""
 
     @property
-    def step(self) -> float: ...
-    def loop(self, start: float, n_steps: int, stride: int) -> int: ...
-    def change_step(self, step: float) -> None: ...
-
-
-def half_steps(scheme: Halved, time: float, done: int, count: int) -> int:
-    """See :meth:`Sampled.half_steps`; the clock is left as it comes."""
-    settings, half = scheme._settings, 0.5 * scheme.step
-    if done:  # the state is that of such steps already
-        scheme._settings = settings._replace(step=half)
-    else:
-        scheme.change_step(half)
-    scheme.clock.made, scheme.clock.stored = 1, 1  # counted from 1: none is stored
-    try:
-        while True:
-            status = scheme.loop(time + (done - 1) * half, int(1 + count - scheme.clock.made), UNSTORED)
-            if status != RunStatus.PASSED:  # what may have passed through something is looked at in the run itself
-                return status
-    finally:
-        scheme._settings = settings
+    def time(self) -> float: ...
+    def make(self, n_steps: int) -> str:
+        """Make so many steps; empty, or why the run cannot go on."""
 
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
@@ -139,8 +117,9 @@ class Sampling:
 
     steps = 1 + BLOCK  # that a sample makes
 
-    def __init__(self, scheme: Sampled, total: int) -> None:
+    def __init__(self, scheme: Sampled, total: int, whole: int) -> None:
         self._scheme = scheme
+        self._whole = whole  # steps of full length: of the others none is sampled
         count = min(SAMPLES, (total - 1) // BLOCK)
         places = np.arange(count) + (0.5 + GOLDEN * np.arange(count)) % 1.0
         # never the first step: a sample is compared with the step before; each ends before the next one
@@ -153,22 +132,19 @@ class Sampling:
     @property
     def ahead(self) -> float:
         """Number of the next step before which a sample is due; infinite if none is."""
-        return float(self._at[-1]) if self._at else math.inf
+        return float(self._at[-1]) if self._at and self._at[-1] + BLOCK <= self._whole else math.inf
 
-    def sample(self, time: Callable[[], float], advance: Callable[[int], str]) -> str:
-        """Make a step, and a block of steps that are made in halves as well; why the run cannot go on, if it cannot.
-
-        ``time()`` [s] has been reached; ``advance(n)`` makes n steps.
-        """
+    def sample(self, run: Advancing) -> str:
+        """Make a step, and a block of steps that are made in halves as well; why the run cannot go on, if it cannot."""
         self._at.pop()
         impulses = [self._impulse()]
-        if message := advance(1):
+        if message := run.make(1):
             return message
         impulses.append(self._impulse())
-        halves = self._halves(time())
+        halves = self._halves(run.time)
         ends = []
         for count in (1, BLOCK - 1):
-            if message := advance(count):
+            if message := run.make(count):
                 return message
             impulses.append(self._impulse())
             ends.append([np.array(part) for part in self._scheme.state()[:2]])
@@ -177,7 +153,7 @@ class Sampling:
         error = np.array(ends) - np.array(halves[0])
         if np.isfinite(error).all():
             self.found.append((error[1] - error[0]) / (BLOCK - 1))
-            self.times.append(time())
+            self.times.append(run.time)
         return ""
 
     def _impulse(self) -> FloatArray:

@@ -12,17 +12,18 @@ from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import foot_margin, refresh, slave_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.rows import gap_rate
+from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.steppers.adaptive import Backup
+from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN
 from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.scheme import NEVER
 
-__all__ = ["closed_pairs", "first_unmet"]
+__all__ = ["closed_pairs", "first_unmet", "unmet"]
 
-NEVER = 2.0  # share of a step
 TURN = 0.25  # [rad] by which a body turns in one part of a step, at most
 MOST_PARTS = 32
 HALVINGS = 60
@@ -258,3 +259,20 @@ def closed_pairs(
         if not held:
             approach = max(approach, -rate)
     return sunk, approach, pull
+
+
+@kernel
+def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: ContactTable) -> float:
+    """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
+    if len(compliant.friction) == 0:
+        return 0.0
+    touching = 0.0
+    count = detect(model, q, touching, table)
+    sunk = 0.0
+    for k in range(min(count, len(table.key))):
+        known = table.by_law[table.law[k]] == SET_VALUED
+        for i in range(compliant.n_contacts):
+            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k])
+        if not known:
+            sunk = max(sunk, -table.gap[k])
+    return sunk

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from lcpflex.force_laws.layout import LawRow, UserLaw
-from lcpflex.steppers.run import Records
+from lcpflex.steppers.records import Records
 from lcpflex.steppers.system import System
 
 __all__ = ["advance", "watch", "watch_laws", "watch_pair_laws"]

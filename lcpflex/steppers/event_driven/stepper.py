@@ -15,6 +15,7 @@ from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_no
 from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts, numbers_of
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
@@ -39,17 +40,20 @@ from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.named import listed
-from lcpflex.steppers.run import Records
+from lcpflex.steppers.records import Records
+from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 from lcpflex.steppers.user_functions import watch_pair_laws
 
-__all__ = ["EventDriven", "EventDrivenRun"]
+__all__ = ["EventDriven"]
 
 
-class EventDrivenRun:
-    """An event-driven run in progress (see :class:`EventDriven`)."""
+class EventDrivenSteps:
+    """Steps between events, for a run (see :class:`EventDriven`)."""
+
+    fixed_step = 0.0
 
     def __init__(self, system: System, stepper: EventDriven, duration: float, interval: float) -> None:
         self.system = system
@@ -106,11 +110,21 @@ class EventDrivenRun:
         return self.time >= self.duration and self._memory.phase == STEPPING
 
     @property
-    def touching(self) -> list[int]:
+    def touching(self) -> IntArray:
         """Declared contacts of the present sets."""
         at_event = self._memory.phase in (COLLIDING, CHOOSING)
         count = int(self._memory.n_found if at_event else self._memory.n_contacts)
-        return sorted(set(self._work.table.law[:count].tolist()))
+        return self._work.table.law[:count]
+
+    @property
+    def number(self) -> int:
+        """What explains the last status."""
+        return int(self._memory.detail)
+
+    @property
+    def taken(self) -> float:
+        """Length of the last step [s]."""
+        return self._memory.step_taken
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
@@ -121,56 +135,45 @@ class EventDrivenRun:
         self._memory.n_events = 0
         return self._events
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on."""
-        message = self._advance_to(self.steps + n_steps)
-        self.records.warnings[:] = self._warnings()
-        self.records.notes[:] = shared_load(self._memory, self.system.contact_name)
-        return message
+    def loop(self, target: int) -> int:
+        """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
+        status: int = self._advance(
+            self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
+        )
+        return status
 
-    def _advance_to(self, target: int) -> str:
-        while True:
-            status = self._advance(
-                self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
+    def trouble(self, status: int) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+        if status == RunStatus.EVENTS_FULL:
+            _ = self.events
+        elif status == RunStatus.CALM:
+            self._thresholds.fall()
+        elif status == RunStatus.SOLVER_FAILED:
+            if not (self._rescue(self._work, self.time) or self._jam()):
+                return self._rescue.unsolved(self._work, self.number, self._thresholds.settings.tolerance)
+        elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm():
+            return self._sentence(status)
+        return ""
+
+    def _sentence(self, status: int) -> str:
+        if status == RunStatus.HIT_TOGETHER:
+            return (
+                f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
+                "close together here: use Stronge(sequential=True), Poisson() or Newton()"
             )
-            detail = self._memory.detail
-            if status == RunStatus.DONE:
-                return ""
-            if status == RunStatus.TAPE_FULL:
-                self.records.empty()
-            elif status == RunStatus.GROW_TAPE:
-                self.records.grow(int(detail))
-            elif status == RunStatus.GROW:
-                self._grow(int(detail))
-            elif status == RunStatus.EVENTS_FULL:
-                _ = self.events
-            elif status == RunStatus.SOLVER_FAILED:
-                if self._rescue(self._work, self.time) or self._jam():
-                    continue
-                return self._rescue.unsolved(self._work, int(detail), self._thresholds.settings.tolerance)
-            elif status == RunStatus.HIT_TOGETHER:
-                return (
-                    f"{self._impact} integrates the impact of one contact, but contacts that influence each other "
-                    "close together here: use Stronge(sequential=True), Poisson() or Newton()"
-                )
-            elif status == RunStatus.CALM:
-                self._thresholds.fall()
-            elif status in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) and self._calm():
-                continue
-            elif status == RunStatus.TOO_OFTEN:
-                named = listed(sorted({event[2] for event in self.events[-WINDOW:]}), self.system.contact_name)
-                return (
-                    f"the last {WINDOW} events, of {named}, followed each other at more than "
-                    f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
-                )
-            elif status == RunStatus.CHATTER:
-                return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
-            elif status == RunStatus.OUT_OF_RANGE:
-                return law_trouble(self.system.names, self._work)
-            elif status == RunStatus.STEP_TOO_SHORT:
-                return RunStatus.STEP_TOO_SHORT.sentence
-            else:
-                return "the state is no longer finite"
+        if status == RunStatus.TOO_OFTEN:
+            named = listed(sorted({event[2] for event in self.events[-WINDOW:]}), self.system.contact_name)
+            return (
+                f"the last {WINDOW} events, of {named}, followed each other at more than "
+                f"{self._thresholds.most}: MoreauJean(step=...) takes the impacts of a step together"
+            )
+        if status == RunStatus.CHATTER:
+            return f"more than {MOST_EVENTS} events at one instant: the contacts named here switch without end"
+        if status == RunStatus.OUT_OF_RANGE:
+            return law_trouble(self.system.names, self._work)
+        if status == RunStatus.NOT_FINITE:
+            return "the state is no longer finite"
+        return RunStatus(status).sentence
 
     def _calm(self) -> bool:
         """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised."""
@@ -207,15 +210,16 @@ class EventDrivenRun:
             self._first_jam = self.system.contact_name(work.table.law[memory.target])
         return True
 
-    def _warnings(self) -> list[str]:
-        """What the run has met so far that a reader must know."""
-        return [
+    def remarks(self) -> tuple[list[str], list[str]]:
+        """What the run has met so far that a reader must know, and what it may want to know."""
+        warnings = [
             *law_warnings(self.system.names, self._work.compliant.history),
             *event_remarks(self._memory, self.system.contact_name, self._proven, self._first_jam),
             *self._overlap(),
             *self._thresholds.remarks(self.system.contact_name),
             *self._rescue.remarks(self.system.contact_name),
         ]
+        return warnings, shared_load(self._memory, self.system.contact_name)
 
     def _overlap(self) -> list[str]:
         deepest = self._memory.deepest
@@ -223,7 +227,7 @@ class EventDrivenRun:
             return []
         return [f"bodies overlapped by {deepest:.3g} m without an impact: shorter steps (max_step) may find it"]
 
-    def _grow(self, needed: int) -> None:
+    def make_room(self, needed: int) -> None:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
         old_work, old = self._work, self._memory
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
@@ -309,7 +313,7 @@ class EventDriven:
             raise ModelError(f"impact: {shown(self.impact)} was given, expected {KNOWN}")
         as_solver(self.solver)
 
-    def start(self, system: System, duration: float, interval: float) -> EventDrivenRun:
+    def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events.
 
         system: what a scene or a system of the user's own is compiled to.
@@ -321,6 +325,6 @@ class EventDriven:
                 "expected Newton(), the one law that knows it"
             )
         refuse_states(system)
-        run = EventDrivenRun(system, self, duration, interval)
+        run = Run(EventDrivenSteps(system, self, duration, interval))
         watch_pair_laws(run.records, system)
         return run

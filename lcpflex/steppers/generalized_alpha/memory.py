@@ -9,9 +9,9 @@ from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.system import System
 
-__all__ = ["AlphaMemory", "EndForces", "Held", "alpha_memory", "copy_end", "hold", "larger", "match"]
+__all__ = ["AlphaScheme", "EndForces", "Held", "alpha_scheme", "hold", "larger", "match"]
 
-RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaMemory.phase: what is solved next
+RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaScheme.phase: what is solved next
 
 
 @struct
@@ -37,9 +37,21 @@ class EndForces:
 
 
 @struct
-class AlphaMemory:
-    """Work arrays for ``capacity`` contacts."""
+class AlphaScheme:
+    """Numbers of the scheme, its state, and work arrays for a number of contacts."""
 
+    step: float  # that the recursive acceleration belongs to
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+    beta: float
+    gap_tolerance: float
+    velocity_threshold: float
+    tolerance: float
+    rebound: float  # slower approach is stopped, not reflected [m/s]
+    settle: float  # and so is one that is slower than so many times what this step adds to it
+    q: FloatArray = array("ndof")
+    u: FloatArray = array("ndof")
     a: FloatArray = array("ndof")  # the recursive acceleration of the scheme
     w: FloatArray = array("ndof")  # udot at the start of the step
     a_new: FloatArray = array("ndof")
@@ -64,36 +76,32 @@ class AlphaMemory:
     stopped: float  # fastest approach stopped [m/s]
     phase: int  # RESTART, SMOOTH, POSITION or VELOCITY: what is solved next
     turn: int  # passes of the present problem
-    between: int
     skip: int
     n_found: int
     warm: int
     unsettled: int
 
 
-def held(system: System, capacity: int) -> Held:
-    """An empty list of contacts."""
-    return allocate(Held, {"contacts": capacity}, table=system.table(capacity))
-
-
-def alpha_memory(system: System, capacity: int) -> AlphaMemory:
+def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme:
     """Allocate for ``system``, before its first step."""
     sizes = {"ndof": len(system.q), "contacts": capacity, "laws": system.n_laws}
     return allocate(
-        AlphaMemory,
+        AlphaScheme,
         sizes,
+        q=system.q.copy(),
+        u=system.u.copy(),
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
         sets=contact_sets(capacity),
-        resting=held(system, capacity),
-        pressed=held(system, capacity),
-        between=1,
+        resting=allocate(Held, sizes, table=system.table(capacity)),
+        pressed=allocate(Held, sizes, table=system.table(capacity)),
+        **numbers,
     )
 
 
-def larger(system: System, old: AlphaMemory, capacity: int) -> AlphaMemory:
+def larger(system: System, old: AlphaScheme, capacity: int) -> AlphaScheme:
     """The same content with room for ``capacity`` contacts."""
-    new = alpha_memory(system, capacity)
+    new = alpha_scheme(system, capacity)
     copy_parts(old, new)
     return new
 
@@ -122,17 +130,3 @@ def hold(table: ContactTable, k: int, normal: float, tangential: float, mode: in
     held.load[i, 1] = tangential
     held.mode[i] = mode
     held.count = i + 1
-
-
-@kernel
-def copy_end(source: EndForces, target: EndForces) -> None:
-    """Forces at one end of a step become those at another."""
-    for i in range(len(source.friction)):
-        target.friction[i] = source.friction[i]
-        target.normal[i] = source.normal[i]
-        target.damping[i] = source.damping[i]
-        target.drive[i] = source.drive[i]
-        target.conservative[i] = source.conservative[i]
-    for law in range(len(source.contact)):
-        target.contact[law, 0] = source.contact[law, 0]
-        target.contact[law, 1] = source.contact[law, 1]

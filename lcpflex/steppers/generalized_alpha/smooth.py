@@ -5,8 +5,6 @@ See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import (
@@ -37,53 +35,38 @@ from lcpflex.steppers.event_driven.memory import copy_entry
 from lcpflex.steppers.generalized_alpha.memory import (
     POSITION,
     SMOOTH,
-    AlphaMemory,
+    AlphaScheme,
     EndForces,
     hold,
 )
 
-__all__ = ["AlphaSettings", "apply_smooth", "gather_resting", "lay", "pose_smooth", "slip_mode"]
+__all__ = ["apply_smooth", "gather_resting", "lay", "pose_smooth", "slip_mode"]
 
 MOST_PASSES = 15  # of Newton's method on the smooth motion
 SETTLED = 1e-11  # change of an acceleration, relative to the largest, at which Newton's method has converged
 DOUBTFUL = 1e-6  # change at which it has not after the last pass
 
 
-class AlphaSettings(NamedTuple):
-    """Numbers of the scheme, as the compiled loop takes them."""
-
-    step: float
-    alpha_m: float
-    alpha_f: float
-    gamma: float
-    beta: float
-    gap_tolerance: float
-    velocity_threshold: float
-    tolerance: float
-    rebound: float  # slower approach is stopped, not reflected [m/s]
-    settle: float  # and so is one that is slower than so many times what this step adds to it
-
-
 @kernel
-def place_end(settings: AlphaSettings, h: float, q: FloatArray, u: FloatArray, memory: AlphaMemory) -> None:
+def place_end(h: float, scheme: AlphaScheme) -> None:
     """Smooth motion to the end of a step of length h, from the iterate of the acceleration there."""
-    am = settings.alpha_m
-    af = settings.alpha_f
+    q, u = scheme.q, scheme.u
+    am = scheme.alpha_m
+    af = scheme.alpha_f
     for i in range(len(q)):
-        a = memory.a[i]
-        a_new = ((1.0 - af) * memory.w_new[i] + af * memory.w[i] - am * a) / (1.0 - am)
-        memory.a_new[i] = a_new
-        memory.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - settings.beta) * a + settings.beta * a_new))
-        memory.v_new[i] = u[i] + h * ((1.0 - settings.gamma) * a + settings.gamma * a_new)
+        a = scheme.a[i]
+        a_new = ((1.0 - af) * scheme.w_new[i] + af * scheme.w[i] - am * a) / (1.0 - am)
+        scheme.a_new[i] = a_new
+        scheme.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - scheme.beta) * a + scheme.beta * a_new))
+        scheme.v_new[i] = u[i] + h * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
 
 
 @kernel
-def gather_resting(
-    model: Model, settings: AlphaSettings, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory
-) -> int:
+def gather_resting(model: Model, work: Workspace, scheme: AlphaScheme) -> int:
     """Contacts closed at rest at the start of the step, with their modes; returns how many pairs are closed."""
-    memory.n_found = 0
-    found = detect(model, q, settings.gap_tolerance, work.table)
+    q, u = scheme.q, scheme.u
+    scheme.n_found = 0
+    found = detect(model, q, scheme.gap_tolerance, work.table)
     if found == 0 or found > len(work.table.key):
         return found
     n_joint = len(work.residual)
@@ -92,17 +75,17 @@ def gather_resting(
     j = 0
     for k in range(found):
         frictional = j < n_tangent and work.tangent[j] == k
-        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= settings.velocity_threshold:
+        if abs(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u)) <= scheme.velocity_threshold:
             mode = FRICTIONLESS
             if frictional:
                 slip = row_velocity(work.rows, work.row_body, n_joint + found + j, work.dof, u)
-                mode = slip_mode(slip, settings.velocity_threshold)
+                mode = slip_mode(slip, scheme.velocity_threshold)
             copy_entry(work.table, k, work.table, kept)
-            memory.sets.mode[kept] = mode
+            scheme.sets.mode[kept] = mode
             kept += 1
         if frictional:
             j += 1
-    memory.n_found = kept
+    scheme.n_found = kept
     return found
 
 
@@ -115,14 +98,14 @@ def slip_mode(slip: float, threshold: float) -> int:
 
 
 @kernel
-def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Workspace, memory: AlphaMemory) -> int:
+def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Workspace, scheme: AlphaScheme) -> int:
     """Factorise and lay all rows at the end of the step; returns the tangential ones."""
-    q = memory.q_new
+    q = scheme.q_new
     n_joint = len(work.residual)
-    supply(model, t, q, memory.v_new, work)
+    supply(model, t, q, scheme.v_new, work)
     factorise(model, q, alpha_c, alpha_k, work)
     if n_joint > 0:
-        joint_rows(model, t, q, memory.v_new, work.external, work.rows, work.row_body, work.rate, work.bias)
+        joint_rows(model, t, q, scheme.v_new, work.external, work.rows, work.row_body, work.rate, work.bias)
     for k in range(n):
         refresh(model, q, work.table, k)
     n_tangent = fill_contact_rows(model, q, n, n_joint, work)
@@ -134,60 +117,51 @@ def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Wo
 
 
 @kernel
-def pose_smooth(
-    model: Model,
-    settings: AlphaSettings,
-    h: float,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    work: Workspace,
-    memory: AlphaMemory,
-) -> int:
+def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: AlphaScheme) -> int:
     """Newton's equation for udot at t + h, with joints and resting contacts at acceleration level.
 
     h = 0 asks for the acceleration at t itself.
     """
-    n = memory.n_found
-    if memory.turn == 0:
+    n = scheme.n_found
+    if scheme.turn == 0:
         found = 0
-        memory.n_found = 0
-        if memory.skip == 0:
-            found = gather_resting(model, settings, q, u, work, memory)
+        scheme.n_found = 0
+        if scheme.skip == 0:
+            found = gather_resting(model, work, scheme)
             if found > len(work.table.key):
                 return found
-        n = memory.n_found
-        for i in range(len(q)):
-            memory.w_new[i] = memory.w[i]
-    place_end(settings, h, q, u, memory)
-    alpha_c = h * settings.gamma * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
-    alpha_k = h * h * settings.beta * (1.0 - settings.alpha_f) / (1.0 - settings.alpha_m)
-    n_tangent = lay(model, t + h, alpha_c, alpha_k, n, work, memory)
+        n = scheme.n_found
+        for i in range(len(scheme.q)):
+            scheme.w_new[i] = scheme.w[i]
+    place_end(h, scheme)
+    alpha_c = h * scheme.gamma * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    alpha_k = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
+    n_tangent = lay(model, t + h, alpha_c, alpha_k, n, work, scheme)
     n_joint = work.n_joint
-    forces(model, t + h, memory.q_new, memory.v_new, work)
-    contact_biases(model, memory.q_new, memory.v_new, n, n_tangent, n_joint, work)
-    multiply(model, memory.q_new, memory.w_new, work, memory.push)
-    for i in range(len(q)):
-        work.free_u[i] = work.total[i] - memory.push[i]
+    forces(model, t + h, scheme.q_new, scheme.v_new, work)
+    contact_biases(model, scheme.q_new, scheme.v_new, n, n_tangent, n_joint, work)
+    multiply(model, scheme.q_new, scheme.w_new, work, scheme.push)
+    for i in range(len(scheme.q)):
+        work.free_u[i] = work.total[i] - scheme.push[i]
     solve_vector(model, work, work.free_u)
-    for i in range(len(q)):
-        work.free_u[i] += memory.w_new[i]
+    for i in range(len(scheme.q)):
+        work.free_u[i] += scheme.w_new[i]
     for r in range(n_joint + n + n_tangent):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
     pose_contacts(work)
     for k in range(n):
-        memory.sets.tangent_of[k] = -1
+        scheme.sets.tangent_of[k] = -1
     for j in range(n_tangent):
-        memory.sets.tangent_of[work.tangent[j]] = j
-    n_stick = pose_sets(work, memory.sets)
-    memory.warm = 1 if n_stick == n_tangent else 0
+        scheme.sets.tangent_of[work.tangent[j]] = j
+    n_stick = pose_sets(work, scheme.sets)
+    scheme.warm = 1 if n_stick == n_tangent else 0
     return n
 
 
 @kernel
-def spread_forces(work: Workspace, memory: AlphaMemory) -> None:
+def spread_forces(work: Workspace, scheme: AlphaScheme) -> None:
     """Forces p of all rows from the solution on the index sets."""
-    sets = memory.sets
+    sets = scheme.sets
     n_joint = work.n_joint
     n = work.n_contacts
     found = work.solver
@@ -213,13 +187,13 @@ def add_row(work: Workspace, r: int, p: float, out: FloatArray) -> None:
 
 
 @kernel
-def note_smooth(work: Workspace, memory: AlphaMemory, at: EndForces) -> None:
+def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces) -> None:
     """Hold the resting contacts with their forces, and the forces that do work, at one end of the step."""
     n_joint = work.n_joint
     n = work.n_contacts
     at.contact[:, :] = 0.0
-    memory.resting.count = 0
-    for i in range(len(memory.v_new)):
+    scheme.resting.count = 0
+    for i in range(len(scheme.v_new)):
         at.friction[i] = 0.0
         at.normal[i] = 0.0
         at.damping[i] = work.dissipative[i]
@@ -234,64 +208,62 @@ def note_smooth(work: Workspace, memory: AlphaMemory, at: EndForces) -> None:
             continue
         tangential = 0.0
         add_row(work, n_joint + k, normal, at.normal)
-        if memory.sets.tangent_of[k] >= 0:
-            r = n_joint + n + memory.sets.tangent_of[k]
+        if scheme.sets.tangent_of[k] >= 0:
+            r = n_joint + n + scheme.sets.tangent_of[k]
             tangential = work.p[r]
             add_row(work, r, tangential, at.friction)
         at.contact[work.table.law[k], 0] += normal
         at.contact[work.table.law[k], 1] += tangential
-        hold(work.table, k, normal, tangential, memory.sets.mode[k], memory.resting)
+        hold(work.table, k, normal, tangential, scheme.sets.mode[k], scheme.resting)
 
 
 @kernel
-def settled(h: float, work: Workspace, memory: AlphaMemory) -> bool:
+def settled(h: float, work: Workspace, scheme: AlphaScheme) -> bool:
     """Take over the new iterate; whether Newton's method is done."""
     largest = 0.0
-    for i in range(len(memory.w)):
+    for i in range(len(scheme.w)):
         largest = max(largest, abs(work.free_u[i]))
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     change = 0.0
-    for i in range(len(memory.w)):
+    for i in range(len(scheme.w)):
         largest = max(largest, abs(work.free_u[i]))
-        change = max(change, abs(work.free_u[i] - memory.w_new[i]))
-        memory.w_new[i] = work.free_u[i]
-    turn = memory.turn
-    rate = 1.0 if turn == 0 else change / memory.change
-    memory.change = change
-    memory.turn = turn + 1
+        change = max(change, abs(work.free_u[i] - scheme.w_new[i]))
+        scheme.w_new[i] = work.free_u[i]
+    turn = scheme.turn
+    rate = 1.0 if turn == 0 else change / scheme.change
+    scheme.change = change
+    scheme.turn = turn + 1
     if h == 0.0 or change * min(rate, 1.0) <= SETTLED * largest:
         return True
     stalled = turn >= 3 and rate > 0.7 and change <= DOUBTFUL * largest  # what is left is rounding
     if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
-        memory.unsettled += 1
+        scheme.unsettled += 1
     return stalled or turn + 1 >= MOST_PASSES
 
 
 @kernel
-def apply_smooth(
-    settings: AlphaSettings, h: float, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory
-) -> None:
+def apply_smooth(h: float, work: Workspace, scheme: AlphaScheme) -> None:
     """A Newton step; after the last one what the next problem needs."""
-    spread_forces(work, memory)
-    if not settled(h, work, memory):
+    spread_forces(work, scheme)
+    if not settled(h, work, scheme):
         return
-    place_end(settings, h, q, u, memory)
-    memory.turn = 0
-    memory.skip = 0
+    place_end(h, scheme)
+    scheme.turn = 0
+    scheme.skip = 0
     if h == 0.0:
-        note_smooth(work, memory, memory.start)
-        for law in range(len(memory.recursive)):
+        note_smooth(work, scheme, scheme.start)
+        for law in range(len(scheme.recursive)):
             for i in range(2):
-                memory.recursive[law, i] = memory.start.contact[law, i]
-        for i in range(len(q)):
-            memory.w[i] = memory.w_new[i]
-            memory.a[i] = memory.w_new[i]
-        memory.phase = SMOOTH
+                scheme.recursive[law, i] = scheme.start.contact[law, i]
+        for i in range(len(scheme.q)):
+            scheme.w[i] = scheme.w_new[i]
+            scheme.a[i] = scheme.w_new[i]
+        scheme.phase = SMOOTH
         return
-    note_smooth(work, memory, memory.end)
-    memory.phase = POSITION
-    memory.pressed.count = 0
-    resting = memory.resting
+    note_smooth(work, scheme, scheme.end)
+    scheme.phase = POSITION
+    scheme.pressed.count = 0
+    resting = scheme.resting
     for i in range(resting.count):
-        hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], memory.pressed)
+        hold(resting.table, i, 0.5 * h * resting.load[i, 0], 0.0, resting.mode[i], scheme.pressed)

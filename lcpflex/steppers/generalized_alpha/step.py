@@ -1,7 +1,7 @@
 """The problems of a generalised-alpha step, posed and applied one by one; here that of velocities.
 
 See :mod:`lcpflex.steppers.generalized_alpha.stepper` for the scheme. All contact problems of a step are solved at one
-place of the loop; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
+place; :func:`predict` poses the one that is next and :func:`correct` applies its solution.
 """
 
 from __future__ import annotations
@@ -15,15 +15,17 @@ from lcpflex.dynamics.impulse import distribute
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import copy_parts
 from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
+from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
     POSITION,
     RESTART,
     SMOOTH,
     VELOCITY,
-    AlphaMemory,
-    copy_end,
+    AlphaScheme,
     match,
 )
 from lcpflex.steppers.generalized_alpha.position import (
@@ -31,114 +33,105 @@ from lcpflex.steppers.generalized_alpha.position import (
     pose_position,
 )
 from lcpflex.steppers.generalized_alpha.smooth import (
-    AlphaSettings,
     apply_smooth,
     lay,
     pose_smooth,
     slip_mode,
 )
+from lcpflex.steppers.moreau_jean.step import record_impulses
+from lcpflex.steppers.passing import set_out_freely
 from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
+from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 
-__all__ = ["AGAIN", "STEPPED", "correct", "give_up_smooth", "predict"]
-
-AGAIN = 0  # the step has another problem to solve
-STEPPED = 1
+__all__: list[str] = []
 
 
 @kernel
-def numerical_damping(
-    model: Model, settings: AlphaSettings, u: FloatArray, work: Workspace, memory: AlphaMemory
-) -> float:
+def numerical_damping(model: Model, work: Workspace, scheme: AlphaScheme) -> float:
     """Energy that the smooth motion has lost by not being that of the trapezoidal rule, which conserves it [J].
 
     dv M (u + v~)/2 - dq (f + f~)/2 with dv = v~ - u - h (w + w~)/2 and dq = q~ - q - h (u + v~)/2.
     """
-    h = settings.step
+    h, u = scheme.step, scheme.u
     for i in range(len(u)):
-        memory.mean[i] = 0.5 * (u[i] + memory.v_new[i])
-    multiply(model, memory.q_new, memory.mean, work, memory.push)
+        scheme.mean[i] = 0.5 * (u[i] + scheme.v_new[i])
+    multiply(model, scheme.q_new, scheme.mean, work, scheme.push)
     gained = 0.0
     for i in range(len(u)):
-        a = memory.a[i]
-        a_new = memory.a_new[i]
-        dv = (1.0 - settings.gamma) * a + settings.gamma * a_new - 0.5 * (memory.w[i] + memory.w_new[i])
-        dq = (
-            (0.5 - settings.beta) * a
-            + settings.beta * a_new
-            - 0.5 * ((1.0 - settings.gamma) * a + settings.gamma * a_new)
-        )
-        force = 0.5 * (memory.start.conservative[i] + memory.end.conservative[i])
-        gained += h * (dv * memory.push[i] - h * dq * force)
+        a = scheme.a[i]
+        a_new = scheme.a_new[i]
+        dv = (1.0 - scheme.gamma) * a + scheme.gamma * a_new - 0.5 * (scheme.w[i] + scheme.w_new[i])
+        dq = (0.5 - scheme.beta) * a + scheme.beta * a_new - 0.5 * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
+        force = 0.5 * (scheme.start.conservative[i] + scheme.end.conservative[i])
+        gained += h * (dv * scheme.push[i] - h * dq * force)
     return -gained
 
 
 @kernel
-def pose_velocity(
-    model: Model, settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory
-) -> None:
+def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> None:
     """Impact law and friction at the end of the step, for the whole impulses of the step.
 
     ``work.free_u``: velocity without any contact impulse. A contact that came to the step at rest has no restitution:
     its approach is that of a curved surface.
     """
-    n = memory.n_found
-    n_tangent = lay(model, t, 0.0, 0.0, n, work, memory)
-    memory.numerical = numerical_damping(model, settings, u, work, memory)
+    n, u = scheme.n_found, scheme.u
+    n_tangent = lay(model, t, 0.0, 0.0, n, work, scheme)
+    scheme.numerical = numerical_damping(model, work, scheme)
     n_joint = work.n_joint
     total = n_joint + n + n_tangent
-    h = settings.step
+    h = scheme.step
     for i in range(len(u)):
-        work.free_u[i] = memory.v_new[i]
+        work.free_u[i] = scheme.v_new[i]
     for r in range(n_joint + n, total):
         work.p[r] = 0.0
     for k in range(n):
-        i = match(work.table, k, memory.resting)
-        memory.matched[k] = i
-        work.p[n_joint + k] = -h * memory.resting.load[i, 0] if i >= 0 else 0.0
+        i = match(work.table, k, scheme.resting)
+        scheme.matched[k] = i
+        work.p[n_joint + k] = -h * scheme.resting.load[i, 0] if i >= 0 else 0.0
     for j in range(n_tangent):
-        i = memory.matched[work.tangent[j]]
+        i = scheme.matched[work.tangent[j]]
         if i >= 0:
-            work.p[n_joint + n + j] = -h * memory.resting.load[i, 1]
+            work.p[n_joint + n + j] = -h * scheme.resting.load[i, 1]
     apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
     free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.problem.terms)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
         e_n = model.contacts.restitution[work.table.law[k]]
-        if e_n > 0.0 and memory.matched[k] < 0:
+        if e_n > 0.0 and scheme.matched[k] < 0:
             before = min(row_velocity(work.rows, work.row_body, n_joint + k, work.dof, u), 0.0)
-            memory.approach = max(memory.approach, -before)
+            scheme.approach = max(scheme.approach, -before)
             gained = abs(work.free[n_joint + k] - before)
-            if -before > settings.rebound + settings.settle * gained:
+            if -before > scheme.rebound + scheme.settle * gained:
                 work.free[n_joint + k] += e_n * before
             else:
-                memory.stopped = max(memory.stopped, -before)
+                scheme.stopped = max(scheme.stopped, -before)
     for j in range(n_tangent):
         k = work.tangent[j]
         e_t = model.contacts.tangential_restitution[work.table.law[k]]
-        if e_t > 0.0 and memory.matched[k] < 0:
+        if e_t > 0.0 and scheme.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
     pose_contacts(work)
-    memory.warm = 1
+    scheme.warm = 1
 
 
 @kernel
-def accrue_impulse(settings: AlphaSettings, memory: AlphaMemory, tape: Tape) -> None:
+def accrue_impulse(scheme: AlphaScheme, tape: Tape) -> None:
     """Add the impulse of the smooth contact forces, with the weights that they have in the velocity.
 
     So impulses are the change of momentum to rounding, and not to the order of the step.
     """
-    am = settings.alpha_m
-    af = settings.alpha_f
-    for law in range(len(memory.recursive)):
+    am = scheme.alpha_m
+    af = scheme.alpha_f
+    for law in range(len(scheme.recursive)):
         for i in range(2):
-            now = memory.start.contact[law, i]
-            old = memory.recursive[law, i]
-            new = ((1.0 - af) * memory.end.contact[law, i] + af * now - am * old) / (1.0 - am)
-            tape.total_impulse[law, i] += settings.step * ((1.0 - settings.gamma) * old + settings.gamma * new)
-            memory.recursive[law, i] = new
+            now = scheme.start.contact[law, i]
+            old = scheme.recursive[law, i]
+            new = ((1.0 - af) * scheme.end.contact[law, i] + af * now - am * old) / (1.0 - am)
+            tape.total_impulse[law, i] += scheme.step * ((1.0 - scheme.gamma) * old + scheme.gamma * new)
+            scheme.recursive[law, i] = new
 
 
 @kernel
@@ -151,21 +144,21 @@ def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray)
 
 
 @kernel
-def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape) -> None:
+def audit(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> None:
     """Add the step's work by kind and its impulses to the tape: mean forces, or impulses, times mean velocities.
 
     ``work.free_u`` holds u+; ``work.p`` the whole impulses, of which h lambda belong to the smooth motion.
     """
     n_joint = work.n_joint
     n = work.n_contacts
-    h = settings.step
-    start, end = memory.start, memory.end
-    tape.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, memory.v_new)
-    tape.counts.lost_impacts -= 0.25 * h * mean_power(start.normal, end.normal, u, memory.v_new)
-    tape.counts.lost_damping -= 0.25 * h * mean_power(start.damping, end.damping, u, memory.v_new)
-    tape.counts.supplied += 0.25 * h * mean_power(start.drive, end.drive, u, memory.v_new)
-    tape.counts.lost_damping += memory.numerical
-    accrue_impulse(settings, memory, tape)
+    h, u = scheme.step, scheme.u
+    start, end = scheme.start, scheme.end
+    tape.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, scheme.v_new)
+    tape.counts.lost_impacts -= 0.25 * h * mean_power(start.normal, end.normal, u, scheme.v_new)
+    tape.counts.lost_damping -= 0.25 * h * mean_power(start.damping, end.damping, u, scheme.v_new)
+    tape.counts.supplied += 0.25 * h * mean_power(start.drive, end.drive, u, scheme.v_new)
+    tape.counts.lost_damping += scheme.numerical
+    accrue_impulse(scheme, tape)
     gained = 0.0
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
@@ -176,9 +169,9 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
             k = work.tangent[r - n_joint - n]
         elif r >= n_joint:
             k = r - n_joint
-        if k >= 0 and memory.matched[k] >= 0:
-            p -= h * memory.resting.load[memory.matched[k], 1 - part]
-        before = row_velocity(work.rows, work.row_body, r, work.dof, memory.v_new)
+        if k >= 0 and scheme.matched[k] >= 0:
+            p -= h * scheme.resting.load[scheme.matched[k], 1 - part]
+        before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.v_new)
         done = 0.5 * p * (before + row_velocity(work.rows, work.row_body, r, work.dof, work.free_u))
         if k >= 0:
             gained += done
@@ -193,113 +186,134 @@ def audit(settings: AlphaSettings, t: float, u: FloatArray, work: Workspace, mem
 
 
 @kernel
-def broken(settings: AlphaSettings, work: Workspace, memory: AlphaMemory) -> bool:
+def broken(work: Workspace, scheme: AlphaScheme) -> bool:
     """Whether the acceleration jumps at the end of the step: a contact closed, opened, or changed its slip."""
     n_joint = work.n_joint
     n = work.n_contacts
     kept = 0
     for k in range(n):
-        i = memory.matched[k]
+        i = scheme.matched[k]
         carries = work.p[n_joint + k] > 0.0
         if carries and i < 0:
             return True
         if carries:
             kept += 1
-    if kept != memory.resting.count:
+    if kept != scheme.resting.count:
         return True
     for j in range(work.n_tangents):
-        i = memory.matched[work.tangent[j]]
-        if i >= 0 and memory.resting.mode[i] != STICKING:
+        i = scheme.matched[work.tangent[j]]
+        if i >= 0 and scheme.resting.mode[i] != STICKING:
             slip = row_velocity(work.rows, work.row_body, n_joint + n + j, work.dof, work.free_u)
-            if slip_mode(slip, settings.velocity_threshold) != memory.resting.mode[i]:
+            if slip_mode(slip, scheme.velocity_threshold) != scheme.resting.mode[i]:
                 return True
     return False
 
 
 @kernel
-def apply_velocity(
-    settings: AlphaSettings, t: float, q: FloatArray, u: FloatArray, work: Workspace, memory: AlphaMemory, tape: Tape
-) -> bool:
+def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> bool:
     """The state at the end of the step, in place. False where it is not finite."""
+    q, u = scheme.q, scheme.u
     keep_doubtful(work, t)
     distribute(work)
     n_joint = work.n_joint
     total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
-    audit(settings, t, u, work, memory, tape)
+    audit(t, work, scheme, tape)
     for r in range(n_joint):
         tape.counts.worst_drift = max(tape.counts.worst_drift, abs(work.residual[r]))
     for k in range(work.n_contacts):
         tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
-    jumps = broken(settings, work, memory)
+    jumps = broken(work, scheme)
     finite = True
     for i in range(len(q)):
-        q[i] = memory.q_new[i]
+        q[i] = scheme.q_new[i]
         u[i] = work.free_u[i]
-        memory.a[i] = memory.a_new[i]
-        memory.w[i] = memory.w_new[i]
+        scheme.a[i] = scheme.a_new[i]
+        scheme.w[i] = scheme.w_new[i]
         finite = finite and math.isfinite(q[i] + u[i])
-    copy_end(memory.end, memory.start)
-    memory.phase = RESTART if jumps else SMOOTH
-    memory.turn = 0
-    memory.between = 1
+    copy_parts(scheme.end, scheme.start)
+    scheme.phase = RESTART if jumps else SMOOTH
+    scheme.turn = 0
     return finite
 
 
 @kernel
-def predict(
-    model: Model,
-    settings: AlphaSettings,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    work: Workspace,
-    memory: AlphaMemory,
-) -> int:
+def predict(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> int:
     """Pose the next contact problem of the step from t; returns the contacts found, which must fit into the table."""
-    h = settings.step
-    memory.between = 0
-    if memory.phase <= SMOOTH:
-        length = h if memory.phase == SMOOTH else 0.0
-        return pose_smooth(model, settings, length, t, q, u, work, memory)
-    n = memory.n_found
-    if memory.phase == POSITION:
-        n = pose_position(model, settings, t + h, work, memory)
-    if memory.phase == VELOCITY:
-        pose_velocity(model, settings, t + h, u, work, memory)
+    h = scheme.step
+    if scheme.phase <= SMOOTH:
+        length = h if scheme.phase == SMOOTH else 0.0
+        return pose_smooth(model, length, t, work, scheme)
+    n = scheme.n_found
+    if scheme.phase == POSITION:
+        n = pose_position(model, t + h, work, scheme)
+    if scheme.phase == VELOCITY:
+        pose_velocity(model, t + h, work, scheme)
     return n
 
 
 @kernel
-def correct(
-    model: Model,
-    settings: AlphaSettings,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    work: Workspace,
-    memory: AlphaMemory,
-    tape: Tape,
-) -> int:
-    """Apply the solution of the problem posed: AGAIN where the step has more of them, STEPPED or NOT_FINITE."""
+def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> int:
+    """Apply the solution of the problem posed: PART where the step has more of them, DONE or NOT_FINITE."""
     note_certificate(work, tape)
-    if memory.phase <= SMOOTH:
-        length = settings.step if memory.phase == SMOOTH else 0.0
-        apply_smooth(settings, length, q, u, work, memory)
-        return AGAIN
-    if memory.phase == POSITION:
-        apply_position(model, settings, work, memory, tape)
-        return AGAIN
-    if apply_velocity(settings, t, q, u, work, memory, tape):
-        return STEPPED
-    return RunStatus.NOT_FINITE
+    if scheme.phase <= SMOOTH:
+        apply_smooth(scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
+    elif scheme.phase == POSITION:
+        apply_position(model, work, scheme, tape)
+    elif apply_velocity(t, work, scheme, tape):
+        return RunStatus.DONE
+    else:
+        return RunStatus.NOT_FINITE
+    return RunStatus.PART
 
 
 @kernel
-def give_up_smooth(memory: AlphaMemory) -> bool:
+def give_up_smooth(scheme: AlphaScheme) -> bool:
     """After an unsolved problem: whether it was one of accelerations, without which the impulses of the step do."""
-    if memory.phase > SMOOTH or memory.n_found == 0:
+    if scheme.phase > SMOOTH or scheme.n_found == 0:
         return False
-    memory.skip = 1
-    memory.turn = 0
+    scheme.skip = 1
+    scheme.turn = 0
     return True
+
+
+@take_step.of(AlphaScheme)
+@kernel
+def alpha_step(
+    model: Model, scheme: AlphaScheme, t: float, work: Workspace, tape: Tape, clock: StepCount | StepClock
+) -> int:
+    """The problems of a step, one after the other."""
+    set_out_freely(model, scheme.q, scheme.u, scheme.step, tape)
+    while True:
+        clock.number = predict(model, t, work, scheme)
+        if clock.number > len(work.table.key):
+            return RunStatus.GROW
+        if scheme.warm == 1:
+            recall_basis(work.problem, work.solver)
+        clock.number = solve_contacts(work.problem, work.solver)
+        if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
+            if give_up_smooth(scheme):
+                continue
+            return RunStatus.SOLVER_FAILED
+        if scheme.phase == VELOCITY:
+            remember_basis(work.problem, work.solver)
+        status = correct(model, t, work, scheme, tape)
+        if status != RunStatus.PART:
+            return status
+
+
+record.of(AlphaScheme)(record_impulses)
+
+
+@set_length.of(AlphaScheme)
+@kernel
+def carry_acceleration(scheme: AlphaScheme, length: float) -> None:
+    """The recursive acceleration stands for udot at t + (alpha_m - alpha_f) h: a' = udot + (a - udot) h'/h."""
+    ratio = length / scheme.step
+    for i in range(len(scheme.a)):
+        scheme.a[i] = scheme.w[i] + ratio * (scheme.a[i] - scheme.w[i])
+    for law in range(len(scheme.recursive)):
+        for i in range(2):
+            now = scheme.start.contact[law, i]
+            scheme.recursive[law, i] = now + ratio * (scheme.recursive[law, i] - now)
+    scheme.step = length

@@ -1,35 +1,28 @@
-"""Settings of the massless-boundary scheme, and what it hands on from step to step, as its kernels take them."""
+"""Numbers, state and memory of the massless-boundary scheme, as its kernels take them."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
 from lcpflex.dynamics.contact_compliance import ContactCompliance
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.jit.struct import array, struct
 
-__all__ = ["Boundary", "Settings", "boundary_of"]
+__all__ = ["BoundaryScheme"]
 
 
-class Settings(NamedTuple):
-    """Numbers of the scheme, as the compiled loop takes them."""
+@struct
+class BoundaryScheme:
+    """Numbers of the scheme, its state, and what goes from step to step."""
 
     step: float
     safety: float
-    parts: float  # into which every step is divided, and at the most
+    least_parts: float  # into which every step is divided, and at the most
     most_parts: float
     gap_tolerance: float
     tolerance: float
     spring: float
     damper: float
-
-
-@struct
-class Boundary:
-    """What goes from step to step besides the state."""
-
+    q: FloatArray
+    u: FloatArray
     flexibility: FloatArray  # (ndof,) 1/omega^2 of static coordinates, else 0 [s^2]
     acceleration: FloatArray = array("ndof")
     rate: FloatArray = array("ndof")  # of change of the static coordinates, of which contacts are linearised
@@ -37,18 +30,9 @@ class Boundary:
     unit: FloatArray  # (2,) of force [N] and of compliance [m/N], of the present problem
     power: FloatArray = array(2)  # of dissipative forces, and of loads and drives [W]
     force: FloatArray = array("laws", 2)  # contact forces [N]
+    parts: float  # of the present step
+    closed_then: int  # contacts closed when a step was divided
     n_split: int  # steps that were divided
     finest: float  # most parts of one
     n_closed: int  # contacts
     compliance: ContactCompliance  # elastic laws of contacts
-
-
-def boundary_of(flexibility: FloatArray, compliance: ContactCompliance) -> Boundary:
-    """At the start: everything at rest, no contact closed."""
-    return allocate(
-        Boundary,
-        {"ndof": len(flexibility), "laws": len(compliance.soft)},
-        flexibility=np.array(flexibility),
-        unit=np.ones(2),
-        compliance=compliance,
-    )

@@ -17,21 +17,22 @@ from lcpflex.dynamics.delassus import apply_impulses, delassus, row_velocity
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.configuration import advance as move, difference
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, slip_of, solve_contacts
 from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
-from lcpflex.steppers.clock import StepCount
-from lcpflex.steppers.massless_boundary.memory import Boundary, Settings
-from lcpflex.steppers.passing import may_pass, set_out
+from lcpflex.steppers.clock import StepClock, StepCount
+from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
+from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
 from lcpflex.steppers.recorder import Tape, note_certificate, note_contact, store_contacts, store_state
+from lcpflex.steppers.scheme import record, take_step
 from lcpflex.steppers.status import RunStatus
 
-__all__ = ["advance", "short_enough"]
+__all__ = ["short_enough"]
 
 STICKING = 1e-9  # part of the largest gap or slip of a problem below which a contact counts as sticking
 MOST_PASSES = 6  # of the contact problem in a step, each linearised about the static coordinates of the last
@@ -41,22 +42,13 @@ MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 
 
 @kernel
-def predict(
-    model: Model,
-    settings: Settings,
-    t: float,
-    h: float,
-    q: FloatArray,
-    u: FloatArray,
-    boundary: Boundary,
-    work: Workspace,
-    tape: Tape,
-) -> int:
+def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, tape: Tape) -> int:
     """q+ in ``work.middle`` and u_h in ``work.free_u``, at time t = end of the step; returns the contacts near."""
+    q, u = scheme.q, scheme.u
     largest = 0.0
     for i in range(len(q)):
-        work.free_u[i] = u[i] + 0.5 * h * boundary.acceleration[i]
-        work.ahead[i] = work.free_u[i] + boundary.rate[i]
+        work.free_u[i] = u[i] + 0.5 * h * scheme.acceleration[i]
+        work.ahead[i] = work.free_u[i] + scheme.rate[i]
         largest = max(largest, abs(q[i]))
     move(model, q, work.ahead, h, work.middle)
     if h > 0.0 and len(work.residual) > 0:
@@ -66,12 +58,12 @@ def predict(
         difference(model, work.ahead, work.middle, work.ahead)
         for i in range(len(u)):
             work.free_u[i] += work.ahead[i] / h
-    sway = static_sway(model, boundary.flexibility, q) + static_sway(model, boundary.flexibility, work.middle)
-    return detect(model, work.middle, settings.gap_tolerance + sway, work.table)
+    sway = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.middle)
+    return detect(model, work.middle, scheme.gap_tolerance + sway, work.table)
 
 
 @kernel
-def hold_joints(model: Model, t: float, h: float, boundary: Boundary, work: Workspace) -> float:
+def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: Workspace) -> float:
     """Change the acceleration such that u_h + h/2 a fulfils the joints; power of the drives [W].
 
     Without a step (h = 0) the acceleration itself fulfils them.
@@ -79,8 +71,8 @@ def hold_joints(model: Model, t: float, h: float, boundary: Boundary, work: Work
     n_joint = len(work.residual)
     if n_joint == 0:
         return 0.0
-    a = boundary.acceleration
-    joint_rows(model, t, work.middle, boundary.guess, work.external, work.rows, work.row_body, work.rate, work.bias)
+    a = scheme.acceleration
+    joint_rows(model, t, work.middle, scheme.guess, work.external, work.rows, work.row_body, work.rate, work.bias)
     solve_rows(model, work, 0, n_joint)
     delassus(work.rows, work.solved, work.row_body, n_joint, work.G)
     cholesky(work.G, n_joint, work.lower)
@@ -100,13 +92,13 @@ def hold_joints(model: Model, t: float, h: float, boundary: Boundary, work: Work
 
 
 @kernel
-def accelerate(model: Model, t: float, h: float, boundary: Boundary, work: Workspace) -> float:
+def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: Workspace) -> float:
     """a+ at ``work.middle`` under all forces but those of joints; modal damping is implicit.
 
     Velocities for the forces: u_h + h/2 a, to second order; the diagonal of the damping acts on u+ itself.
     """
-    a = boundary.acceleration
-    guess = boundary.guess
+    a = scheme.acceleration
+    guess = scheme.guess
     for i in range(len(a)):
         guess[i] = work.free_u[i] + 0.5 * h * a[i]
     supply(model, t, work.middle, guess, work)
@@ -121,38 +113,39 @@ def accelerate(model: Model, t: float, h: float, boundary: Boundary, work: Works
     total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.rows, work.row_body, n_joint, total, work.p, work.dof, a)
     for i in range(len(a)):
-        if boundary.flexibility[i] > 0.0:
+        if scheme.flexibility[i] > 0.0:
             a[i] = 0.0
     solve_vector(model, work, a)
-    return hold_joints(model, t, h, boundary, work)
+    return hold_joints(model, t, h, scheme, work)
 
 
 @kernel
-def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape) -> None:
+def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, tape: Tape) -> None:
     """Add the step's work by kind, and its impulses, to the tape; trapezoidal in time, as Verlet's own balance is.
 
     Friction: the mean of the forces at both ends times the slip, which is exact for the contact compliance.
     """
+    u = scheme.u
     lost = 0.0
     for i in range(len(u)):
         lost -= work.dissipative[i] * u[i]
         drives += work.driving[i] * u[i]
-    tape.counts.lost_damping += 0.5 * h * (boundary.power[0] + lost)
-    tape.counts.supplied += 0.5 * h * (boundary.power[1] + drives)
-    boundary.power[0] = lost
-    boundary.power[1] = drives
-    for law in range(len(boundary.force)):
+    tape.counts.lost_damping += 0.5 * h * (scheme.power[0] + lost)
+    tape.counts.supplied += 0.5 * h * (scheme.power[1] + drives)
+    scheme.power[0] = lost
+    scheme.power[1] = drives
+    for law in range(len(scheme.force)):
         for i in range(2):
-            tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
-            boundary.force[law, i] = 0.0
+            tape.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
+            scheme.force[law, i] = 0.0
     n = work.n_contacts
     for k in range(n):
-        boundary.force[work.table.law[k], 0] += work.normal[k]
-    length = boundary.unit[0] * boundary.unit[1]
+        scheme.force[work.table.law[k], 0] += work.normal[k]
+    length = scheme.unit[0] * scheme.unit[1]
     held = work.n_held
     for j in range(work.n_tangents):
         k = work.tangent[j]
-        boundary.force[work.table.law[k], 1] += work.tangential[j]
+        scheme.force[work.table.law[k], 1] += work.tangential[j]
         before = 0.0
         for i in range(held):
             if work.held_key[0, i] == work.table.key[k]:
@@ -165,9 +158,9 @@ def audit(h: float, drives: float, u: FloatArray, boundary: Boundary, work: Work
     for j in range(work.n_tangents):
         work.held_key[0, j] = work.held_key[1, j]
         work.held_gap[0, j] = work.held_gap[1, j]
-    for law in range(len(boundary.force)):
+    for law in range(len(scheme.force)):
         for i in range(2):
-            tape.total_impulse[law, i] += 0.5 * h * boundary.force[law, i]
+            tape.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
     note_certificate(work, tape)
 
 
@@ -182,36 +175,35 @@ def closed(work: Workspace) -> int:
 
 
 @kernel
-def correct(
-    model: Model, t: float, h: float, q: FloatArray, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape
-) -> bool:
+def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, tape: Tape) -> bool:
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
+    q, u = scheme.q, scheme.u
     # rows of the deformed surfaces: with others, forces do work that is not stored
     fill_contact_rows(model, work.middle, work.n_contacts, len(work.residual), work)
-    soft = boundary.compliance.soft
-    everywhere = boundary.compliance.some[0] == ALL  # all that there is to tell is indentation, then
+    soft = scheme.compliance.soft
+    everywhere = scheme.compliance.some[0] == ALL  # all that there is to tell is indentation, then
     for k in range(work.n_contacts):
         if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
             tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
-    boundary.n_closed = closed(work)
-    drives = accelerate(model, t, h, boundary, work)
+    scheme.n_closed = closed(work)
+    drives = accelerate(model, t, h, scheme, work)
     finite = True
-    difference(model, q, work.middle, boundary.rate)
+    difference(model, q, work.middle, scheme.rate)
     for i in range(len(q)):
-        moved = boundary.flexibility[i] > 0.0 and h > 0.0 and boundary.n_closed > 0
-        boundary.rate[i] = boundary.rate[i] / h if moved else 0.0
+        moved = scheme.flexibility[i] > 0.0 and h > 0.0 and scheme.n_closed > 0
+        scheme.rate[i] = scheme.rate[i] / h if moved else 0.0
         q[i] = work.middle[i]
-        u[i] = work.free_u[i] + 0.5 * h * boundary.acceleration[i]
+        u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])
-    audit(h, drives, u, boundary, work, tape)
+    audit(h, drives, scheme, work, tape)
     return finite
 
 
+@record.of(BoundaryScheme)
 @kernel
-def record(
-    model: Model, t: float, q: FloatArray, u: FloatArray, boundary: Boundary, work: Workspace, tape: Tape
-) -> int:
+def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspace, tape: Tape) -> int:
     """Store the present instant with its contact forces."""
+    q, u = scheme.q, scheme.u
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
         return needed
@@ -228,149 +220,131 @@ def record(
             state = STICK if abs(slip) <= STICKING else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
-    store_state(model, t, q, u, work, compliance_energy(boundary.compliance, work), tape)
+    store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), tape)
     return needed
 
 
 @kernel
-def part_length(settings: Settings, clock: StepCount) -> float:
+def part_length(scheme: BoundaryScheme, clock: StepCount) -> float:
     """Length of the next part of the step [s]; 0 for the start, which only finds forces."""
     if clock.begun == 0:
         return 0.0
-    remaining = settings.step - clock.within
-    return remaining / max(1.0, math.ceil(remaining / settings.step * clock.parts - 1e-9))
+    remaining = scheme.step - clock.within
+    return remaining / max(1.0, math.ceil(remaining / scheme.step * scheme.parts - 1e-9))
 
 
 @kernel
-def deform(model: Model, boundary: Boundary, work: Workspace) -> float:
+def deform(model: Model, scheme: BoundaryScheme, work: Workspace) -> float:
     """Static coordinates by the solution; gap that the curvature of the geometry leaves in closed contacts.
 
     Relative to the largest static displacement of them. Those with a law of their own have a gap, see ``misfit``.
     """
-    split_forces(work, boundary.unit)
-    static_response(work, boundary.flexibility, work.middle)
+    split_forces(work, scheme.unit)
+    static_response(work, scheme.flexibility, work.middle)
     left = 0.0
     displaced = 0.0
     for k in range(work.n_contacts):
         refresh(model, work.middle, work.table, k)
-        if work.normal[k] > 0.0 and (boundary.compliance.some[0] == 0 or work.closed[k] == HARD):
+        if work.normal[k] > 0.0 and (scheme.compliance.some[0] == 0 or work.closed[k] == HARD):
             left = max(left, abs(work.table.gap[k]))
-            displaced = max(displaced, boundary.unit[1] * work.problem.delassus[k, k] * work.normal[k])
+            displaced = max(displaced, scheme.unit[1] * work.problem.delassus[k, k] * work.normal[k])
     return left / displaced if displaced > 0.0 else 0.0
 
 
 @kernel
-def short_enough(model: Model, settings: Settings, h: float, boundary: Boundary, work: Workspace) -> bool:
+def short_enough(model: Model, scheme: BoundaryScheme, h: float, work: Workspace) -> bool:
     """Whether the scheme is stable with steps h [s] and the contacts that the present problem closes."""
-    square = (2.0 * settings.safety / h) ** 2 - settings.spring
-    if square <= 0.0 or h * settings.damper > settings.safety:
+    square = (2.0 * scheme.safety / h) ** 2 - scheme.spring
+    if square <= 0.0 or h * scheme.damper > scheme.safety:
         return False
-    return admissible(model, work.middle, square, boundary.flexibility, boundary.unit, work)
+    return admissible(model, work.middle, square, scheme.flexibility, scheme.unit, work)
 
 
 @kernel
-def divide_less(model: Model, settings: Settings, boundary: Boundary, work: Workspace, clock: StepCount) -> None:
+def divide_less(model: Model, scheme: BoundaryScheme, work: Workspace) -> None:
     """At the end of a step, where fewer contacts are closed than when it was divided: the parts that the next needs.
 
     Those that the contacts still closed admit. Their forces begin the next step: if that throws them open, its own
     problem has no contact that would object to its length, and a kick by h/2 of a contact force makes energy.
     """
     count = closed(work)
-    if clock.parts > settings.parts and count < clock.closed_then:
-        parts = settings.parts
-        while parts < clock.parts and not short_enough(model, settings, settings.step / parts, boundary, work):
-            parts = more(parts, settings)
-        clock.parts = min(parts, clock.parts)
-    clock.closed_then = count
+    if scheme.parts > scheme.least_parts and count < scheme.closed_then:
+        parts = scheme.least_parts
+        while parts < scheme.parts and not short_enough(model, scheme, scheme.step / parts, work):
+            parts = more(parts, scheme)
+        scheme.parts = min(parts, scheme.parts)
+    scheme.closed_then = count
 
 
 @kernel
-def more(parts: float, settings: Settings) -> float:
+def more(parts: float, scheme: BoundaryScheme) -> float:
     """The next number of parts to try."""
-    return min(math.ceil(1.1 * parts + 0.1), settings.most_parts)
+    return min(math.ceil(1.1 * parts + 0.1), scheme.most_parts)
 
 
 @kernel
-def advance(
-    model: Model,
-    settings: Settings,
-    start: float,
-    clock: StepCount,
-    q: FloatArray,
-    u: FloatArray,
-    boundary: Boundary,
-    work: Workspace,
-    tape: Tape,
-    n_steps: int,
-    stride: int,
+def solve_contact_forces(
+    model: Model, scheme: BoundaryScheme, h: float, n: int, work: Workspace, clock: StepCount | StepClock
 ) -> int:
-    """At most n_steps steps from the state (q, u), which is stored before each ``stride``-th one.
+    """Contact forces at the end of a part of a step of length h, n contacts near; DONE, or why they are not known.
 
-    clock: steps made; a number that explains the return value; the step last stored; time made of the present step;
-    whether forces are known; the parts of a step; contacts closed when that was chosen. Returns DONE, or why the next
-    step or record could not be made; the state is then that of the last whole part of a step (but NOT_FINITE).
+    PART: the part is too long for what it closes.
     """
-    last = clock.made + n_steps
+    choose(model, scheme.compliance, work, n)
+    passes = 0
     while True:
-        t = start + clock.made * settings.step + clock.within
-        if clock.begun > 0 and clock.within == 0.0:
-            if clock.made % stride == 0 and clock.stored != clock.made:
-                if tape.n_instants >= len(tape.times) or tape.n_points + work.n_contacts > len(tape.spots):
-                    return RunStatus.TAPE_FULL
-                clock.number = record(model, t, q, u, boundary, work, tape)
-                if clock.number > len(tape.table.key):
-                    return RunStatus.GROW_TAPE
-                clock.stored = clock.made
-            if clock.made >= last:
-                return RunStatus.DONE
-        h = part_length(settings, clock)
-        set_out(q, tape)
-        clock.number = predict(model, settings, t + h, h, q, u, boundary, work, tape)
+        clock.number = pose_position(model, h, n, scheme.q, scheme.flexibility, scheme.compliance, scheme.unit, work)
+        if clock.number >= 0.0:
+            return RunStatus.STIFF
+        recall_basis(work.problem, work.solver)
+        clock.number = solve_contacts(work.problem, work.solver)
+        if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
+            return RunStatus.SOLVER_FAILED
+        remember_basis(work.problem, work.solver)
+        passes += 1
+        curved = deform(model, scheme, work)
+        unsettled = misfit(scheme.compliance, scheme.unit, work) > 1.0
+        if passes >= (MOST_SETTLING if unsettled else MOST_PASSES) or not (unsettled or curved > CURVED):
+            break
+    if unsettled and (h == 0.0 or scheme.parts >= scheme.most_parts):
+        return RunStatus.UNSETTLED
+    if unsettled or (h > 0.0 and not short_enough(model, scheme, h, work)):
+        return RunStatus.TOO_LONG if scheme.parts >= scheme.most_parts else RunStatus.PART
+    clock.number = note_depths(scheme.compliance, work)
+    return RunStatus.OUT_OF_RANGE if clock.number >= 0.0 else RunStatus.DONE
+
+
+@take_step.of(BoundaryScheme)
+@kernel
+def boundary_step(model: Model, scheme: BoundaryScheme, t: float, work: Workspace, tape: Tape, clock: StepCount) -> int:
+    """The next part of a step; before the first step, the forces of the start."""
+    set_out(scheme.q, tape)
+    while True:
+        h = part_length(scheme, clock)
+        clock.number = predict(model, scheme, t + h, h, work, tape)
         if clock.number > len(work.table.key):
             return RunStatus.GROW
-        n = int(clock.number)
-        choose(model, boundary.compliance, work, n)
-        passes = 0
-        while True:
-            clock.number = pose_position(model, h, n, q, boundary.flexibility, boundary.compliance, boundary.unit, work)
-            if clock.number >= 0.0:
-                return RunStatus.STIFF
-            recall_basis(work.problem, work.solver)
-            clock.number = solve_contacts(work.problem, work.solver)
-            if clock.number != 0 or not work.solver.residual <= settings.tolerance:
-                return RunStatus.SOLVER_FAILED
-            remember_basis(work.problem, work.solver)
-            passes += 1
-            curved = deform(model, boundary, work)
-            unsettled = misfit(boundary.compliance, boundary.unit, work) > 1.0
-            if passes >= (MOST_SETTLING if unsettled else MOST_PASSES) or not (unsettled or curved > CURVED):
-                break
-        if unsettled and (h == 0.0 or clock.parts >= settings.most_parts):
-            return RunStatus.UNSETTLED
-        if unsettled or (h > 0.0 and not short_enough(model, settings, h, boundary, work)):
-            if clock.parts >= settings.most_parts:
-                return RunStatus.TOO_LONG
-            clock.parts = more(clock.parts, settings)
-            clock.closed_then = closed(work)
-            continue
-        clock.number = note_depths(boundary.compliance, work)
-        if clock.number >= 0.0:
-            return RunStatus.OUT_OF_RANGE
-        ends = h > 0.0 and clock.within + h >= settings.step * (1.0 - 1e-9)
-        used = clock.parts
-        if ends:
-            divide_less(model, settings, boundary, work, clock)
-        if not correct(model, t + h, h, q, u, boundary, work, tape):
-            return RunStatus.NOT_FINITE
-        if h == 0.0:
-            clock.begun = 1
-        elif ends:
-            if used > 1.0:
-                boundary.n_split += 1
-                boundary.finest = max(boundary.finest, used)
-            clock.made += 1
-            clock.within = 0.0
-        else:
-            clock.within += h
-        if may_pass(model, q, tape):
-            return RunStatus.PASSED
+        status = solve_contact_forces(model, scheme, h, int(clock.number), work, clock)
+        if status == RunStatus.DONE:
+            break
+        if status != RunStatus.PART:
+            return status
+        scheme.parts = more(scheme.parts, scheme)
+        scheme.closed_then = closed(work)
+    ends = h > 0.0 and clock.within + h >= scheme.step * (1.0 - 1e-9)
+    used = scheme.parts
+    if ends:
+        divide_less(model, scheme, work)
+    clock.taken = scheme.step / scheme.parts
+    if not correct(model, scheme, t + h, h, work, tape):
+        return RunStatus.NOT_FINITE
+    if h == 0.0:
+        clock.begun = 1
+    elif ends:
+        if used > 1.0:
+            scheme.n_split += 1
+            scheme.finest = max(scheme.finest, used)
+        return RunStatus.DONE
+    else:
+        clock.within += h
+    return RunStatus.PART

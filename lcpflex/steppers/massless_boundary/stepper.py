@@ -19,14 +19,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.bodies.body import whole_number
 from lcpflex.dynamics import start
-from lcpflex.dynamics.contact_compliance import contact_compliance
+from lcpflex.dynamics.contact_compliance import ContactCompliance, contact_compliance
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.static_modes import (
@@ -40,192 +40,93 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.layout import ElasticLaw
 from lcpflex.jit.dispatch import link
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.solvers.user_solver import as_solver
-from lcpflex.steppers.clock import StepCount
-from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
+from lcpflex.steppers.fixed_steps import FixedSteps
 from lcpflex.steppers.law_run import law_warnings, refuse_laws, too_deep
-from lcpflex.steppers.massless_boundary.compliance import (
-    checked_compliance,
-    compliance_rows,
-    expected_compliance,
-)
-from lcpflex.steppers.massless_boundary.memory import Settings, boundary_of
-from lcpflex.steppers.massless_boundary.step import (
-    MOST_PARTS,
-    advance,
-    short_enough,
-)
-from lcpflex.steppers.moreau_jean.step import grown
-from lcpflex.steppers.run import Records
+from lcpflex.steppers.massless_boundary.compliance import checked_compliance, compliance_rows, expected_compliance
+from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
+from lcpflex.steppers.massless_boundary.step import MOST_PARTS, short_enough
+from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import Sampling, half_steps
-from lcpflex.steppers.stepping_run import FixedRun, contact_trouble
 from lcpflex.steppers.system import System
+from lcpflex.steppers.time_stepping import Support, TimeStepping
 
 __all__ = ["MasslessBoundary"]
 
 SHORTEST = 1e-4  # part of a step: contacts that need a shorter one have next to no compliance of their own
 SEVERAL = 0.7  # of the step that one closed contact admits: several that close have higher frequencies
 FINER = 16.0  # steps where a law alone gives way: its contact lasts 4/omega, and no mode has a shorter period
+UNSOLVED = (
+    "; if more contacts close at a time than there are static modes, lower dynamic_modes or reduce the bodies to more "
+    "modes"
+)
 LOST = 0.01  # part of the initial energy in static modes above which the result warns
 
 
-class MasslessBoundaryScheme:
-    """A run's state and memory (see :class:`MasslessBoundary`)."""
+@dataclass(frozen=True, slots=True)
+class Remarks:
+    """What is to be said of a run (see :class:`MasslessBoundary`); ``lost``: of its start."""
 
-    impulsive = False
+    system: System
+    asked: float | None  # step [s]
+    lost: list[str]
 
-    def __init__(self, system: System, stepper: MasslessBoundary, duration: float) -> None:
-        _refuse(system)
-        self._compliance = contact_compliance(
-            system.model.contacts, compliance_rows(stepper.compliance, system.names, system.n_laws)
-        )
-        soft = self._compliance.soft
-        flexibility = flexibilities(system.model, stepper.dynamic_modes, soft, system.contact_modes)
-        _refuse_shortening(system.model, flexibility)
-        model = with_static_modes(system.model, flexibility)
-        check_compliance(model, flexibility, system.q, soft, system.contact_name)
-        u = np.where(flexibility > 0.0, 0.0, system.u)
-        gives = tuple(soft.tolist()) if soft.any() and not soft.all() else ()
-        self._system = replace(system, model=model, q=system.q.copy(), u=u, soft=gives)
-        self.records = Records(self._system)
-        self.records.by_law = tuple(name for name in system.names if name in stepper.compliance)
-        self.work = self._system.workspace(16)
-        self.work.solver.method = solver_method(stepper.solver)
-        self._notes = _lost(system, flexibility)
-        self._q, self._u = _consistent(self._system, self.work)
-        self._asked = stepper.step
-        give = expected_compliance(self._system, self._compliance)
-        gap = scales_of(system, duration).gap(stepper.gap_tolerance)
-        self._settings = _settings(model, flexibility, give, stepper, duration / 1000.0, gap)
-        self.work.span[:] = 0.5 * self._settings.step  # loads by their mean about the end of a step
-        self._boundary = boundary_of(flexibility, self._compliance)
-        self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
-        self.clock = allocate(StepCount, {}, stored=-1, parts=self._settings.parts)
-        self._solving = solver_hooks(self._rescue.solver, system.watch)
-        self._advance = link(advance, {**system.hooks, **self._solving})
+    def warnings(self, scheme: BoundaryScheme, work: Workspace, steps: int) -> list[str]:
+        """Of what the start lost, and of steps that were divided."""
+        outside = law_warnings(self.system.names, scheme.compliance.history)
+        return [*self.lost, *outside, *self._divided(scheme, steps)]
 
-    @property
-    def step(self) -> float:
-        """Length of the steps [s]."""
-        return self._settings.step
+    def _divided(self, scheme: BoundaryScheme, steps: int) -> list[str]:
+        if self.asked is None or scheme.n_split == 0:
+            return []
+        return [
+            f"{scheme.n_split} of {steps} steps were divided, into up to {scheme.finest:.0f} parts: with its contacts "
+            f"closed the system has frequencies beyond the limit 2/h of the step h = {self.asked:g} s"
+        ]
 
-    @property
-    def within(self) -> float:
-        """Time made of the present step [s]."""
-        return self.clock.within
-
-    def loop(self, start: float, n_steps: int, stride: int) -> int:
-        """Up to ``n_steps`` steps; see ``advance``."""
-        last = self.clock.made + n_steps
-        while True:
-            status: int = self._advance(
-                self._system.model,
-                self._settings,
-                start,
-                self.clock,
-                self._q,
-                self._u,
-                self._boundary,
-                self.work,
-                self.records.tape,
-                int(last - self.clock.made),
-                stride,
-            )
-            if status != RunStatus.PASSED:
-                return status
-            time = start + self.clock.made * self.step + self.within
-            self.records.examine(time, self.step / self.clock.parts)  # it is a part that passed
-
-    def change_step(self, step: float) -> None:
-        """Go on with steps of another length; its forces are known: it begins where the steps so far ended."""
-        self._settings = self._settings._replace(step=step)
-        self.work.span[:] = 0.5 * step
-        self.clock.made = self.clock.number = self.clock.stored = 0
-        self.clock.within = 0.0
-
-    def sampling(self, total: int) -> Sampling | None:
-        """What measures the error of some of ``total`` steps; None where an own solver would see it."""
-        return None if self._solving else Sampling(self, total)
-
-    def state(self) -> tuple[Any, ...]:
-        """All that a step changes, q and u first."""
-        return (self._q, self._u, self.clock, self.work, self._boundary)
-
-    def half_steps(self, time: float, done: int, count: int) -> int:
-        """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
-        return half_steps(self, time, done, count)
-
-    def make_room(self, contacts: int) -> None:
-        """A larger workspace."""
-        self.work = grown(self._system, self.work, contacts)
-
-    def trouble(self, status: int, time: float) -> str:
-        """Why the loop cannot go on; empty where it can after all."""
-        number = int(self.clock.number)
+    def trouble(self, status: int, number: int, scheme: BoundaryScheme, work: Workspace) -> str:
+        """Why the run cannot go on, for reasons of this scheme."""
         if status == RunStatus.STIFF:
             return (
-                f"contact {self._system.contact_name(self.work.table.law[number])} closes in a direction in which "
+                f"contact {self.system.contact_name(work.table.law[number])} closes in a direction in which "
                 "neither body has any compliance: use more modes, or MoreauJean or EventDriven"
             )
         if status == RunStatus.TOO_LONG:
-            return self._limit()
+            return _limit(self.system.model, scheme, work)
         if status == RunStatus.OUT_OF_RANGE:
-            return too_deep(self._system.names, self._compliance.history, number)
-        if status == RunStatus.UNSETTLED:
-            return RunStatus.UNSETTLED.sentence
-        message = contact_trouble(self.work, self._rescue, status, number, self._settings.tolerance, time)
-        if message and status == RunStatus.SOLVER_FAILED:
-            message += (
-                "; if more contacts close at a time than there are static modes, lower dynamic_modes or reduce the "
-                "bodies to more modes"
-            )
-        return message
+            return too_deep(self.system.names, scheme.compliance.history, number)
+        return ""
 
-    def warn(self, steps: int) -> None:
-        """Of what the start lost, and of steps that were divided."""
-        outside = law_warnings(self._system.names, self._compliance.history)
-        wedged = self._rescue.remarks(self._system.contact_name)
-        self.records.warnings[:] = [*self._notes, *outside, *self._divided(steps), *wedged]
 
-    def _divided(self, steps: int) -> list[str]:
-        split, finest = self._boundary.n_split, int(self._boundary.finest)
-        if self._asked is None or split == 0:
-            return []
-        return [
-            f"{split} of {steps} steps were divided, into up to {finest} parts: with its contacts closed the "
-            f"system has frequencies beyond the limit 2/h of the step h = {self._asked:g} s"
-        ]
-
-    def _limit(self) -> str:
-        """What step the posed problem admits, by bisection."""
-        low, high = 0.0, self._settings.step
-        for _ in range(50):
-            h = 0.5 * (low + high)
-            if short_enough(self._system.model, self._settings, h, self._boundary, self.work):
-                low = h
-            else:
-                high = h
-        if low < SHORTEST * self._settings.step:
-            return (
-                "the contacts that close now have too little compliance for any step: their bodies have fewer static "
-                "modes than these contacts have closed normal and sticking tangential directions; lower "
-                "dynamic_modes, or reduce the bodies to more modes"
-            )
-        parts = int(self._settings.most_parts)
+def _limit(model: Model, scheme: BoundaryScheme, work: Workspace) -> str:
+    """What step the posed problem admits, by bisection."""
+    low, high = 0.0, scheme.step
+    for _ in range(50):
+        h = 0.5 * (low + high)
+        if short_enough(model, scheme, h, work):
+            low = h
+        else:
+            high = h
+    if low < SHORTEST * scheme.step:
         return (
-            f"the step {self._settings.step:g} s is too long for the system with the contacts that close now, which "
-            f"admits {low:.6g} s (with safety {self._settings.safety:g}): shorten it, "
-            + ("allow substeps, " if parts == 1 else f"for {parts} parts are the most, ")
-            + "or keep fewer dynamic modes"
+            "the contacts that close now have too little compliance for any step: their bodies have fewer static "
+            "modes than these contacts have closed normal and sticking tangential directions; lower "
+            "dynamic_modes, or reduce the bodies to more modes"
         )
+    parts = int(scheme.most_parts)
+    return (
+        f"the step {scheme.step:g} s is too long for the system with the contacts that close now, which "
+        f"admits {low:.6g} s (with safety {scheme.safety:g}): shorten it, "
+        + ("allow substeps, " if parts == 1 else f"for {parts} parts are the most, ")
+        + "or keep fewer dynamic modes"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,14 +198,85 @@ class MasslessBoundary:
         """Whether contact ``name`` gives way by an elastic law, on whose indentation a body may rest at the start."""
         return name in self.compliance
 
-    def start(self, system: System, duration: float, interval: float) -> FixedRun:
+    def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
 
         system: what a scene or a system of the user's own is compiled to.
         """
         reason = "its contacts carry forces at massless points; an elastic law goes into compliance={contact: law}"
         refuse_laws(system, "MasslessBoundary", reason)
-        return FixedRun(MasslessBoundaryScheme(system, self, duration), duration, interval)
+        _refuse(system)
+        compliance = contact_compliance(
+            system.model.contacts, compliance_rows(self.compliance, system.names, system.n_laws)
+        )
+        given = system
+        system, flexibility = self._with_static_modes(system, compliance)
+        scheme = self._scheme(system, flexibility, compliance, duration)
+        remarks = Remarks(system, self.step, _lost(given, flexibility))
+        support = Support(
+            carried=lambda work: (work,),
+            warnings=remarks.warnings,
+            trouble=remarks.trouble,
+            hint=UNSOLVED,
+            impulsive=False,
+        )
+        stepping = TimeStepping(system, scheme, self.solver, support)
+        stepping.records.by_law = tuple(name for name in system.names if name in self.compliance)
+        scheme.q[:], scheme.u[:] = _consistent(system, stepping.work)
+        return Run(FixedSteps(stepping, duration, interval, (0.5, 0.5), begun=False))
+
+    def _with_static_modes(self, system: System, compliance: ContactCompliance) -> tuple[System, FloatArray]:
+        """The system whose bodies have static modes, and their flexibility."""
+        soft = compliance.soft
+        flexibility = flexibilities(system.model, self.dynamic_modes, soft, system.contact_modes)
+        _refuse_shortening(system.model, flexibility)
+        model = with_static_modes(system.model, flexibility)
+        check_compliance(model, flexibility, system.q, soft, system.contact_name)
+        u = np.where(flexibility > 0.0, 0.0, system.u)
+        gives = tuple(soft.tolist()) if soft.any() and not soft.all() else ()
+        return replace(system, model=model, q=system.q.copy(), u=u, soft=gives), flexibility
+
+    def _scheme(
+        self, system: System, flexibility: FloatArray, compliance: ContactCompliance, duration: float
+    ) -> BoundaryScheme:
+        """Numbers, state and memory at the start: everything at rest, no contact closed."""
+        model = system.model
+        spring, damper = spring_rates(model, flexibility)
+        static = flexibility[_elastic(system)] > 0.0
+        highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
+        step = self.step
+        if step is None:
+            step = duration / 1000.0
+            give = expected_compliance(system, compliance) / FINER**2
+            if (square := spring + highest + contact_stiffness(model, flexibility, give)) > 0.0:
+                step = min(step, SEVERAL * 2.0 * self.safety / math.sqrt(square))
+            if damper > 0.0:
+                step = min(step, self.safety / damper)
+        parts = step * max(0.5 * math.sqrt(spring + highest), damper) / self.safety
+        parts = float(min(max(1, math.ceil(parts)), MOST_PARTS)) if self.substeps else 1.0
+        return allocate(
+            BoundaryScheme,
+            {"ndof": len(flexibility), "laws": len(compliance.soft)},
+            step=step,
+            safety=self.safety,
+            least_parts=parts,
+            parts=parts,
+            most_parts=MOST_PARTS if self.substeps else 1.0,
+            gap_tolerance=scales_of(system, duration).gap(self.gap_tolerance),
+            tolerance=self.solver_tolerance,
+            spring=spring,
+            damper=damper,
+            q=system.q,
+            u=system.u,
+            flexibility=np.array(flexibility),
+            unit=np.ones(2),
+            compliance=compliance,
+        )
+
+
+def _elastic(system: System) -> IntArray:
+    """Places of the modal coordinates."""
+    return np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(system.model.bodies.dof)])
 
 
 def _refuse(system: System) -> None:
@@ -339,9 +311,7 @@ def _lost(system: System, flexibility: FloatArray) -> list[str]:
     """A warning where the initial state holds much of its energy in modes that are static from now on."""
     static = flexibility > 0.0
     K = np.zeros(len(system.q))
-    dof = system.model.bodies.dof
-    elastic = np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(dof)])
-    K[elastic] = system.model.bodies.stiffness
+    K[_elastic(system)] = system.model.bodies.stiffness
     u = system.u
     stored = 0.5 * (float(K @ system.q**2) + float(u @ mass_matrix(system.model, system.q) @ u))
     lost = 0.5 * (float(K[static] @ system.q[static] ** 2) + float(u[static] @ u[static]))
@@ -361,30 +331,3 @@ def _consistent(system: System, work: Workspace) -> tuple[FloatArray, FloatArray
     link(supply, system.hooks)(system.model, 0.0, q, u, work)
     scale = 1.0 + float(np.abs(q).max())
     return start.project(system.model, q, u, work.external, np.full(system.n_joint, 1e-12 * scale))
-
-
-def _settings(
-    model: Model, flexibility: FloatArray, give: FloatArray, stepper: MasslessBoundary, longest: float, gap: float
-) -> Settings:
-    """The numbers of the loop; ``longest``: the step where nothing else limits it; ``gap``: the tolerance of gaps."""
-    spring, damper = spring_rates(model, flexibility)
-    static = flexibility[np.concatenate([np.arange(a + N_RIGID, b) for a, b in pairwise(model.bodies.dof)])] > 0.0
-    highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
-    step = stepper.step
-    if step is None:
-        step = longest
-        if (square := spring + highest + contact_stiffness(model, flexibility, give / FINER**2)) > 0.0:
-            step = min(step, SEVERAL * 2.0 * stepper.safety / math.sqrt(square))
-        if damper > 0.0:
-            step = min(step, stepper.safety / damper)
-    parts = step * max(0.5 * math.sqrt(spring + highest), damper) / stepper.safety
-    return Settings(
-        step=step,
-        safety=stepper.safety,
-        parts=float(min(max(1, math.ceil(parts)), MOST_PARTS)) if stepper.substeps else 1.0,
-        most_parts=MOST_PARTS if stepper.substeps else 1.0,
-        gap_tolerance=gap,
-        tolerance=stepper.solver_tolerance,
-        spring=spring,
-        damper=damper,
-    )

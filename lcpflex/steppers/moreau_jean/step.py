@@ -1,4 +1,4 @@
-"""The two halves of a Moreau-Jean step, with its records: what the loops with fixed and adaptive steps share.
+"""A Moreau-Jean step and its record.
 
 See :mod:`lcpflex.steppers.moreau_jean.stepper` for the scheme.
 """
@@ -6,13 +6,14 @@ See :mod:`lcpflex.steppers.moreau_jean.stepper` for the scheme.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
+from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import distribute, pose
 from lcpflex.dynamics.inertia import stiffened
@@ -27,6 +28,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import struct
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
@@ -35,6 +37,7 @@ from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve
 from lcpflex.solvers.contact.least_forces import least_forces
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.doubtful import keep_doubtful
+from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
     Tape,
@@ -45,45 +48,40 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
+from lcpflex.steppers.scheme import end_step, record, take_step
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.system import System
 
-__all__ = [
-    "Settings",
-    "correct",
-    "grown",
-    "predict",
-    "record",
-    "spots_of",
-    "whole_step",
-]
+__all__ = ["MoreauJeanScheme", "record_impulses"]
 
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
 
 
-class Settings(NamedTuple):
-    """Numbers of the scheme, as the compiled loop takes them."""
+@struct
+class MoreauJeanScheme:
+    """Numbers of the scheme, and its state."""
 
     step: float
     theta: float
     activation: float
     gap_tolerance: float
-    projection: bool
+    projection: int
     tolerance: float
     velocity_threshold: float
+    q: FloatArray
+    u: FloatArray
 
 
 @kernel
-def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> int:
+def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -> int:
     """First half of a step: free motion, closed contacts, and the problem they pose. Returns the contacts found."""
-    h = settings.step
-    lean = settings.theta * h
+    q, u, h = scheme.q, scheme.u, scheme.step
+    lean = scheme.theta * h
     advance(model, q, u, lean, work.middle)
-    advance(model, q, u, settings.activation * h, work.ahead)
-    n = detect(model, work.ahead, settings.gap_tolerance, work.table)
+    advance(model, q, u, scheme.activation * h, work.ahead)
+    n = detect(model, work.ahead, scheme.gap_tolerance, work.table)
     if n > len(work.table.key):
         return n
-    if settings.activation != settings.theta:
+    if scheme.activation != scheme.theta:
         for k in range(n):
             refresh(model, work.middle, work.table, k)
     supply(model, t + lean, work.middle, u, work)
@@ -105,7 +103,7 @@ def predict(model: Model, settings: Settings, t: float, q: FloatArray, u: FloatA
     work.n_joint = n_joint
     work.n_contacts = n
     work.n_tangents = n_tangent
-    pose(model, work, u, (1.0 - settings.theta) * h, settings.velocity_threshold)
+    pose(model, work, u, (1.0 - scheme.theta) * h, scheme.velocity_threshold)
     return n
 
 
@@ -124,14 +122,15 @@ def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> Non
 
 
 @kernel
-def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatArray, tape: Tape) -> None:
+def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape) -> None:
     """Add the step's work by kind, with the mean velocity (u + u+)/2, and its impulses to the tape.
 
     ``work.free_u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
     """
+    u = scheme.u
     n_joint = work.n_joint
     n = work.n_contacts
-    half = 0.5 * settings.step
+    half = 0.5 * scheme.step
     gained = 0.0
     for i in range(len(u)):
         both = u[i] + work.free_u[i]
@@ -144,7 +143,7 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
         tape.counts.lost_damping += lost
     for k in range(contacts.n_contacts):
         for c in range(2):
-            tape.total_impulse[contacts.table.law[k], c] += settings.step * contacts.p[k, c]
+            tape.total_impulse[contacts.table.law[k], c] += scheme.step * contacts.p[k, c]
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
@@ -168,20 +167,18 @@ def audit(model: Model, settings: Settings, t: float, work: Workspace, u: FloatA
 
 
 @kernel
-def correct(
-    model: Model, settings: Settings, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape
-) -> bool:
+def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape) -> bool:
     """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
-    h = settings.step
+    q, u, h = scheme.q, scheme.u, scheme.step
     keep_doubtful(work, t)
     distribute(work)
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
-    audit(model, settings, t, work, u, tape)
+    audit(model, scheme, t, work, tape)
     compare_friction(work.free_u, h, work)
     largest = 0.0
     for i in range(len(u)):
-        u[i] = settings.theta * work.free_u[i] + (1.0 - settings.theta) * u[i]
+        u[i] = scheme.theta * work.free_u[i] + (1.0 - scheme.theta) * u[i]
     advance(model, q, u, h, q)
     for i in range(len(q)):
         u[i] = work.free_u[i]
@@ -190,20 +187,16 @@ def correct(
             return False
     tolerance = 1e-12 * (1.0 + largest)
     project_joints(model, t + h, q, u, work, tape, tolerance)
-    if project_contacts(model, h, settings.gap_tolerance, settings.projection, q, work, tape):
+    if project_contacts(model, h, scheme.gap_tolerance, scheme.projection == 1, q, work, tape):
         project_joints(model, t + h, q, u, work, tape, tolerance)
     return True
 
 
+@record.of(MoreauJeanScheme)
 @kernel
-def spots_of(work: Workspace) -> int:
-    """Touching points that a record of this state may have, at most."""
-    return work.n_contacts + work.compliant.n_contacts
-
-
-@kernel
-def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape) -> int:
-    """Store the present instant; contact forces are the impulses of the last step over its length ``step`` [s]."""
+def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, tape: Tape) -> int:
+    """Store the present instant; contact forces are the impulses of the last step over its length."""
+    q, u, step = scheme.q, scheme.u, scheme.step
     least_forces(work.problem, work.solver, work.p[work.n_joint :])
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key):
@@ -230,40 +223,28 @@ def record(model: Model, step: float, t: float, q: FloatArray, u: FloatArray, wo
     return needed
 
 
+@take_step.of(MoreauJeanScheme)
 @kernel
-def whole_step(
-    model: Model,
-    settings: Settings,
-    t: float,
-    q: FloatArray,
-    u: FloatArray,
-    work: Workspace,
-    tape: Tape,
-    clock: StepCount | StepClock,
+def moreau_jean_step(
+    model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape, clock: StepCount | StepClock
 ) -> int:
-    """One step of length ``settings.step`` in place; DONE, or why not, which clock.number explains."""
-    clock.number = predict(model, settings, t, q, u, work)
+    """Predict, detect and pose, solve, correct."""
+    set_out(scheme.q, tape)
+    clock.number = predict(model, scheme, t, work)
     if clock.number > len(work.table.key):
         return RunStatus.GROW
     recall_basis(work.problem, work.solver)
     clock.number = solve_contacts(work.problem, work.solver)
-    if clock.number != 0 or not work.solver.residual <= settings.tolerance:
+    if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
         return RunStatus.SOLVER_FAILED
     remember_basis(work.problem, work.solver)
-    if not correct(model, settings, t, q, u, work, tape):
+    if not correct(model, scheme, t, work, tape):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE
 
 
-def grown(system: System, old: Workspace, capacity: int) -> Workspace:
-    """A larger workspace; the contacts that are held stay so."""
-    work = system.workspace(capacity, old.compliant, old.solver)
-    held = int(old.n_held)
-    work.n_held = held
-    work.held_key[:, :held] = old.held_key[:, :held]
-    work.held_gap[:, :held] = old.held_gap[:, :held]
-    work.stopped = old.stopped
-    work.span[:] = old.span
-    work.doubtful[:] = old.doubtful
-    work.n_doubtful, work.doubtful_kind = old.n_doubtful, old.doubtful_kind
-    return work
+@end_step.of(MoreauJeanScheme)
+@kernel
+def note_compliant_contacts(model: Model, scheme: MoreauJeanScheme, t: float, explicit: bool, work: Workspace) -> bool:
+    """Compliant contacts take note of the end of a step."""
+    return update_history(model, t, scheme.q, scheme.u, 0.0, explicit, work.compliant.states, work)

@@ -17,6 +17,7 @@ from lcpflex.force_laws.history import FREE
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.steppers.run import remedied
 from lcpflex.steppers.scales import scales_of, usual_state
 from lcpflex.steppers.short_steps import ALL_OF_IT, HALVINGS
 from lcpflex.steppers.smooth.explicit import (
@@ -26,12 +27,12 @@ from lcpflex.steppers.smooth.explicit import (
     SmoothSettings,
     renew_history,
 )
-from lcpflex.steppers.smooth.run import SmoothRun
+from lcpflex.steppers.smooth.run import SmoothSteps
 from lcpflex.steppers.smooth.slope import horizon, record, slope
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 
-__all__ = ["StiffRun"]
+__all__ = ["StiffSteps"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
 ENTRY = 1e-3  # of a step: the most that a restarted one begins behind the beginning of a contact
@@ -41,7 +42,7 @@ LEAST = 1e-2  # of what is usual: magnitude below which it is no longer relative
 Dense = Callable[[float], npt.NDArray[np.float64]]
 
 
-class StiffRun(SmoothRun):
+class StiffSteps(SmoothSteps):
     """A run of implicit steps of an ``OdeSolver`` of SciPy, the quadratures carried along outside its error control."""
 
     def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, method: type[Any]) -> None:
@@ -58,28 +59,25 @@ class StiffRun(SmoothRun):
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
 
-    def advance(self, n_steps: int) -> str:
-        """Make up to n_steps steps; empty, or why the run cannot go on."""
-        message = "" if self._ode is not None else self._begin()
-        for _ in range(n_steps):
-            if message or self.finished:
-                break
-            message = self._step()
-        self._warn()
-        return message
+    def loop(self, target: int) -> int:
+        """Steps until there are ``target`` of them or the duration is reached; DONE, or why the run cannot go on."""
+        status = RunStatus.DONE if self._ode is not None else self._begin()
+        while status == RunStatus.DONE and self.steps < target and not self.finished:
+            status = self._step()
+        return status
 
     def begin_again(self) -> None:
         """Make the integrator whose state is about to be put back."""
         self._start(None)
 
-    def _begin(self) -> str:
+    def _begin(self) -> RunStatus:
         """Take note of the start and store it."""
-        message, _ = self._note()
-        if not message:
+        status, _ = self._note()
+        if status == RunStatus.DONE:
             self._store(0.0, self._memory.y)
             self._start(None)
             self._memory.phase = STEPPING
-        return message
+        return status
 
     def _start(self, first_step: float | None) -> None:
         """Let the method start from the present state, up to the next stop of a load or to the end."""
@@ -106,7 +104,7 @@ class StiffRun(SmoothRun):
         memory = self._memory
         memory.at[:] = y
         while not self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope):
-            self._handle(RunStatus.GROW)
+            self.make_room(self.number)
         return memory.slope.copy()
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
@@ -123,11 +121,11 @@ class StiffRun(SmoothRun):
             out[:, i] = (self._rate(t, moved) - base) / (moved[i] - y[i])
         return out
 
-    def _step(self) -> str:
+    def _step(self) -> RunStatus:
         """One step, to its end or to where a contact begins or turns that is remembered."""
         memory = self._memory
         if not np.isfinite(self._ode.y).all():
-            return "the state is no longer finite"
+            return RunStatus.NOT_FINITE
         begin = self.time
         memory.slopes[0] = self._rate(begin, self._ode.y)
         note_depths(self._work.compliant)
@@ -144,7 +142,7 @@ class StiffRun(SmoothRun):
             # before a jump a step may fall short, time after time: the next one over it is taken as it is
             self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
-            return self._handle(RunStatus.STEP_TOO_SHORT)
+            return RunStatus.STEP_TOO_SHORT
         tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self.system.q)])
         self.records.tape.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
         length = float(self._ode.t) - begin
@@ -155,15 +153,15 @@ class StiffRun(SmoothRun):
         memory.time = ended
         memory.steps += 1
         off = self._put_right() if self.system.n_joint else False
-        message, changed = self._note()
-        if not message:
+        status, changed = self._note()
+        if status == RunStatus.DONE:
             self._store_end()
         stopped = self._ode.status == "finished"  # at a stop, or at the end
-        if not message and self.time < self.duration and (off or changed or stopped or share < 1.0):
+        if status == RunStatus.DONE and self.time < self.duration and (off or changed or stopped or share < 1.0):
             if changed:
                 self._enter(ENTRY * min(taken, self.duration - self.time))
             self._start(min(taken, self.duration - self.time))
-        return message
+        return status
 
     def _enter(self, longest: float) -> None:
         """Go on by ``longest`` [s] or by what no tolerance sees, by the slope there: a contact may begin with a jump.
@@ -204,20 +202,20 @@ class StiffRun(SmoothRun):
             found = self._has_begun(self.system.model, y[:ndof], y[ndof : 2 * ndof], self._work.compliant)
             if not self._work.compliant.needed:
                 return bool(found)
-            self._handle(RunStatus.GROW)
+            self.make_room(self.number)
 
-    def _note(self) -> tuple[str, bool]:
+    def _note(self) -> tuple[RunStatus, bool]:
         """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
         history = self._history
         feature, loading = history.feature.copy(), history.loading.copy()
         while True:
-            status = int(self._renew(self.system.model, self._work, self._memory))
+            status = RunStatus(self._renew(self.system.model, self._work, self._memory))
             if status != RunStatus.GROW:
                 break
-            self._handle(RunStatus.GROW)
+            self.make_room(self.number)
         begun = ((feature == FREE) & (history.feature != FREE)).any()
         turned = history.turns.any() and (loading != history.loading).any()
-        return self._handle(RunStatus.OUT_OF_RANGE) if status == RunStatus.OUT_OF_RANGE else "", bool(begun or turned)
+        return status, bool(begun or turned)
 
     def _ahead(self) -> float:
         """Longest step from the present state that passes over no contact."""
@@ -228,7 +226,7 @@ class StiffRun(SmoothRun):
             )
             if not self._work.compliant.needed:
                 return limit
-            self._handle(RunStatus.GROW)
+            self.make_room(self.number)
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
@@ -258,7 +256,7 @@ class StiffRun(SmoothRun):
             if status == RunStatus.DONE:
                 memory.stored += 1
                 return
-            self._handle(status)
+            remedied(self, status)
 
     def _put_right(self) -> bool:
         """Put the state onto the joints where it has drifted by more than the tolerance; whether it has.

@@ -21,9 +21,10 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.layout import LawRow
+from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.smooth.explicit import SmoothSettings
-from lcpflex.steppers.smooth.run import FixedRun, SmoothRun
+from lcpflex.steppers.smooth.run import SmoothSteps
 from lcpflex.steppers.system import System
 from lcpflex.steppers.user_functions import watch_laws
 
@@ -171,25 +172,25 @@ class Smooth:
         """Whether contact ``name`` has a force law here, on whose indentation a body may rest at the start: all do."""
         return True
 
-    def start(self, system: System, duration: float, interval: float) -> SmoothRun:
+    def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
 
         system: what a scene or a system of the user's own is compiled to.
         """
         laws = [law.row() for law in self._chosen(system)]
         system = replace(system, laws=())  # no contact is left out of detection for being by law
-        run = self._run(system, laws, duration, interval)
+        run = Run(self._steps(system, laws, duration, interval))
         watch_laws(run.records, system.names, laws)
         return run
 
-    def _run(self, system: System, laws: Sequence[LawRow], duration: float, interval: float) -> SmoothRun:
-        """A run of the integrator."""
+    def _steps(self, system: System, laws: Sequence[LawRow], duration: float, interval: float) -> SmoothSteps:
+        """The steps of the integrator."""
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))
             none = np.zeros(2 * len(system.q))  # tolerances of a step that nothing controls
             settings = SmoothSettings(duration, interval, 0.0, none, 0.0, integrator.step, system.margin, stride)
-            return FixedRun(system, laws, settings)
+            return SmoothSteps(system, laws, settings, fixed_step=integrator.step)
         scales = scales_of(system, duration)
         atol = absolute_tolerance(integrator.atol, integrator.rtol, system, scales)
         of_state = given_or(integrator.atol, ABSOLUTE * integrator.rtol * scales.length)
@@ -199,10 +200,10 @@ class Smooth:
         if isinstance(integrator, Stiff):
             from scipy.integrate import Radau
 
-            from lcpflex.steppers.smooth.implicit import StiffRun
+            from lcpflex.steppers.smooth.implicit import StiffSteps
 
-            return StiffRun(system, laws, settings, integrator.method or Radau)
-        return SmoothRun(system, laws, settings, integrator.first_step or 0.0)
+            return StiffSteps(system, laws, settings, integrator.method or Radau)
+        return SmoothSteps(system, laws, settings, integrator.first_step or 0.0)
 
     def _chosen(self, system: System) -> list[Law]:
         """The law of each declared contact."""

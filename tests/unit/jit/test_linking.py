@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import pkgutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,21 +19,18 @@ from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.user_mechanics import hooks
 from lcpflex.jit import dispatch as linking
 from lcpflex.jit.dispatch import callees, link, reaching
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import Leaf, leaf, optional_leaf
+from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.steppers import fixed_steps, step_doubling
 from lcpflex.steppers.event_driven import loop as event_loop
-from lcpflex.steppers.generalized_alpha import adaptive as generalized_alpha_adaptive, stepper as generalized_alpha
-from lcpflex.steppers.massless_boundary import step as massless_step
-from lcpflex.steppers.moreau_jean import adaptive as moreau_jean_adaptive, stepper as moreau_jean
 from lcpflex.steppers.smooth import explicit as smooth_explicit, slope as smooth_slope
 
 LOOPS: dict[str, Any] = {
-    "Moreau-Jean": moreau_jean.advance,
-    "adaptive Moreau-Jean": moreau_jean_adaptive.advance_adaptive,
-    "generalised-alpha": generalized_alpha.advance,
-    "adaptive generalised-alpha": generalized_alpha_adaptive.advance_adaptive,
+    "fixed steps": fixed_steps.advance,
+    "step doubling": step_doubling.advance,
     "event-driven": event_loop.advance,
-    "massless": massless_step.advance,
     "smooth": smooth_explicit.advance,
     "smooth, fixed": smooth_explicit.advance_fixed,
     "smooth, implicit": smooth_slope.slope,
@@ -56,7 +54,10 @@ HOOKS: dict[str, list[Any]] = {
 
 
 def place(function: Any) -> tuple[str, str]:
-    """Module and name of a kernel, or of the function it was made of."""
+    """Module and name of a kernel, or of the function it was made of, or of a leaf."""
+    if isinstance(function, Leaf):
+        module, _, name = function.name.rpartition(".")
+        return module, name
     source = getattr(function, "py_func", function)
     return source.__module__, source.__name__
 
@@ -79,16 +80,36 @@ def written() -> dict[tuple[str, str], set[tuple[str, str]]]:
             for alias in node.names
         }
         known[name] = {**imported, **own}
-    return {
+    graph = {
         (name, function.name): {
             known[name][node.id]
-            for node in ast.walk(function)
+            for part in function.body
+            for node in ast.walk(part)
             if isinstance(node, ast.Name) and node.id in known[name] and node.id not in own_names(function)
         }
         for name, tree in trees.items()
         for function in tree.body
         if isinstance(function, ast.FunctionDef)
     }
+    for name, tree in trees.items():
+        for declared, function in registered(tree):
+            graph[known[name][declared]].add(known[name][function])
+    return graph
+
+
+def registered(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Names of leaves and of what a module makes their kernels: ``@leaf.of(Struct)``, ``leaf.of(Struct)(kernel)``."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            calls = [(call, node.name) for call in node.decorator_list]
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and node.value.args:
+            calls = [(node.value.func, getattr(node.value.args[0], "id", ""))]
+        else:
+            continue
+        for call, function in calls:
+            at = call.func if isinstance(call, ast.Call) else None
+            if isinstance(at, ast.Attribute) and at.attr == "of" and isinstance(at.value, ast.Name):
+                yield at.value.id, function
 
 
 def own_names(function: ast.FunctionDef) -> set[str]:
@@ -116,12 +137,13 @@ def reach_as_written(root: Any, replaced: list[Any]) -> set[tuple[str, str]]:
 @pytest.mark.parametrize("loop", LOOPS)
 def test_every_caller_is_found(loop: str, which: str) -> None:
     replaced = dict.fromkeys(HOOKS[which], print)
+    expected = reach_as_written(LOOPS[loop], HOOKS[which])  # imports all schemes
     found = {place(function) for function in reaching(LOOPS[loop], replaced)}
-    assert found == reach_as_written(LOOPS[loop], HOOKS[which])
+    assert found == expected
     if which == "user system" and "implicit" not in loop:
         assert place(LOOPS[loop]) in found
-    if which == "user system" and loop == "adaptive Moreau-Jean":
-        looking = {("lcpflex.steppers.adaptive", "unmet"), ("lcpflex.steppers.unmet", "first_unmet")}
+    if which == "user system" and loop == "step doubling":
+        looking = {("lcpflex.steppers.unmet", "unmet"), ("lcpflex.steppers.unmet", "first_unmet")}
         assert looking <= found  # between steps, where the lists kept by hand had holes
 
 
@@ -140,7 +162,7 @@ def test_no_original_is_called_any_more(loop: str) -> None:
 
 
 @kernel
-def leaf(x: float) -> float:
+def lowest(x: float) -> float:
     return x + 1.0
 
 
@@ -149,7 +171,7 @@ def other(x: float) -> float:
     return 10.0 * x
 
 
-renamed = leaf
+renamed = lowest
 
 
 @kernel
@@ -166,30 +188,109 @@ def countdown(n: int, x: float) -> float:
 
 @kernel
 def within(x: float) -> float:
-    return sum([leaf(x) for _ in range(2)])
+    return sum([lowest(x) for _ in range(2)])
 
 
 def test_names_do_not_matter() -> None:
-    assert link(middle, {leaf: lambda x: 100.0})(1.0) == 110.0
-    assert link(other, {leaf: lambda x: 100.0}) is other
-    assert link(leaf, {leaf: abs})(-1.0) == 1.0
-    assert link(within, {leaf: lambda x: 100.0})(1.0) == 200.0
-    assert link(countdown, {leaf: lambda x: 100.0})(3, 1.0) == 110.0
+    assert link(middle, {lowest: lambda x: 100.0})(1.0) == 110.0
+    assert link(other, {lowest: lambda x: 100.0}) is other
+    assert link(lowest, {lowest: abs})(-1.0) == 1.0
+    assert link(within, {lowest: lambda x: 100.0})(1.0) == 200.0
+    assert link(countdown, {lowest: lambda x: 100.0})(3, 1.0) == 110.0
     assert middle(1.0) == 12.0  # nothing has been changed for others
 
 
 def test_what_cannot_be_replaced_is_refused() -> None:
-    made = [leaf, other]
+    made = [lowest, other]
     scope = {"made": made, "linking": linking}
     hidden = {}
     exec("def inside(x):\n    return made[0](x)\ndef through(x):\n    return linking.link(x)\n", scope, hidden)
     for name, what in (("inside", "'made'"), ("through", "'linking'")):
         with pytest.raises(TypeError, match=f"{name}: name the kernels it calls, not {what}"):
-            link(hidden[name], {leaf: abs})
+            link(hidden[name], {lowest: abs})
 
     def enclosed(x: float) -> float:
         return kept(x)
 
-    kept = leaf
+    kept = lowest
     with pytest.raises(TypeError, match="of an enclosing function"):
-        link(enclosed, {leaf: abs})
+        link(enclosed, {lowest: abs})
+
+
+@struct
+class Falling:
+    n: int
+    height: FloatArray = array("points")
+
+
+@struct
+class Rising:
+    n: int
+    height: FloatArray = array("points")
+
+
+@leaf
+def move(x: float, state: Any) -> float:
+    """By x."""
+    raise NotImplementedError
+
+
+@optional_leaf
+def rest(state: Any) -> bool:
+    """Whether it does."""
+    return False
+
+
+@move.of(Falling)
+@kernel
+def fall(x: float, state: Falling) -> float:
+    state.height[0] -= lowest(x)
+    state.n += 1
+    return 1.0
+
+
+@move.of(Rising)
+@kernel
+def rise(x: float, state: Rising) -> float:
+    state.height[0] += other(x)
+    return 2.0
+
+
+@rest.of(Rising)
+@kernel
+def rest_above(state: Rising) -> bool:
+    return state.height[0] > 100.0
+
+
+@kernel
+def move_on(x: float, state: Any, kept: Any) -> float:
+    found = move(x, state) + move(x, state)
+    copy_parts(state, kept)
+    return found + 10.0 * rest(state)
+
+
+@pytest.mark.parametrize("loop", [move_on, getattr(move_on, "py_func", move_on)], ids=["compiled", "Python"])
+def test_a_leaf_is_the_kernel_of_its_struct(loop: Any) -> None:
+    falling, rising, kept_falling, kept_rising = (
+        allocate(kind, {"points": 2}) for kind in (Falling, Rising, Falling, Rising)
+    )
+    assert loop(2.0, falling, kept_falling) == 2.0
+    assert loop(6.0, rising, kept_rising) == 14.0
+    assert (falling.height.tolist(), falling.n) == ([-6.0, 0.0], 2)
+    assert (kept_falling.height.tolist(), kept_falling.n) == ([-6.0, 0.0], 2)
+    assert (kept_rising.height.tolist(), kept_rising.n) == ([120.0, 0.0], 0)
+    assert kept_falling.height is not falling.height
+
+
+def test_kernels_of_a_leaf_can_be_replaced_for_one_loop() -> None:
+    linked = link(move_on, {lowest: lambda x: 100.0})
+    falling, kept = (allocate(Falling, {"points": 1}) for _ in range(2))
+    assert linked(2.0, falling, kept) == 2.0
+    assert falling.height[0] == kept.height[0] == -200.0
+    assert move_on(2.0, falling, kept) == 2.0
+    assert falling.height[0] == -206.0  # nothing has been changed for others
+
+
+def test_a_leaf_without_a_kernel_for_a_struct_says_so() -> None:
+    with pytest.raises(TypeError, match=r"test_linking.move has kernels for \['Falling', 'Rising'\]"):
+        move(1.0, 2.0)

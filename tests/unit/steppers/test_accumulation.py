@@ -84,25 +84,17 @@ def test_a_run_that_comes_down_to_its_shortest_steps_says_so_while_it_runs(capsy
 
 
 def test_an_interrupted_run_has_its_warnings(monkeypatch: pytest.MonkeyPatch) -> None:
-    from lcpflex.steppers import stepping_run
+    from lcpflex.steppers.step_doubling import StepDoubling
 
-    advance = stepping_run.AdaptiveRun.advance
+    loop = StepDoubling.loop
 
-    def stopped(self: Any, n_steps: int) -> str:
-        loop = self.scheme.loop
+    def interrupted(self: Any, target: int) -> int:
         if self.steps > 100:
+            self.clock.n_shortest = self.clock.steps
+            raise KeyboardInterrupt
+        return loop(self, target)
 
-            def interrupted(*_: Any) -> int:
-                self.scheme.clock.n_shortest = self.scheme.clock.steps
-                raise KeyboardInterrupt
-
-            self.scheme.loop = interrupted
-        try:
-            return advance(self, n_steps)
-        finally:
-            self.scheme.loop = loop
-
-    monkeypatch.setattr(stepping_run.AdaptiveRun, "advance", stopped)
+    monkeypatch.setattr(StepDoubling, "loop", interrupted)
     result = lf.simulate(bouncing(0.5), 1.0, lf.MoreauJean(step=1e-4, adaptive=lf.AdaptiveStep()))
     assert not result.complete
     assert any("as short as allowed" in text for text in result.warnings)

@@ -19,18 +19,17 @@ from lcpflex.solvers.contact.methods import AUTO
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, posed_problem
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.stepping_run import FixedRun
 
 # Every path of Lemke ends on a ray, although z = (0, 0, 1/2) is a solution.
 HARD = Lcp([[3.0, 1.0, 2.0], [0.0, 0.0, 2.0], [1.0, 2.0, 0.0]], [-1.0, -1.0, 0.0])
 
 
-def stack_memory(steps: int = 5) -> tuple[Workspace, FixedRun]:
+def stack_memory(steps: int = 5) -> tuple[Workspace, Any]:
     """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
     case = scenes()["stack"]
-    run = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
+    run: Any = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
     assert run.advance(steps) == ""
-    return run.scheme.work, run
+    return run.method.stepping.work, run
 
 
 @pytest.mark.parametrize("name", ["stack", "pendulum"])
@@ -106,22 +105,22 @@ def test_rescues_at_one_instant_end() -> None:
 def test_a_rescued_step_is_repeated_and_the_run_goes_on() -> None:
     case = scenes()["stack"]
     _, plain = stack_memory(20)
-    run = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
+    run: Any = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
     assert run.advance(3) == ""
-    compiled, failures = run.scheme._advance, []
+    compiled, failures = run.method._advance, []
 
     def fails_once(*arguments: Any) -> int:
         if not failures:
-            compiled(*arguments[:-2], 2, arguments[-1])
+            compiled(*arguments[:-1], run.steps + 2)
             failures.append(run.steps)
             return RunStatus.SOLVER_FAILED
         return int(compiled(*arguments))
 
-    run.scheme._advance = fails_once
+    run.method._advance = fails_once
     assert run.advance(17) == ""
     assert failures == [5]
     assert run.steps == plain.steps == 20
-    assert run.scheme._q == pytest.approx(plain.scheme._q, abs=1e-12)
+    assert run.method.stepping.scheme.q == pytest.approx(plain.method.stepping.scheme.q, abs=1e-12)
 
 
 def test_the_posed_problem_is_the_one_in_memory() -> None:

@@ -13,7 +13,7 @@ from lcpflex import gallery
 from lcpflex.gallery.mechanisms.flexible import aluminium_strip
 from lcpflex.results.stated_error import error_shares
 from lcpflex.steppers import step_error
-from lcpflex.steppers.moreau_jean.stepper import MoreauJeanScheme
+from lcpflex.steppers.fixed_steps import FixedSteps
 from tests.scenes import disc_on_spring, floor_of
 
 
@@ -117,22 +117,22 @@ def test_a_sample_that_fails_leaves_the_run_as_it_is(monkeypatch: pytest.MonkeyP
     """What a user's function raises at a time that the run itself does not come to is no part of the run."""
     stepper = lf.MoreauJean(step=5e-4)
     plain = lf.simulate(bouncing_beam(), 0.03, stepper)
-    made = MoreauJeanScheme.half_steps
+    made = FixedSteps.half_steps
 
     def failing(self: Any, *arguments: Any) -> int:
-        loop, calls = self.loop, []
+        advance, calls = self._advance, []
 
-        def once(start: float, n_steps: int, stride: int) -> int:
-            calls.append(loop(start, n_steps, stride))
+        def once(*given: Any) -> int:
+            calls.append(advance(*given))
             raise ValueError("of a function of the user")
 
-        self.loop = once
+        self._advance = once
         try:
             return int(made(self, *arguments))
         finally:
-            self.loop = loop
+            self._advance = advance
 
-    monkeypatch.setattr(MoreauJeanScheme, "half_steps", failing)
+    monkeypatch.setattr(FixedSteps, "half_steps", failing)
     result = lf.simulate(bouncing_beam(), 0.03, stepper)
     assert result.complete
     assert result.place_error is None

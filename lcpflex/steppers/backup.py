@@ -1,0 +1,72 @@
+"""What a step that is tried is undone with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import allocate, array, copy_parts, struct
+from lcpflex.steppers.recorder import Counts, Tape
+from lcpflex.steppers.system import System
+
+__all__ = ["Backup", "backup", "keep_end", "put_back", "put_by"]
+
+
+@struct
+class Backup:
+    """State at the start of a step and after the one long step, running sums of the tape, contacts held."""
+
+    scheme: Any  # with all that its steps take over
+    q: FloatArray  # those of ``scheme``
+    u: FloatArray
+    long_q: FloatArray = array("ndof")
+    long_u: FloatArray = array("ndof")
+    at: FloatArray = array("ndof")  # a configuration within the step
+    counts: Counts
+    total_impulse: FloatArray = array("laws", 2)
+    n_held: int
+    held_key: IntArray = array("contacts")
+    held_gap: FloatArray = array("contacts")
+
+
+def backup(system: System, scheme: Any, capacity: int) -> Backup:
+    """Memory for ``capacity`` contacts; ``scheme``: another struct like that of the run."""
+    sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
+    return allocate(Backup, sizes, scheme=scheme, q=scheme.q, u=scheme.u, counts=allocate(Counts, {}))
+
+
+@kernel
+def put_by(scheme: Any, work: Workspace, tape: Tape, kept: Backup) -> None:
+    """Keep the present state."""
+    copy_parts(scheme, kept.scheme)
+    copy_parts(tape.counts, kept.counts)
+    for law in range(len(tape.total_impulse)):
+        kept.total_impulse[law, 0] = tape.total_impulse[law, 0]
+        kept.total_impulse[law, 1] = tape.total_impulse[law, 1]
+    kept.n_held = work.n_held
+    for k in range(work.n_held):
+        kept.held_key[k] = work.held_key[0, k]
+        kept.held_gap[k] = work.held_gap[0, k]
+
+
+@kernel
+def put_back(scheme: Any, work: Workspace, tape: Tape, kept: Backup) -> None:
+    """Undo everything since ``put_by``."""
+    copy_parts(kept.scheme, scheme)
+    copy_parts(kept.counts, tape.counts)
+    for law in range(len(tape.total_impulse)):
+        tape.total_impulse[law, 0] = kept.total_impulse[law, 0]
+        tape.total_impulse[law, 1] = kept.total_impulse[law, 1]
+    work.n_held = kept.n_held
+    for k in range(kept.n_held):
+        work.held_key[0, k] = kept.held_key[k]
+        work.held_gap[0, k] = kept.held_gap[k]
+
+
+@kernel
+def keep_end(scheme: Any, kept: Backup) -> None:
+    """Keep the state after the one long step."""
+    for i in range(len(scheme.q)):
+        kept.long_q[i] = scheme.q[i]
+        kept.long_u[i] = scheme.u[i]

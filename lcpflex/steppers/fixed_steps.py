@@ -1,0 +1,172 @@
+"""Steps of one length: the loop over any time-stepping scheme, and its run."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
+from lcpflex.jit.struct import allocate
+from lcpflex.model.arrays import Model
+from lcpflex.steppers.clock import StepCount
+from lcpflex.steppers.passing import may_pass
+from lcpflex.steppers.recorder import Tape, has_room
+from lcpflex.steppers.scheme import end_step, record, set_length, take_step
+from lcpflex.steppers.status import RunStatus
+from lcpflex.steppers.step_error import UNSTORED, Sampling
+from lcpflex.steppers.time_stepping import TimeStepping
+
+__all__ = ["FixedSteps", "advance"]
+
+
+@kernel
+def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: Tape, last: int) -> int:
+    """Steps until there are ``last`` of them, from a state that is stored where it is due.
+
+    Returns DONE, or why the next step or record could not be made; the state is then that of the last whole step or
+    part of one (but NOT_FINITE).
+    """
+    if scheme.step != clock.length:
+        set_length(scheme, clock.length)
+    while True:
+        t = clock.start + (clock.made - clock.first) * clock.length + clock.within
+        if clock.begun == 1 and clock.within == 0.0:
+            if (clock.made % clock.stride == 0 or clock.made == clock.last) and clock.stored != clock.made:
+                if not has_room(work, tape):
+                    return RunStatus.TAPE_FULL
+                clock.number = record(model, scheme, t, work, tape)
+                if clock.number > len(tape.table.key):
+                    return RunStatus.GROW_TAPE
+                clock.stored = clock.made
+            if clock.made >= last:
+                return RunStatus.DONE
+        clock.taken = clock.length
+        status = take_step(model, scheme, t, work, tape, clock)
+        if status == RunStatus.DONE:
+            clock.made += 1
+            clock.within = 0.0
+            if not end_step(model, scheme, t + clock.length, True, work):
+                return RunStatus.OUT_OF_RANGE
+        elif status != RunStatus.PART:
+            return status
+        if may_pass(model, scheme.q, tape):
+            return RunStatus.PASSED
+
+
+class FixedSteps:
+    """A time-stepping scheme with steps of one length, the last one shorter where the duration is no multiple of it.
+
+    ``average``: shares of a step before and after the time that forces are asked for, over which loads are averaged.
+    ``begun``: whether the forces of the start are known.
+    """
+
+    def __init__(
+        self, stepping: TimeStepping, duration: float, interval: float, average: tuple[float, float], begun: bool = True
+    ) -> None:
+        self.stepping, self.records = stepping, stepping.records
+        self.fixed_step = step = stepping.scheme.step
+        self._duration, self._average = duration, np.array(average)
+        self._whole = math.floor(duration / step * (1.0 + 1e-12) + 1e-9)
+        rest = duration - self._whole * step
+        last = self._whole + (rest > 1e-9 * step)
+        self.clock = allocate(
+            StepCount, {}, length=step, last=last, stored=-1, stride=max(1, round(interval / step)), begun=begun
+        )
+        self._advance = stepping.link(advance)
+        self._choose(step)
+        self.records.impact_step = step if stepping.support.impulsive else 0.0
+        own_solver = bool(stepping.solving)  # would see the steps of samples
+        self.records.sampling = None if own_solver else Sampling(self, last, self._whole)
+
+    @property
+    def time(self) -> float:
+        """Time reached [s]."""
+        clock = self.clock
+        return (
+            self._duration if self.finished else clock.start + (clock.made - clock.first) * clock.length + clock.within
+        )
+
+    @property
+    def steps(self) -> int:
+        """Steps made."""
+        return self.clock.made
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run has reached its end and stored it."""
+        return self.clock.made == self.clock.stored == self.clock.last
+
+    @property
+    def number(self) -> int:
+        """What explains the last status."""
+        return int(self.clock.number)
+
+    @property
+    def touching(self) -> Any:
+        """Declared contacts that the last contact problem held."""
+        return self.stepping.touching
+
+    @property
+    def taken(self) -> float:
+        """Length of the last step, or part of one [s]."""
+        return self.clock.taken
+
+    def loop(self, target: int) -> int:
+        """Steps until there are ``target`` of them, or all; what the loop returned."""
+        clock, whole = self.clock, self._whole
+        status = self._loop(min(target, whole))
+        if status != RunStatus.DONE or clock.made < whole or clock.made == clock.last or target <= whole:
+            return status
+        if clock.first < whole:  # a last, shorter step ends the run on its duration
+            clock.start, clock.first = clock.start + whole * clock.length, whole
+            self._choose(self._duration - whole * clock.length)
+        return self._loop(clock.last)
+
+    def _loop(self, last: int) -> int:
+        stepping = self.stepping
+        status: int = self._advance(
+            stepping.system.model, self.clock, stepping.scheme, stepping.work, self.records.tape, last
+        )
+        return status
+
+    def _choose(self, length: float) -> None:
+        """Go on with steps of this length [s]."""
+        self.clock.length = length
+        self.stepping.work.span[:] = self._average * length
+
+    def state(self) -> tuple[Any, ...]:
+        """All that a step changes, q and u first."""
+        stepping = self.stepping
+        scheme = stepping.scheme
+        compliant = (stepping.work.compliant,) if stepping.system.by_law else ()
+        return (scheme.q, scheme.u, self.clock, scheme, *stepping.support.carried(stepping.work), *compliant)
+
+    def half_steps(self, time: float, done: int, count: int) -> int:
+        """``count`` steps of half the length, none stored, after ``done`` ones since ``time`` [s]; what was returned.
+
+        The clock is left as it comes.
+        """
+        clock, half = self.clock, 0.5 * self.fixed_step
+        self._choose(half)
+        clock.start, clock.first = time + (done - 1) * half, 0  # counted from 1: none is stored
+        clock.made = clock.stored = 1
+        clock.stride = clock.last = UNSTORED
+        while True:
+            status = self._loop(1 + count)
+            if status != RunStatus.PASSED:  # what may have passed through something is looked at in the run itself
+                return status
+
+    def make_room(self, contacts: int) -> None:
+        """Memory for more contacts than ``contacts``."""
+        self.stepping.make_room(2 * contacts)
+
+    def trouble(self, status: int) -> str:
+        """Why the loop cannot go on; empty where it can after all."""
+        return self.stepping.trouble(status, self.number, self.time)
+
+    def remarks(self) -> tuple[list[str], list[str]]:
+        """Warnings and notes of the run so far."""
+        return self.stepping.remarks(self.steps), []
