@@ -15,16 +15,17 @@ class StepCount:
     """Of steps of one length."""
 
     number: float  # explains what a loop returned
+    time: float  # [s]
+    steps: int  # made
+    step_taken: float  # length of the last part of one [s]
     length: float  # of the steps [s]
     start: float  # time at which steps of this length began [s]
     first: int  # steps made until then
-    made: int  # steps in all
     last: int  # step after which the run ends, which is stored
     stride: int  # steps between stored instants
     stored: int  # the step last stored
     within: float  # time made of the present step [s]
     begun: int  # 1 where the state at the start is whole and may be recorded
-    taken: float  # length of the part of a step that was made last [s]
 
 
 @struct

@@ -32,26 +32,27 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: 
     if scheme.step != clock.length:
         set_length(scheme, clock.length)
     while True:
-        t = clock.start + (clock.made - clock.first) * clock.length + clock.within
+        t = clock.time
         if clock.begun == 1 and clock.within == 0.0:
-            if (clock.made % clock.stride == 0 or clock.made == clock.last) and clock.stored != clock.made:
+            if (clock.steps % clock.stride == 0 or clock.steps == clock.last) and clock.stored != clock.steps:
                 if not has_room(work, tape):
                     return RunStatus.TAPE_FULL
                 clock.number = record(model, scheme, t, work, tape)
                 if clock.number > len(tape.table.key):
                     return RunStatus.GROW_TAPE
-                clock.stored = clock.made
-            if clock.made >= last:
+                clock.stored = clock.steps
+            if clock.steps >= last:
                 return RunStatus.DONE
-        clock.taken = clock.length
+        clock.step_taken = clock.length
         status = take_step(model, scheme, t, work, tape, clock)
         if status == RunStatus.DONE:
-            clock.made += 1
+            clock.steps += 1
             clock.within = 0.0
             if not end_step(model, scheme, t + clock.length, True, work):
                 return RunStatus.OUT_OF_RANGE
         elif status != RunStatus.PART:
             return status
+        clock.time = clock.start + (clock.steps - clock.first) * clock.length + clock.within
         if may_pass(model, scheme.q, tape):
             return RunStatus.PASSED
 
@@ -82,43 +83,20 @@ class FixedSteps:
         self.records.sampling = None if own_solver else Sampling(self, last, self._whole)
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        clock = self.clock
-        return (
-            self._duration if self.finished else clock.start + (clock.made - clock.first) * clock.length + clock.within
-        )
-
-    @property
-    def steps(self) -> int:
-        """Steps made."""
-        return self.clock.made
-
-    @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.clock.made == self.clock.stored == self.clock.last
-
-    @property
-    def number(self) -> int:
-        """What explains the last status."""
-        return int(self.clock.number)
+        return self.clock.steps == self.clock.stored == self.clock.last
 
     @property
     def touching(self) -> Any:
         """Declared contacts that the last contact problem held."""
         return self.stepping.touching
 
-    @property
-    def taken(self) -> float:
-        """Length of the last step, or part of one [s]."""
-        return self.clock.taken
-
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them, or all; what the loop returned."""
         clock, whole = self.clock, self._whole
         status = self._loop(min(target, whole))
-        if status != RunStatus.DONE or clock.made < whole or clock.made == clock.last or target <= whole:
+        if status != RunStatus.DONE or clock.steps < whole or clock.steps == clock.last or target <= whole:
             return status
         if clock.first < whole:  # a last, shorter step ends the run on its duration
             clock.start, clock.first = clock.start + whole * clock.length, whole
@@ -152,7 +130,8 @@ class FixedSteps:
         clock, half = self.clock, 0.5 * self.fixed_step
         self._choose(half)
         clock.start, clock.first = time + (done - 1) * half, 0  # counted from 1: none is stored
-        clock.made = clock.stored = 1
+        clock.time = clock.start + half
+        clock.steps = clock.stored = 1
         clock.stride = clock.last = UNSTORED
         while True:
             status = self._loop(1 + count)
@@ -165,8 +144,8 @@ class FixedSteps:
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        return self.stepping.trouble(status, self.number, self.time)
+        return self.stepping.trouble(status, int(self.clock.number), self.clock.time)
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""
-        return self.stepping.remarks(self.steps), []
+        return self.stepping.remarks(self.clock.steps), []

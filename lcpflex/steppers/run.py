@@ -15,14 +15,9 @@ class Method(Protocol):
 
     records: Records
     fixed_step: float  # length of steps of one length [s]; 0 where error control chooses it
-
-    @property
-    def time(self) -> float:
-        """Time reached [s]."""
-
-    @property
-    def steps(self) -> int:
-        """Steps made."""
+    # a struct with the time reached [s], the steps made, the length of the last part of one (step_taken) [s], and a
+    # number that explains the last status: how much room is needed, which contact it was
+    clock: Any
 
     @property
     def finished(self) -> bool:
@@ -31,14 +26,6 @@ class Method(Protocol):
     @property
     def touching(self) -> Any:
         """Declared contacts of the last contact problem or evaluation, each at least once."""
-
-    @property
-    def number(self) -> int:
-        """What explains the last status: how much room is needed, which contact it was."""
-
-    @property
-    def taken(self) -> float:
-        """Length of the last step, or part of one [s]."""
 
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; a status."""
@@ -71,12 +58,12 @@ class Run:
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return self.method.time
+        return float(self.method.clock.time)
 
     @property
     def steps(self) -> int:
         """Steps made, without those rejected and without the long ones that only measure the error."""
-        return self.method.steps
+        return int(self.method.clock.steps)
 
     @property
     def finished(self) -> bool:
@@ -128,11 +115,11 @@ def remedied(method: Method, status: int) -> str:
     if status == RunStatus.TAPE_FULL:
         method.records.empty()
     elif status == RunStatus.GROW_TAPE:
-        method.records.grow(method.number)
+        method.records.grow(int(method.clock.number))
     elif status == RunStatus.GROW:
-        method.make_room(method.number)
+        method.make_room(int(method.clock.number))
     elif status == RunStatus.PASSED:
-        method.records.examine(method.time, method.taken)
+        method.records.examine(method.clock.time, method.clock.step_taken)
     else:
         return method.trouble(status)
     return ""

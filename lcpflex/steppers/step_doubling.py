@@ -185,34 +185,14 @@ class StepDoubling:
         self._advance = stepping.link(advance)
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        return self.clock.time
-
-    @property
-    def steps(self) -> int:
-        """Steps made, without those rejected and without the long ones that only measure the error."""
-        return self.clock.steps
-
-    @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self._limits.duration and self.clock.due == math.inf
-
-    @property
-    def number(self) -> int:
-        """What explains the last status."""
-        return int(self.clock.number)
+        return self.clock.time >= self._limits.duration and self.clock.due == math.inf
 
     @property
     def touching(self) -> Any:
         """Declared contacts that the last contact problem held."""
         return self.stepping.touching
-
-    @property
-    def taken(self) -> float:
-        """Length of the last step, or part of one [s]."""
-        return float(self.stepping.scheme.step)
 
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
@@ -223,7 +203,7 @@ class StepDoubling:
                 self.records.tape, min(target, self._pace.due),
             )  # fmt: skip
             self._pace.look(self.clock)
-            if status != RunStatus.DONE or self.steps >= target or self.finished:
+            if status != RunStatus.DONE or self.clock.steps >= target or self.finished:
                 return status
 
     def make_room(self, contacts: int) -> None:
@@ -235,7 +215,7 @@ class StepDoubling:
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""
-        return self.stepping.trouble(status, self.number, self.time)
+        return self.stepping.trouble(status, int(self.clock.number), self.clock.time)
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """Warnings and notes of the run so far."""

@@ -248,7 +248,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         work.free_u[i] = u[i]
         memory.reflected[i] = u[i] if simple or reflects(settings.law) else 0.0
     pose(model, work, memory.reflected, 0.0, threshold)
-    memory.detail = 0.0
+    memory.number = 0.0
     if integrates(settings.law) and not simple:
         if strike_alone(model, settings, work, memory, tape, u) != RESOLVED:
             return UNSOLVED
@@ -260,7 +260,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
         for k in range(n):
             work.problem.free[k] -= settings.velocity_threshold  # an approach assumed where there is none
     status = solve_contacts(work.problem, work.solver)
-    memory.detail = status
+    memory.number = status
     if status != 0 or not work.solver.residual <= settings.tolerance:
         return UNSOLVED
     note_certificate(work, tape)

@@ -54,7 +54,7 @@ def record(
         return RunStatus.TAPE_FULL
     needed = store_contacts(model, q, tape)
     if needed > len(tape.table.key) or spots > len(tape.spots):
-        memory.detail = max(needed, spots)
+        memory.number = max(needed, spots)
         return RunStatus.GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base]

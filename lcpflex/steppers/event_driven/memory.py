@@ -123,7 +123,7 @@ class EventMemory:
     share: float  # of it up to the event
     error: float
     last_event: float  # [s]
-    detail: float  # explains what a loop returned
+    number: float  # explains what a loop returned
     gained: float  # energy [J]
     first_jam: float  # [s]
     first_several: float  # [s]

@@ -260,7 +260,7 @@ def violated(settings: EventSettings, memory: EventMemory) -> bool:
 
 @kernel
 def search(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """First event of the step, to memory.share and memory.cause. False if tables must grow, to memory.detail.
+    """First event of the step, to memory.share and memory.cause. False if tables must grow, to memory.number.
 
     A violated function is located, and what is violated there too in turn, until nothing else is.
     """
@@ -276,7 +276,7 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
             interpolate(memory.y, memory.slopes, memory.step_taken, high, memory.at)
             closing = first_dip(model, settings, work, memory, low, high)
             if closing < 0.0:
-                memory.detail = closing
+                memory.number = closing
                 return False
             if closing < high:
                 memory.cause = CLOSING if memory.hidden == CROSSED else NOTHING
@@ -284,7 +284,7 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
                 continue
             closing = first_closing(model, settings, work, memory, low, high)
             if closing < 0.0:
-                memory.detail = -closing
+                memory.number = -closing
                 return False
             if closing < high:
                 memory.cause = CLOSING

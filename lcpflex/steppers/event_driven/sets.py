@@ -196,7 +196,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         sort_tangents(settings, n, work, memory, u)
         pose_sets(work, memory.sets)
         status = solve_contacts(work.problem, work.solver)
-        memory.detail = status
+        memory.number = status
         if status != 0 or not work.solver.residual <= settings.tolerance:
             return UNSOLVED
         note_certificate(work, tape)
@@ -245,10 +245,10 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
 
 @kernel
 def gather(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """All closed pairs into the table of the workspace. False leaves everything as it was: memory.detail are needed."""
+    """All closed pairs into the table of the workspace. False leaves everything as it was: memory.number are needed."""
     found = detect(model, memory.y[: len(memory.u)], settings.gap_tolerance, memory.seen)
     if found > len(memory.seen.key):
-        memory.detail = found
+        memory.number = found
         return False
     for law in range(memory.law_state.shape[1]):
         memory.law_state[2, law] = 0

@@ -85,60 +85,40 @@ class EventDrivenSteps:
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
         self._work = system.workspace(16)
         self._work.solver.method = solver_method(stepper.solver)
-        self._memory = event_memory(system, 16, 64)
-        self._memory.step = 0.0 if stepper.first_step is None else stepper.first_step
-        self._memory.last_event = -math.inf
-        self._memory.gentlest = math.inf
+        self.clock = event_memory(system, 16, 64)
+        self.clock.step = 0.0 if stepper.first_step is None else stepper.first_step
+        self.clock.last_event = -math.inf
+        self.clock.gentlest = math.inf
         begin_laws(system, self._work)
         self.records.indentation = self._work.compliant.history.worst
         self._solving = solver_hooks(self._rescue.solver, system.watch)
         self._advance = link(advance, {**system.hooks, **self._solving})
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        return self._memory.time
-
-    @property
-    def steps(self) -> int:
-        """Steps made."""
-        return self._memory.steps
-
-    @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self.duration and self._memory.phase == STEPPING
+        return self.clock.time >= self.duration and self.clock.phase == STEPPING
 
     @property
     def touching(self) -> IntArray:
         """Declared contacts of the present sets."""
-        at_event = self._memory.phase in (COLLIDING, CHOOSING)
-        count = int(self._memory.n_found if at_event else self._memory.n_contacts)
+        at_event = self.clock.phase in (COLLIDING, CHOOSING)
+        count = int(self.clock.n_found if at_event else self.clock.n_contacts)
         return self._work.table.law[:count]
-
-    @property
-    def number(self) -> int:
-        """What explains the last status."""
-        return int(self._memory.detail)
-
-    @property
-    def taken(self) -> float:
-        """Length of the last step [s]."""
-        return self._memory.step_taken
 
     @property
     def events(self) -> list[tuple[float, str, int, float]]:
         """Time [s], kind, declared contact and energy change [J] of every event so far."""
-        count = self._memory.n_events
-        for time, kind, law, change in self._memory.events[:count].tolist():
+        count = self.clock.n_events
+        for time, kind, law, change in self.clock.events[:count].tolist():
             self._events.append((time, EVENT_KINDS[int(kind)], int(law), change))
-        self._memory.n_events = 0
+        self.clock.n_events = 0
         return self._events
 
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         status: int = self._advance(
-            self.system.model, self._thresholds.settings, self._work, self._memory, self.records.tape, target
+            self.system.model, self._thresholds.settings, self._work, self.clock, self.records.tape, target
         )
         return status
 
@@ -149,8 +129,8 @@ class EventDrivenSteps:
         elif status == RunStatus.CALM:
             self._thresholds.fall()
         elif status == RunStatus.SOLVER_FAILED:
-            if not (self._rescue(self._work, self.time) or self._jam()):
-                return self._rescue.unsolved(self._work, self.number, self._thresholds.settings.tolerance)
+            if not (self._rescue(self._work, self.clock.time) or self._jam()):
+                return self._rescue.unsolved(self._work, int(self.clock.number), self._thresholds.settings.tolerance)
         elif status not in (RunStatus.TOO_OFTEN, RunStatus.CHATTER) or not self._calm():
             return self._sentence(status)
         return ""
@@ -177,8 +157,8 @@ class EventDrivenSteps:
 
     def _calm(self) -> bool:
         """Raise a threshold where events accumulate too fast, and count them anew; False where none may be raised."""
-        memory = self._memory
-        if not self._thresholds.rise(self.events, self.time, memory.fastest, memory.gentlest):
+        memory = self.clock
+        if not self._thresholds.rise(self.events, self.clock.time, memory.fastest, memory.gentlest):
             return False
         memory.gentlest = math.inf
         memory.located = memory.too_many = memory.stuck = 0
@@ -189,7 +169,7 @@ class EventDrivenSteps:
 
         A solution that the solver has missed is taken instead where all sets can be tried.
         """
-        memory, work = self._memory, self._work
+        memory, work = self.clock, self._work
         if memory.phase != CHOOSING or memory.nudges >= MOST_JAMS:
             return False
         if work.solver.size <= MOST_TRIED:  # is there really none?
@@ -206,7 +186,7 @@ class EventDrivenSteps:
         memory.jams += 1
         memory.phase = COLLIDING
         if memory.jams == 1:
-            self._memory.first_jam = self.time
+            self.clock.first_jam = self.clock.time
             self._first_jam = self.system.contact_name(work.table.law[memory.target])
         return True
 
@@ -214,22 +194,22 @@ class EventDrivenSteps:
         """What the run has met so far that a reader must know, and what it may want to know."""
         warnings = [
             *law_warnings(self.system.names, self._work.compliant.history),
-            *event_remarks(self._memory, self.system.contact_name, self._proven, self._first_jam),
+            *event_remarks(self.clock, self.system.contact_name, self._proven, self._first_jam),
             *self._overlap(),
             *self._thresholds.remarks(self.system.contact_name),
             *self._rescue.remarks(self.system.contact_name),
         ]
-        return warnings, shared_load(self._memory, self.system.contact_name)
+        return warnings, shared_load(self.clock, self.system.contact_name)
 
     def _overlap(self) -> list[str]:
-        deepest = self._memory.deepest
+        deepest = self.clock.deepest
         if deepest <= DEEP * self._thresholds.settings.gap_tolerance:
             return []
         return [f"bodies overlapped by {deepest:.3g} m without an impact: shorter steps (max_step) may find it"]
 
     def make_room(self, needed: int) -> None:
         """Larger tables with the same content, of contacts or, negative, of what is near."""
-        old_work, old = self._work, self._memory
+        old_work, old = self._work, self.clock
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
         self._work = self.system.workspace(capacity, old_work.compliant, old_work.solver)
         new = event_memory(self.system, capacity, near)
@@ -238,7 +218,7 @@ class EventDrivenSteps:
         for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)
         numbers_of(new)[:] = numbers_of(old)
-        self._memory = new
+        self.clock = new
 
 
 # what of the memory goes on as it is where tables grow

@@ -335,7 +335,7 @@ def boundary_step(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
     used = scheme.parts
     if ends:
         divide_less(model, scheme, work)
-    clock.taken = scheme.step / scheme.parts
+    clock.step_taken = scheme.step / scheme.parts
     if not correct(model, scheme, t + h, h, work, tape):
         return RunStatus.NOT_FINITE
     if h == 0.0:

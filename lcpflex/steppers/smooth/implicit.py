@@ -53,7 +53,7 @@ class StiffSteps(SmoothSteps):
             link(kernel, system.hooks) for kernel in kernels
         )
         scales = scales_of(system, self.duration)
-        self._least = np.full(len(self._memory.y), LEAST * scales.length)
+        self._least = np.full(len(self.clock.y), LEAST * scales.length)
         self._least[: 2 * len(system.q)] = LEAST * usual_state(system, scales)
         self._stop = self.duration
         self._ode: Any = None
@@ -62,7 +62,7 @@ class StiffSteps(SmoothSteps):
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; DONE, or why the run cannot go on."""
         status = RunStatus.DONE if self._ode is not None else self._begin()
-        while status == RunStatus.DONE and self.steps < target and not self.finished:
+        while status == RunStatus.DONE and self.clock.steps < target and not self.finished:
             status = self._step()
         return status
 
@@ -74,24 +74,24 @@ class StiffSteps(SmoothSteps):
         """Take note of the start and store it."""
         status, _ = self._note()
         if status == RunStatus.DONE:
-            self._store(0.0, self._memory.y)
+            self._store(0.0, self.clock.y)
             self._start(None)
-            self._memory.phase = STEPPING
+            self.clock.phase = STEPPING
         return status
 
     def _start(self, first_step: float | None) -> None:
         """Let the method start from the present state, up to the next stop of a load or to the end."""
-        left = float(time_left(self.system.model.signals, self.time, self.duration))
-        self._stop = self.time + left
+        left = float(time_left(self.system.model.signals, self.clock.time, self.duration))
+        self._stop = self.clock.time + left
         first_step = None if first_step is None else min(first_step, left)
-        ny, n = len(self._memory.y), 2 * len(self.system.q)
+        ny, n = len(self.clock.y), 2 * len(self.system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
-        atol[self._memory.states :] = self._settings.state_atol
+        atol[self.clock.states :] = self._settings.state_atol
         self._ode = self._method(
             self._rate,
-            self.time,
-            self._memory.y.copy(),
+            self.clock.time,
+            self.clock.y.copy(),
             self._stop,
             rtol=self._settings.rtol,
             atol=atol,
@@ -101,10 +101,10 @@ class StiffSteps(SmoothSteps):
 
     def _rate(self, t: float, y: FloatArray) -> FloatArray:
         """dy/dt, with tables that grow as needed."""
-        memory = self._memory
+        memory = self.clock
         memory.at[:] = y
         while not self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope):
-            self.make_room(self.number)
+            self.make_room(int(self.clock.number))
         return memory.slope.copy()
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
@@ -112,7 +112,7 @@ class StiffSteps(SmoothSteps):
 
         They go the way of the motion: right behind the beginning of a contact they must not reach before it.
         """
-        n, states = len(self.system.q), self._memory.states
+        n, states = len(self.system.q), self.clock.states
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
         for i in (*range(2 * n), *range(states, len(y))):
@@ -123,10 +123,10 @@ class StiffSteps(SmoothSteps):
 
     def _step(self) -> RunStatus:
         """One step, to its end or to where a contact begins or turns that is remembered."""
-        memory = self._memory
+        memory = self.clock
         if not np.isfinite(self._ode.y).all():
             return RunStatus.NOT_FINITE
-        begin = self.time
+        begin = self.clock.time
         memory.slopes[0] = self._rate(begin, self._ode.y)
         note_depths(self._work.compliant)
         memory.y[:] = self._ode.y
@@ -157,10 +157,10 @@ class StiffSteps(SmoothSteps):
         if status == RunStatus.DONE:
             self._store_end()
         stopped = self._ode.status == "finished"  # at a stop, or at the end
-        if status == RunStatus.DONE and self.time < self.duration and (off or changed or stopped or share < 1.0):
+        if status == RunStatus.DONE and self.clock.time < self.duration and (off or changed or stopped or share < 1.0):
             if changed:
-                self._enter(ENTRY * min(taken, self.duration - self.time))
-            self._start(min(taken, self.duration - self.time))
+                self._enter(ENTRY * min(taken, self.duration - self.clock.time))
+            self._start(min(taken, self.duration - self.clock.time))
         return status
 
     def _enter(self, longest: float) -> None:
@@ -168,12 +168,12 @@ class StiffSteps(SmoothSteps):
 
         Behind it the slope is continuous, as Newton's method needs it.
         """
-        memory = self._memory
+        memory = self.clock
         n = len(self.system.q)
         moving = memory.y[n : 2 * n] != 0.0
         h = min(longest, *(self._settings.atol[:n][moving] / np.abs(memory.y[n : 2 * n][moving])).tolist())
-        inside = memory.y + h * self._rate(self.time, memory.y)
-        memory.y[:] += h * self._rate(self.time + h, inside)
+        inside = memory.y + h * self._rate(self.clock.time, memory.y)
+        memory.y[:] += h * self._rate(self.clock.time + h, inside)
         memory.time += h
 
     def _try(self, longest: float) -> tuple[float, Dense | None]:
@@ -202,35 +202,35 @@ class StiffSteps(SmoothSteps):
             found = self._has_begun(self.system.model, y[:ndof], y[ndof : 2 * ndof], self._work.compliant)
             if not self._work.compliant.needed:
                 return bool(found)
-            self.make_room(self.number)
+            self.make_room(int(self.clock.number))
 
     def _note(self) -> tuple[RunStatus, bool]:
         """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
         history = self._history
         feature, loading = history.feature.copy(), history.loading.copy()
         while True:
-            status = RunStatus(self._renew(self.system.model, self._work, self._memory))
+            status = RunStatus(self._renew(self.system.model, self._work, self.clock))
             if status != RunStatus.GROW:
                 break
-            self.make_room(self.number)
+            self.make_room(int(self.clock.number))
         begun = ((feature == FREE) & (history.feature != FREE)).any()
         turned = history.turns.any() and (loading != history.loading).any()
         return status, bool(begun or turned)
 
     def _ahead(self) -> float:
         """Longest step from the present state that passes over no contact."""
-        memory = self._memory
+        memory = self.clock
         while True:
             limit = float(
                 self._horizon(self.system.model, memory.y, memory.slopes[0], self._settings.margin, self._work, memory)
             )
             if not self._work.compliant.needed:
                 return limit
-            self.make_room(self.number)
+            self.make_room(int(self.clock.number))
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
-        interval, stored = self._settings.interval, self._memory.stored
+        interval, stored = self._settings.interval, self.clock.stored
         if stored < 0:
             return math.inf
         return min(stored * interval, self.duration) if interval > 0.0 else end
@@ -242,14 +242,14 @@ class StiffSteps(SmoothSteps):
 
     def _store_end(self) -> None:
         """Store the instant due at the end of the step, if there is one: contacts have taken note of it."""
-        if (t := self._due(self.time)) <= self.time + SAME * self.duration:
-            self._store(min(t, self.time), self._memory.y)
+        if (t := self._due(self.clock.time)) <= self.clock.time + SAME * self.duration:
+            self._store(min(t, self.clock.time), self.clock.y)
             if t >= self.duration * (1.0 - SAME):
-                self._memory.stored = -1
+                self.clock.stored = -1
 
     def _store(self, t: float, y: FloatArray) -> None:
         """Store one instant."""
-        memory = self._memory
+        memory = self.clock
         while True:
             memory.at[:] = y
             status = self._record(self.system.model, t, memory.at, self._work, memory, self.records.tape)
@@ -263,11 +263,11 @@ class StiffSteps(SmoothSteps):
 
         The method must start anew from there, one of many steps at order 1: so not for any less.
         """
-        memory = self._memory
+        memory = self.clock
         moved = memory.y.copy()
         n = len(self.system.q)
         drift, _ = self._project(
-            self.system.model, self.time, moved[:n], moved[n : 2 * n], 0, True, self._work, memory.sets
+            self.system.model, self.clock.time, moved[:n], moved[n : 2 * n], 0, True, self._work, memory.sets
         )
         counts = self.records.tape.counts
         counts.worst_drift = max(counts.worst_drift, drift)

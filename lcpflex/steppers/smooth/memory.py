@@ -37,7 +37,7 @@ class SmoothMemory:
     step_taken: float  # of the one whose stages these are [s]
     length: float  # of that one [s]
     error: float
-    detail: float  # explains what a loop returned
+    number: float  # explains what a loop returned
     frequency: float  # highest of a contact so far [rad/s]
 
 

@@ -51,8 +51,8 @@ class SmoothSteps:
         self._settings = settings
         self._laws = laws
         self._work = system.workspace(1, system.compliant(laws, 16))
-        self._memory = smooth_memory(system, self._history, laws)
-        self._memory.step = first_step
+        self.clock = smooth_memory(system, self._history, laws)
+        self.clock.step = first_step
         self.records.indentation = self._history.worst
         self._advance = link(advance_fixed if fixed_step else advance, system.hooks)
         if fixed_step:
@@ -74,19 +74,9 @@ class SmoothSteps:
         return self._work.compliant.history
 
     @property
-    def time(self) -> float:
-        """Time reached [s]."""
-        return self._memory.time
-
-    @property
-    def steps(self) -> int:
-        """Steps accepted."""
-        return self._memory.steps
-
-    @property
     def finished(self) -> bool:
         """Whether the run has reached its end and stored it."""
-        return self.time >= self.duration and self._memory.phase == STEPPING
+        return self.clock.time >= self.duration and self.clock.phase == STEPPING
 
     @property
     def touching(self) -> IntArray:
@@ -94,20 +84,10 @@ class SmoothSteps:
         contacts = self._work.compliant
         return contacts.table.law[: contacts.n_contacts]
 
-    @property
-    def number(self) -> int:
-        """What explains the last status."""
-        return int(self._memory.detail)
-
-    @property
-    def taken(self) -> float:
-        """Length of the last step [s]."""
-        return self._memory.step_taken
-
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         status: int = self._advance(
-            self.system.model, self._settings, self._work, self._memory, self.records.tape, target
+            self.system.model, self._settings, self._work, self.clock, self.records.tape, target
         )
         return status
 
@@ -126,27 +106,27 @@ class SmoothSteps:
     def remarks(self) -> tuple[list[str], list[str]]:
         """What there is to warn of at present, each once; no notes."""
         warnings = [*self._unused, *law_warnings(self.system.names, self._history)]
-        product = self._memory.frequency * self.fixed_step
+        product = self.clock.frequency * self.fixed_step
         if not product <= STABLE:
             warnings.append(
                 f"the stiffest contact has sqrt(k G_nn) step = {product:.4g} > 2: explicit steps of fixed length are "
-                f"unstable there (highest contact frequency {self._memory.frequency:.4g} rad/s)"
+                f"unstable there (highest contact frequency {self.clock.frequency:.4g} rad/s)"
             )
         return warnings, []
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
-        ndof, y = len(self.system.q), self._memory.y
-        return (y[:ndof], y[ndof : 2 * ndof], self._memory, self._history)
+        ndof, y = len(self.system.q), self.clock.y
+        return (y[:ndof], y[ndof : 2 * ndof], self.clock, self._history)
 
     def half_steps(self, time: float, done: int, count: int) -> int:
         """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
         halved = self._settings._replace(duration=math.inf, max_step=0.5 * self._settings.max_step, stride=UNSTORED)
-        target = self.steps + count
+        target = self.clock.steps + count
         self._work.span[:] *= 0.5
         try:
             while True:
-                status = self._advance(self.system.model, halved, self._work, self._memory, self.records.tape, target)
+                status = self._advance(self.system.model, halved, self._work, self.clock, self.records.tape, target)
                 if status != RunStatus.PASSED:
                     return int(status)
         finally:

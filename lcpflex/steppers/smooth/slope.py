@@ -177,7 +177,7 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     if tape.n_points + n > len(tape.spots) and tape.n_points > 0:
         return RunStatus.TAPE_FULL
     if needed > len(tape.table.key) or n > len(tape.spots):
-        memory.detail = max(needed, n)
+        memory.number = max(needed, n)
         return RunStatus.GROW_TAPE
     base = 2 * ndof
     tape.counts.lost_friction = y[base + FRICTION]
