@@ -21,7 +21,6 @@ from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
 from lcpflex.solvers.lcp.enumeration import Enumeration
 from lcpflex.solvers.problem import LcpSolver, Status
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
 from lcpflex.steppers.event_driven.loop import (
     CHOOSING,
@@ -40,6 +39,7 @@ from lcpflex.steppers.event_driven.remarks import event_remarks, shared_load
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART, Thresholds
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings, refuse_states
 from lcpflex.steppers.named import listed
+from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
@@ -282,8 +282,7 @@ class EventDriven:
     solver_tolerance: float = 1e-9
 
     def __post_init__(self) -> None:
-        for name in ("rtol", "solver_tolerance"):
-            keep_number(self, name, 0.0, math.inf, open_ends=True)
+        keep_number(self, "rtol", 0.0, math.inf, open_ends=True)
         for name in ("atol", "gap_tolerance", "velocity_threshold", "most_events"):
             keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
         keep_at_least(self, "max_step", 0.0, "a number > 0 (seconds)", open_end=True)
@@ -291,7 +290,7 @@ class EventDriven:
             keep_number(self, "first_step", 0.0, math.inf, open_ends=True)
         if not isinstance(self.impact, ImpactLaw):
             raise ModelError(f"impact: {shown(self.impact)} was given, expected {KNOWN}")
-        as_solver(self.solver)
+        keep_solver(self)
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events.

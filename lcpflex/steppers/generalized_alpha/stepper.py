@@ -26,10 +26,8 @@ from functools import partial
 
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.generalized_alpha import (
     adaptive as _adaptive,  # noqa: F401  (what error control asks)
@@ -37,6 +35,7 @@ from lcpflex.steppers.generalized_alpha import (
 )
 from lcpflex.steppers.generalized_alpha.memory import AlphaScheme, alpha_scheme, larger
 from lcpflex.steppers.law_run import refuse_laws
+from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import given_or, scales_of
 from lcpflex.steppers.start import started
@@ -104,10 +103,7 @@ class GeneralizedAlpha:
         keep_number(self, "rho_inf", 0.0, 1.0)
         for name in ("gap_tolerance", "velocity_threshold"):
             keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
-        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
-        if not isinstance(self.adaptive, AdaptiveStep | None):
-            raise ModelError(f"adaptive: {shown(self.adaptive)} was given, expected an AdaptiveStep or None")
-        as_solver(self.solver)
+        keep_solver(self)
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].

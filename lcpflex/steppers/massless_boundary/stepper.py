@@ -46,12 +46,12 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.fixed_steps import FixedSteps
 from lcpflex.steppers.law_run import law_warnings, refuse_laws, too_deep
 from lcpflex.steppers.massless_boundary.compliance import checked_compliance, compliance_rows, expected_compliance
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.massless_boundary.step import MOST_PARTS, short_enough
+from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.status import RunStatus
@@ -190,9 +190,8 @@ class MasslessBoundary:
         keep_flag(self, "substeps")
         keep_number(self, "safety", 1e-3, 1.0)
         keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
-        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
         object.__setattr__(self, "compliance", checked_compliance(self.compliance))
-        as_solver(self.solver)
+        keep_solver(self)
 
     def indents(self, name: str) -> bool:
         """Whether contact ``name`` gives way by an elastic law, on whose indentation a body may rest at the start."""
@@ -244,10 +243,10 @@ class MasslessBoundary:
         spring, damper = spring_rates(model, flexibility)
         static = flexibility[_elastic(system)] > 0.0
         highest = float(np.max(model.bodies.stiffness[~static], initial=0.0))
+        give = expected_compliance(system, compliance) / FINER**2  # and forces that do not matter, in ``compliance``
         step = self.step
         if step is None:
             step = duration / 1000.0
-            give = expected_compliance(system, compliance) / FINER**2
             if (square := spring + highest + contact_stiffness(model, flexibility, give)) > 0.0:
                 step = min(step, SEVERAL * 2.0 * self.safety / math.sqrt(square))
             if damper > 0.0:

@@ -17,14 +17,13 @@ from dataclasses import dataclass, field
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.law_run import refuse_states
 from lcpflex.steppers.moreau_jean import adaptive as _adaptive  # noqa: F401  (what error control asks)
 from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
+from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.start import started
@@ -93,10 +92,7 @@ class MoreauJean:
         keep_number(self, "activation", 0.0, 1.0)
         keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
         keep_flag(self, "projection")
-        keep_number(self, "solver_tolerance", 0.0, math.inf, open_ends=True)
-        if not isinstance(self.adaptive, AdaptiveStep | None):
-            raise ModelError(f"adaptive: {shown(self.adaptive)} was given, expected an AdaptiveStep or None")
-        as_solver(self.solver)
+        keep_solver(self)
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
