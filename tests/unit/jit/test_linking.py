@@ -271,6 +271,7 @@ def move_on(x: float, state: Any, kept: Any) -> float:
 
 @pytest.mark.parametrize("loop", [move_on, getattr(move_on, "py_func", move_on)], ids=["compiled", "Python"])
 def test_a_leaf_is_the_kernel_of_its_struct(loop: Any) -> None:
+    assert rest(allocate(Falling, {"points": 1})) is False  # a constant, from Python
     falling, rising, kept_falling, kept_rising = (
         allocate(kind, {"points": 2}) for kind in (Falling, Rising, Falling, Rising)
     )
