@@ -89,7 +89,7 @@ def test_an_interrupted_run_has_its_warnings(monkeypatch: pytest.MonkeyPatch) ->
     loop = StepDoubling.loop
 
     def interrupted(self: Any, target: int) -> int:
-        if self.steps > 100:
+        if self.clock.steps > 100:
             self.clock.n_shortest = self.clock.steps
             raise KeyboardInterrupt
         return loop(self, target)
