@@ -7,6 +7,7 @@ from typing import Any
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
+from lcpflex.steppers.golden_section import Section
 from lcpflex.steppers.recorder import Counts, Tape
 from lcpflex.steppers.system import System
 
@@ -23,6 +24,7 @@ class Backup:
     long_q: FloatArray = array("ndof")
     long_u: FloatArray = array("ndof")
     at: FloatArray = array("ndof")  # a configuration within the step
+    section: Section
     counts: Counts
     total_impulse: FloatArray = array("laws", 2)
     n_held: int
@@ -33,7 +35,9 @@ class Backup:
 def backup(system: System, scheme: Any, capacity: int) -> Backup:
     """Memory for ``capacity`` contacts; ``scheme``: another struct like that of the run."""
     sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
-    return allocate(Backup, sizes, scheme=scheme, q=scheme.q, u=scheme.u, counts=allocate(Counts, {}))
+    return allocate(
+        Backup, sizes, scheme=scheme, q=scheme.q, u=scheme.u, counts=allocate(Counts, {}), section=allocate(Section, {})
+    )
 
 
 @kernel

@@ -18,7 +18,8 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.backup import Backup
-from lcpflex.steppers.event_driven.gaps import DIP_LOOKS, END, GOLDEN
+from lcpflex.steppers.event_driven.gaps import END
+from lcpflex.steppers.golden_section import LOOKS, begin_section, look, narrow
 from lcpflex.steppers.recorder import Tape
 from lcpflex.steppers.scheme import NEVER
 
@@ -64,38 +65,15 @@ def lowest(
 
     The lowest that was found, if it is nowhere.
     """
-    a = low
-    b = high
-    c = b - GOLDEN * (b - a)
-    d = a + GOLDEN * (b - a)
-    f_c = math.inf
-    f_d = math.inf
-    new = 0  # both, c or d
-    for _ in range(DIP_LOOKS):
-        for which in range(2):
-            if (which == 0 and new == 2) or (which == 1 and new == 1):
-                continue
-            share = c if which == 0 else d
-            f = sign * gap_on_way(model, q, u, h, share, kept, table, k, tolerance)
-            if f < level:
-                return share
-            if which == 0:
-                f_c = f
-            else:
-                f_d = f
-        if f_c < f_d:
-            b = d
-            d = c
-            f_d = f_c
-            c = b - GOLDEN * (b - a)
-            new = 1
-        else:
-            a = c
-            c = d
-            f_c = f_d
-            d = a + GOLDEN * (b - a)
-            new = 2
-    return c if f_c < f_d else d
+    section = kept.section
+    begin_section(section, low, high)
+    for _ in range(LOOKS):
+        share = look(section)
+        f = sign * gap_on_way(model, q, u, h, share, kept, table, k, tolerance)
+        if f < level:
+            return share
+        narrow(section, f)
+    return section.c if section.f_c < section.f_d else section.d
 
 
 @kernel

@@ -17,6 +17,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
+from lcpflex.steppers.golden_section import LOOKS, begin_section, look, narrow
 from lcpflex.steppers.runge_kutta import interpolate
 
 __all__ = [
@@ -32,8 +33,6 @@ __all__ = [
 SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair approaches
 NARROW = 4e-16  # width of a root [s], relative to the time
 CROSSED = 2  # memory.hidden
-GOLDEN = 0.6180339887498949
-DIP_LOOKS = 40  # that narrow a dip to 1e-8 of what is between two looks
 END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
 
 
@@ -151,38 +150,15 @@ def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
 @kernel
 def dip_of(model: Model, settings: EventSettings, memory: EventMemory, k: int, low: float, high: float) -> float:
     """Share in (low, high) at which the gap of entry k of what is near is closed, by golden sections; high if none."""
-    h = memory.step_taken
     ndof = len(memory.u)
-    a = low
-    b = high
-    c = b - GOLDEN * (b - a)
-    d = a + GOLDEN * (b - a)
-    f_c = math.inf
-    f_d = math.inf
-    new = 0  # both, c or d
-    for _ in range(DIP_LOOKS):
-        if new != 2:
-            interpolate(memory.y, memory.slopes, h, c, memory.dipping)
-            f_c = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
-            if f_c < -settings.gap_tolerance:
-                return c
-        if new != 1:
-            interpolate(memory.y, memory.slopes, h, d, memory.dipping)
-            f_d = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
-            if f_d < -settings.gap_tolerance:
-                return d
-        if f_c < f_d:
-            b = d
-            d = c
-            f_d = f_c
-            c = b - GOLDEN * (b - a)
-            new = 1
-        else:
-            a = c
-            c = d
-            f_c = f_d
-            d = a + GOLDEN * (b - a)
-            new = 2
+    begin_section(memory.section, low, high)
+    for _ in range(LOOKS):
+        share = look(memory.section)
+        interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.dipping)
+        gap = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
+        if gap < -settings.gap_tolerance:
+            return share
+        narrow(memory.section, gap)
     return high
 
 

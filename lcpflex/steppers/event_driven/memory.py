@@ -17,6 +17,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.contact.several_motions import Trials, trials
 from lcpflex.steppers.event_driven.root import Bracket
+from lcpflex.steppers.golden_section import Section
 from lcpflex.steppers.runge_kutta import STAGES
 from lcpflex.steppers.system import System
 
@@ -74,6 +75,7 @@ class EventMemory:
     seen: ContactTable  # what detection finds; the maintained contacts are in the table of the workspace
     near: ContactTable  # what may have touched between two looks
     dipping: FloatArray = array("ny")  # state between them
+    section: Section  # where a gap is lowest
     value: FloatArray = array(4, "contacts")  # watched functions at the last evaluation
     old_value: FloatArray = array(4, "contacts")  # at the sample before
     bracket: Bracket  # of the root finder
@@ -146,6 +148,7 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         seen=system.table(capacity),
         near=system.table(near),
         bracket=allocate(Bracket, {}),
+        section=allocate(Section, {}),
         taken=np.full(laws, -1, dtype=np.int64),
     )
     memory.y[:ndof] = system.q
