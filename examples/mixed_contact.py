@@ -1,4 +1,4 @@
-"""A rubber ball strikes a plate that stands on rough ground: one contact by law, the other by complementarity.
+"""A rubber ball strikes a plate that stands on rough ground: one contact is compliant, the other rigid.
 
 The force between ball and plate is a continuous law, Hertz' exponent with the hysteresis damping of e = 0.7: the course
 of the force over the 9 ms of the impact is a result. The plate (2 kg) stands on the ground by complementarity with
@@ -38,7 +38,7 @@ def scene() -> lf.Scene:
 
 
 def sliding_distance(result: lf.Result) -> float:
-    """How far the plate should slide after the impact [m], by the impulse and duration of the contact by law."""
+    """How far the plate should slide after the impact [m], by the impulse and duration of the compliant contact."""
     ball = result.contact("ball")
     touching = result.times[ball.force[:, 0] > 0.0]
     duration = touching[-1] - touching[0]
@@ -58,7 +58,7 @@ def run(folder: Path = Path()) -> lf.Result:
     forces, motion = figure.subplots(1, 2)
     start = float(result.times[int(np.argmax(ball.force[:, 0] > 0.0))])
     time = 1e3 * (result.times - start)
-    for name, label in (("ball", "ball on plate, by law"), ("ground", "plate on ground, by complementarity")):
+    for name, label in (("ball", "ball on plate, compliant"), ("ground", "plate on ground, rigid")):
         forces.plot(time, result.contact(name).force[:, 0], label=label)
     forces.set(xlim=(-1.0, 1.5 * time[after]), xlabel="time from the touch [ms]", ylabel="normal force [N]")
     forces.set_title("The impact takes time")

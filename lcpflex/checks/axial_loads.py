@@ -157,7 +157,7 @@ def _strikes(result: Result, law: int) -> list[tuple[int, int]]:
 
 
 def _short(result: Result, law: int, lasts: float) -> list[tuple[int, int]]:
-    """First and last instant of the pushes of a contact by law that are over within ``lasts`` [s]."""
+    """First and last instant of the pushes of a compliant contact that are over within ``lasts`` [s]."""
     pressed = np.concatenate([[False], result.force[:, law, 0] > 0.0, [False]])
     edges = np.flatnonzero(np.diff(pressed.astype(np.int8))).reshape(-1, 2)
     pushes = [(int(first), int(last) - 1) for first, last in edges]

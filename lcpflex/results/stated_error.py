@@ -33,7 +33,7 @@ SMALL = 1e-6  # of the largest range of a coordinate: a smaller one is rounding
 GRAZING = 4.0  # velocity over that of the impact, at most: of the push in a contact that goes on, no more is new
 CLAMPED = 6.4  # slowest vibration of a beam with one end clamped over that of a free one: a body that is held
 MOST = 500  # impacts that are looked at one by one
-RESTING = 0.1  # of the duration that a contact by law lasts: longer is no impact
+RESTING = 0.1  # of the duration that a compliant contact lasts: longer is no impact
 AT_REST = 1e-4  # of the size over the duration: slower is at rest, where rounding is as large as the speed
 
 
@@ -110,7 +110,7 @@ def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, i
     """First and last stored instant of all impacts with their contacts, in the order of their ends.
 
     Something strikes between two stored instants where a contact takes more impulse than its force at both explains. A
-    contact by law strikes as long as it takes impulse, unless it rests.
+    compliant contact strikes as long as it takes impulse, unless it rests.
     """
     times, force = data["times"], data["force"][:, :, 0]
     taken = np.diff(data["impulse"][:, :, 0], axis=0)

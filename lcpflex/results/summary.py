@@ -71,7 +71,7 @@ def doubts(result: Result) -> tuple[str, ...]:
 
 
 def lost_in_contacts(result: Result) -> str:
-    """What ``energies.impact`` is to be called: the damping of contacts by law takes more time than an impact."""
+    """What ``energies.impact`` is to be called: the damping of compliant contacts takes more time than an impact."""
     if result.all_compliant:
         return "lost in contacts"
     return "lost in impacts, contacts" if result.compliant else "lost in impacts"
@@ -204,7 +204,7 @@ def _steps(result: Result) -> str:
 
 
 def _indentation(result: Result) -> FloatArray:
-    """Indentations of the contacts by law at the stored instants [m], all in one array."""
+    """Indentations of the compliant contacts at the stored instants [m], all in one array."""
     indented = result.gap[:, np.isin(result.contact_names, result.compliant)]
     return np.asarray(-indented[indented < 0.0])
 

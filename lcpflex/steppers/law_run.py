@@ -1,4 +1,4 @@
-"""Contacts by a continuous force law in runs of steppers whose other contacts are set-valued: what is refused and said.
+"""Contacts by a continuous force law in runs of steppers whose other contacts are rigid: what is refused and said.
 
 Such a stepper takes them as forces (:mod:`lcpflex.dynamics.contact_forces`). Their history is that of the impact.
 """
@@ -30,7 +30,7 @@ MISSED = 0.05  # of mu times the normal force: mean error of friction from which
 
 
 def refuse_laws(system: System, stepper: str, instead: str) -> None:
-    """Raise ModelError for contacts by law, which ``stepper`` has no place for."""
+    """Raise ModelError for compliant contacts, which ``stepper`` has no place for."""
     for name, law in zip(system.names, system.laws, strict=False):
         if law is not None:
             raise ModelError(
@@ -52,8 +52,7 @@ def refuse_states(system: System) -> None:
         else:
             continue
         raise ModelError(
-            f"law: {shown(law)} of contact {name!r} has {what}, expected a law without beside "
-            f"contacts by complementarity: "
+            f"law: {shown(law)} of contact {name!r} has {what}, expected a law without it beside rigid contacts: "
             "Smooth takes it, with a law for every contact"
         )
 
@@ -76,7 +75,7 @@ def law_warnings(names: Sequence[str], memory: ContactMemory) -> list[str]:
 
 
 def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed: FloatArray) -> list[str]:
-    """A warning for each lasting contact by law whose friction was not that of its slip at the end of the steps.
+    """A warning for each lasting compliant contact whose friction was not that of its slip at the end of the steps.
 
     ``impulses``: ``missed`` of :class:`lcpflex.dynamics.compliant_contacts.CompliantContacts`; ``pressed``: share of
     the run that each contact was closed. In an impact the slip adapts within a few steps, and its friction is right
@@ -86,7 +85,7 @@ def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed
         return []
     return [
         f"the friction of contact {name!r} is off by {100.0 * missed / most:.3g} % of mu times its normal force, on "
-        "the mean: steps of Moreau-Jean balance it contact by contact, without the contacts by complementarity that "
+        "the mean: steps of Moreau-Jean balance it contact by contact, without the rigid contacts that "
         "hold the same bodies; take shorter steps, or EventDriven, which takes them all together"
         for name, (missed, most), share in zip(names, impulses.tolist(), pressed.tolist(), strict=False)
         if missed > MISSED * most and share > LASTING
@@ -94,10 +93,10 @@ def friction_warnings(names: Sequence[str], impulses: FloatArray | None, pressed
 
 
 def law_trouble(names: Sequence[str], work: Workspace) -> str:
-    """Why a run cannot go on after contacts by law have taken note."""
+    """Why a run cannot go on after compliant contacts have taken note."""
     contacts = work.compliant
     if contacts.needed:
-        return f"more than {len(contacts.table.key)} pairs of contacts by law are near at once"
+        return f"more than {len(contacts.table.key)} pairs of compliant contacts are near at once"
     return too_deep(names, contacts.history, contacts.out_of_range)
 
 

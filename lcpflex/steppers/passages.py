@@ -21,7 +21,7 @@ __all__ = ["Passages", "passed_through", "swallowed"]
 
 MOST_PARTS = 64
 CLIPPED = 0.1  # of the thickness: so deep one may be inside the other between two looks
-SWALLOWED = 0.75  # of the thickness: indentation by law at which it is as good as lost
+SWALLOWED = 0.75  # of the thickness: indentation of a compliant contact at which it is as good as lost
 WITHIN = 0.5  # of the thickness, that a step may bridge
 LOOKS = 8  # in each part of a path, at pairs that come and go
 
@@ -173,7 +173,7 @@ class Passages:
 
 
 def swallowed(model: Model, names: tuple[str, ...], indentation: FloatArray) -> list[str]:
-    """That an indentation by law has come near what the bodies have, one clause a contact."""
+    """That an indentation of a compliant contact has come near what the bodies have, one clause a contact."""
     thickness = law_thickness(model.contacts)
     return [
         f"the indentation of contact {name!r} reached {depth:.4g} m, and its bodies end at {most:.4g} m: deeper than "

@@ -184,7 +184,7 @@ def note_certificate(work: Workspace, tape: Tape) -> None:
 def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
     """Smallest gap of each declared contact; returns the entries that the table of the tape must hold.
 
-    A set-valued contact below zero counts as penetration: a step that ends there may be the last one.
+    A rigid contact below zero counts as penetration: a step that ends there may be the last one.
     """
     row = tape.n_instants
     for law in range(len(tape.total_impulse)):

@@ -31,10 +31,10 @@ class Records:
         # what the steps cost in accuracy, beside tape.local: errors of some of them (step_error.Sampling);
         # the length of steps that place an impact at their end [s]
         self.sampling: Any = None
-        self.missed_friction: FloatArray | None = None  # of contacts by law; see law_run.friction_warnings
+        self.missed_friction: FloatArray | None = None  # of compliant contacts; see law_run.friction_warnings
         self.impact_step = 0.0
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
-        self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are by law [m]
+        self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
         self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
         self._passages = Passages(system.model, system.names)
         self.tape: Tape = system.tape(64, 1024)

@@ -36,7 +36,7 @@ class System:
 
     ``hooks`` maps kernels (supply, forces, detect, ...) to replacements; empty, the run is
     compiled throughout. ``watch`` is told of each contact problem that was solved. ``names``: declared contacts.
-    ``laws``: their continuous contact forces, None for those by complementarity; empty, all are.
+    ``laws``: their continuous contact forces, None for rigid ones; empty, all are.
     """
 
     model: Model
@@ -49,7 +49,7 @@ class System:
     watch: Callable[[ContactData, SolverMemory], None] | None = None
     names: tuple[str, ...] = ()
     laws: tuple[Law | None, ...] = ()
-    soft: tuple[int, ...] = ()  # 1 for each set-valued contact that gives way by an elastic law; empty if none does
+    soft: tuple[int, ...] = ()  # 1 for each rigid contact that gives way by an elastic law; empty if none does
     functions: tuple[CompiledFunction, ...] = ()  # that the model calls by their addresses
     probe: Callable[[float], FloatArray] | None = None  # forces at the start as a function of time, of a user's system
     contact_modes: tuple[int, ...] = ()  # of each body: how many of its last modes are residual ones of contacts
@@ -84,7 +84,7 @@ class System:
         return len(self.model.contacts.surface_body)
 
     def table(self, capacity: int, collects: int = SET_VALUED) -> ContactTable:
-        """A table for ``capacity`` contacts, for the set-valued ones alone."""
+        """A table for ``capacity`` contacts, for the rigid ones alone."""
         return contact_table(capacity, self.n_surfaces, self.by_law, collects if self.by_law else ALL)
 
     def compliant(

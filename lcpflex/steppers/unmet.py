@@ -217,7 +217,7 @@ def first_unmet(
 def closed_pairs(
     model: Model, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup
 ) -> tuple[float, float, float]:
-    """Of set-valued pairs closed at q: deepest penetration [m], fastest approach of those that the last problem did
+    """Of rigid pairs closed at q: deepest penetration [m], fastest approach of those that the last problem did
     not hold, and by how much the last step changed a gap rate at most [m/s].
     """
     table = tape.table
@@ -241,7 +241,7 @@ def closed_pairs(
 
 @kernel
 def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: ContactTable) -> float:
-    """Deepest indentation at q [m] of a slave by law that touched nothing where forces were last taken."""
+    """Deepest indentation at q [m] of compliant pairs that did not touch where forces were last taken."""
     if len(compliant.friction) == 0:
         return 0.0
     touching = 0.0

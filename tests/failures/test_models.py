@@ -30,14 +30,14 @@ def falling_strip(modes: int = 8, **law: Any) -> lf.Scene:
 
 @pytest.mark.parametrize("stiffness", [1e5, 1e9])
 def test_steps_too_long_for_a_law_under_moreau_jean(stiffness: float, loud: Any) -> None:
-    """Explicit force of a contact by law: the limit and the step over it are told; one within it is silent."""
+    """Explicit force of a compliant contact: the limit and the step over it are told; one within it is silent."""
     limit = 2.0 / math.sqrt(stiffness)
     scene = lf.Scene(gravity=(0.0, -1e-3 * stiffness))  # a millimetre deep at rest
     disc = scene.add(lf.Disc(0.1, mass=1.0), position=(0.0, 0.1 + 1e-4))
     law = lf.ContactLaw(lf.laws.PowerLaw(stiffness, 1.0), lf.laws.KelvinVoigt(restitution=0.5))
     scene.contact(disc.surface(), floor_of(scene), law=law)
     said = loud(scene, 60.0 * limit, lf.MoreauJean(step=1.5 * limit))
-    product = re.search(r"the stiffest contact by law has frequency times step = ([\d.]+) > 2", said)
+    product = re.search(r"the stiffest compliant contact has frequency times step = ([\d.]+) > 2", said)
     assert product is not None, said
     assert float(product[1]) > 3.0  # that of the spring alone: the damper adds to it
     sound = lf.simulate(scene, 60.0 * limit, lf.MoreauJean(step=0.02 * limit))

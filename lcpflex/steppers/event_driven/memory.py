@@ -50,7 +50,7 @@ class EventSettings(NamedTuple):
     law: int  # of impact
     sequential: bool
     least_window: float  # [s] that WINDOW events take at least
-    margin: float  # contacts by law farther apart are not looked at [m]
+    margin: float  # compliant contacts farther apart are not looked at [m]
     slip_threshold: float  # slower slip counts as none [m/s]
     calm: float  # time at which raised thresholds return to what they were [s]
 

@@ -41,7 +41,7 @@ def _instability(scheme: MoreauJeanScheme, work: Workspace, steps: int) -> list[
     if product <= limit:
         return []
     return [
-        f"the stiffest contact by law has frequency times step = {product:.4g} > {limit:.4g}: "
+        f"the stiffest compliant contact has frequency times step = {product:.4g} > {limit:.4g}: "
         f"its force is explicit, and unstable there (highest frequency, with damping, {frequency:.4g} rad/s)"
     ]
 

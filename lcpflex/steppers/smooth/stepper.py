@@ -178,7 +178,7 @@ class Smooth:
         system: what a scene or a system of the user's own is compiled to.
         """
         laws = [law.row() for law in self._chosen(system)]
-        system = replace(system, laws=())  # no contact is left out of detection for being by law
+        system = replace(system, laws=())  # no contact is left out of detection for being compliant
         run = Run(self._steps(system, laws, duration, interval))
         watch_laws(run.records, system.names, laws)
         return run
@@ -219,8 +219,8 @@ class Smooth:
             if law is None:
                 raise ModelError(
                     f"law: None was given, and contact {name!r} has no force law of its own. Smooth has no "
-                    "complementarity: give it a law, or use EventDriven/MoreauJean, which take contacts by law and by "
-                    "complementarity in one scene"
+                    "complementarity: give it a law, or use EventDriven/MoreauJean, which take compliant and rigid "
+                    "contacts in one scene"
                 )
             if isinstance(law, ContactLaw):
                 law.friction.check(mu, name)
