@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from lcpflex.dynamics.acceleration import project
 from lcpflex.dynamics.contact_forces_history import has_begun, note_depths
 from lcpflex.dynamics.instants import time_left
 from lcpflex.force_laws.history import FREE
-from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.steppers.run import remedied
@@ -24,15 +23,13 @@ from lcpflex.steppers.smooth.explicit import (
     NONE_OF_IT,
     SAME,
     STEPPING,
-    SmoothSettings,
     renew_history,
 )
 from lcpflex.steppers.smooth.run import SmoothSteps
 from lcpflex.steppers.smooth.slope import horizon, record, slope
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.system import System
 
-__all__ = ["StiffSteps"]
+__all__ = ["ImplicitSteps"]
 
 DIFFERENCE = 1e-8  # relative increment of the differences that make the Jacobian
 ENTRY = 1e-3  # of a step: the most that a restarted one begins behind the beginning of a contact
@@ -42,56 +39,53 @@ LEAST = 1e-2  # of what is usual: magnitude below which it is no longer relative
 Dense = Callable[[float], npt.NDArray[np.float64]]
 
 
-class StiffSteps(SmoothSteps):
-    """A run of implicit steps of an ``OdeSolver`` of SciPy, the quadratures carried along outside its error control."""
+class ImplicitSteps:
+    """Steps of an ``OdeSolver`` of SciPy, the quadratures carried along outside its error control."""
 
-    def __init__(self, system: System, laws: Sequence[LawRow], settings: SmoothSettings, method: type[Any]) -> None:
-        super().__init__(system, laws, settings)
-        self._method = method
+    def __init__(self, steps: SmoothSteps, method: type[Any]) -> None:
+        self._steps, self._method = steps, method
+        self._system, self._settings, self._clock = steps.system, steps.settings, steps.clock
+        self._duration = steps.duration
         kernels = (slope, horizon, record, project, has_begun, renew_history)
         self._slope, self._horizon, self._record, self._project, self._has_begun, self._renew = (
-            link(kernel, system.hooks) for kernel in kernels
+            link(kernel, self._system.hooks) for kernel in kernels
         )
-        scales = scales_of(system, self.duration)
-        self._least = np.full(len(self.clock.y), LEAST * scales.length)
-        self._least[: 2 * len(system.q)] = LEAST * usual_state(system, scales)
-        self._stop = self.duration
+        scales = scales_of(self._system, self._duration)
+        self._least = np.full(len(self._clock.y), LEAST * scales.length)
+        self._least[: 2 * len(self._system.q)] = LEAST * usual_state(self._system, scales)
+        self._stop = self._duration
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
 
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; DONE, or why the run cannot go on."""
         status = RunStatus.DONE if self._ode is not None else self._begin()
-        while status == RunStatus.DONE and self.clock.steps < target and not self.finished:
+        while status == RunStatus.DONE and self._clock.steps < target and not self._steps.finished:
             status = self._step()
         return status
-
-    def begin_again(self) -> None:
-        """Make the integrator whose state is about to be put back."""
-        self._start(None)
 
     def _begin(self) -> RunStatus:
         """Take note of the start and store it."""
         status, _ = self._note()
         if status == RunStatus.DONE:
-            self._store(0.0, self.clock.y)
-            self._start(None)
-            self.clock.phase = STEPPING
+            self._store(0.0, self._clock.y)
+            self.start()
+            self._clock.phase = STEPPING
         return status
 
-    def _start(self, first_step: float | None) -> None:
+    def start(self, first_step: float | None = None) -> None:
         """Let the method start from the present state, up to the next stop of a load or to the end."""
-        left = float(time_left(self.system.model.signals, self.clock.time, self.duration))
-        self._stop = self.clock.time + left
+        left = float(time_left(self._system.model.signals, self._clock.time, self._duration))
+        self._stop = self._clock.time + left
         first_step = None if first_step is None else min(first_step, left)
-        ny, n = len(self.clock.y), 2 * len(self.system.q)
+        ny, n = len(self._clock.y), 2 * len(self._system.q)
         atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
         atol[:n] = self._settings.atol
-        atol[self.clock.states :] = self._settings.state_atol
+        atol[self._clock.states :] = self._settings.state_atol
         self._ode = self._method(
             self._rate,
-            self.clock.time,
-            self.clock.y.copy(),
+            self._clock.time,
+            self._clock.y.copy(),
             self._stop,
             rtol=self._settings.rtol,
             atol=atol,
@@ -99,12 +93,16 @@ class StiffSteps(SmoothSteps):
             first_step=first_step,
         )
 
+    def _grow(self) -> None:
+        """Larger tables of contacts."""
+        self._steps.make_room(int(self._clock.number))
+
     def _rate(self, t: float, y: FloatArray) -> FloatArray:
         """dy/dt, with tables that grow as needed."""
-        memory = self.clock
+        memory = self._clock
         memory.at[:] = y
-        while not self._slope(self.system.model, t, memory.at, self._work, memory, memory.slope):
-            self.make_room(int(self.clock.number))
+        while not self._slope(self._system.model, t, memory.at, self._steps.work, memory, memory.slope):
+            self._grow()
         return memory.slope.copy()
 
     def _jacobian(self, t: float, y: FloatArray) -> FloatArray:
@@ -112,7 +110,7 @@ class StiffSteps(SmoothSteps):
 
         They go the way of the motion: right behind the beginning of a contact they must not reach before it.
         """
-        n, states = len(self.system.q), self.clock.states
+        n, states = len(self._system.q), self._clock.states
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
         for i in (*range(2 * n), *range(states, len(y))):
@@ -123,28 +121,28 @@ class StiffSteps(SmoothSteps):
 
     def _step(self) -> RunStatus:
         """One step, to its end or to where a contact begins or turns that is remembered."""
-        memory = self.clock
+        memory = self._clock
         if not np.isfinite(self._ode.y).all():
             return RunStatus.NOT_FINITE
-        begin = self.clock.time
+        begin = self._clock.time
         memory.slopes[0] = self._rate(begin, self._ode.y)
-        note_depths(self._work.compliant)
+        note_depths(self._steps.work.compliant)
         memory.y[:] = self._ode.y
-        longest = min(self._settings.max_step, self._ahead(), *self.system.model.signals.longest.tolist())
+        longest = min(self._settings.max_step, self._ahead(), *self._system.model.signals.longest.tolist())
         share, between = self._try(longest)
         taken = float(self._ode.t) - begin
         again = NONE_OF_IT < share < ALL_OF_IT and not self._short
         self._short = False
         if again:  # its stages would mix what is before and behind
             wanted = share * taken
-            self._start(wanted)
+            self.start(wanted)
             share, between = self._try(wanted)
             # before a jump a step may fall short, time after time: the next one over it is taken as it is
             self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
             return RunStatus.STEP_TOO_SHORT
-        tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self.system.q)])
-        self.records.tape.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
+        tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self._system.q)])
+        self._steps.records.tape.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)
@@ -152,15 +150,19 @@ class StiffSteps(SmoothSteps):
         memory.y[:] = end
         memory.time = ended
         memory.steps += 1
-        off = self._put_right() if self.system.n_joint else False
+        off = self._put_right() if self._system.n_joint else False
         status, changed = self._note()
         if status == RunStatus.DONE:
             self._store_end()
         stopped = self._ode.status == "finished"  # at a stop, or at the end
-        if status == RunStatus.DONE and self.clock.time < self.duration and (off or changed or stopped or share < 1.0):
+        if (
+            status == RunStatus.DONE
+            and self._clock.time < self._duration
+            and (off or changed or stopped or share < 1.0)
+        ):
             if changed:
-                self._enter(ENTRY * min(taken, self.duration - self.clock.time))
-            self._start(min(taken, self.duration - self.clock.time))
+                self._enter(ENTRY * min(taken, self._duration - self._clock.time))
+            self.start(min(taken, self._duration - self._clock.time))
         return status
 
     def _enter(self, longest: float) -> None:
@@ -168,12 +170,12 @@ class StiffSteps(SmoothSteps):
 
         Behind it the slope is continuous, as Newton's method needs it.
         """
-        memory = self.clock
-        n = len(self.system.q)
+        memory = self._clock
+        n = len(self._system.q)
         moving = memory.y[n : 2 * n] != 0.0
         h = min(longest, *(self._settings.atol[:n][moving] / np.abs(memory.y[n : 2 * n][moving])).tolist())
-        inside = memory.y + h * self._rate(self.clock.time, memory.y)
-        memory.y[:] += h * self._rate(self.clock.time + h, inside)
+        inside = memory.y + h * self._rate(self._clock.time, memory.y)
+        memory.y[:] += h * self._rate(self._clock.time + h, inside)
         memory.time += h
 
     def _try(self, longest: float) -> tuple[float, Dense | None]:
@@ -184,7 +186,7 @@ class StiffSteps(SmoothSteps):
         if ode.status == "failed":
             return 1.0, None
         between: Dense = ode.dense_output()
-        if len(self._history.feature) == 0 or not self._early(ode.y):
+        if len(self._steps.history.feature) == 0 or not self._early(ode.y):
             return 1.0, between
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
@@ -197,79 +199,81 @@ class StiffSteps(SmoothSteps):
 
     def _early(self, y: FloatArray) -> bool:
         """Whether y lies behind the beginning or the turn of a contact that is remembered."""
-        ndof = len(self.system.q)
+        ndof = len(self._system.q)
         while True:
-            found = self._has_begun(self.system.model, y[:ndof], y[ndof : 2 * ndof], self._work.compliant)
-            if not self._work.compliant.needed:
+            found = self._has_begun(self._system.model, y[:ndof], y[ndof : 2 * ndof], self._steps.work.compliant)
+            if not self._steps.work.compliant.needed:
                 return bool(found)
-            self.make_room(int(self.clock.number))
+            self._grow()
 
     def _note(self) -> tuple[RunStatus, bool]:
         """Let contacts take note of the present state: why the run cannot go on, and whether forces are other now."""
-        history = self._history
+        history = self._steps.history
         feature, loading = history.feature.copy(), history.loading.copy()
         while True:
-            status = RunStatus(self._renew(self.system.model, self._work, self.clock))
+            status = RunStatus(self._renew(self._system.model, self._steps.work, self._clock))
             if status != RunStatus.GROW:
                 break
-            self.make_room(int(self.clock.number))
+            self._grow()
         begun = ((feature == FREE) & (history.feature != FREE)).any()
         turned = history.turns.any() and (loading != history.loading).any()
         return status, bool(begun or turned)
 
     def _ahead(self) -> float:
         """Longest step from the present state that passes over no contact."""
-        memory = self.clock
+        memory = self._clock
         while True:
             limit = float(
-                self._horizon(self.system.model, memory.y, memory.slopes[0], self._settings.margin, self._work, memory)
+                self._horizon(
+                    self._system.model, memory.y, memory.slopes[0], self._settings.margin, self._steps.work, memory
+                )
             )
-            if not self._work.compliant.needed:
+            if not self._steps.work.compliant.needed:
                 return limit
-            self.make_room(int(self.clock.number))
+            self._grow()
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
-        interval, stored = self._settings.interval, self.clock.stored
+        interval, stored = self._settings.interval, self._clock.stored
         if stored < 0:
             return math.inf
-        return min(stored * interval, self.duration) if interval > 0.0 else end
+        return min(stored * interval, self._duration) if interval > 0.0 else end
 
     def _store_between(self, between: Dense, ended: float) -> None:
         """Store the instants due before the end of the step."""
-        while (t := self._due(ended)) < ended - SAME * self.duration:
+        while (t := self._due(ended)) < ended - SAME * self._duration:
             self._store(t, between(t))
 
     def _store_end(self) -> None:
         """Store the instant due at the end of the step, if there is one: contacts have taken note of it."""
-        if (t := self._due(self.clock.time)) <= self.clock.time + SAME * self.duration:
-            self._store(min(t, self.clock.time), self.clock.y)
-            if t >= self.duration * (1.0 - SAME):
-                self.clock.stored = -1
+        if (t := self._due(self._clock.time)) <= self._clock.time + SAME * self._duration:
+            self._store(min(t, self._clock.time), self._clock.y)
+            if t >= self._duration * (1.0 - SAME):
+                self._clock.stored = -1
 
     def _store(self, t: float, y: FloatArray) -> None:
         """Store one instant."""
-        memory = self.clock
+        memory = self._clock
         while True:
             memory.at[:] = y
-            status = self._record(self.system.model, t, memory.at, self._work, memory, self.records.tape)
+            status = self._record(self._system.model, t, memory.at, self._steps.work, memory, self._steps.records.tape)
             if status == RunStatus.DONE:
                 memory.stored += 1
                 return
-            remedied(self, status)
+            remedied(self._steps, status)
 
     def _put_right(self) -> bool:
         """Put the state onto the joints where it has drifted by more than the tolerance; whether it has.
 
         The method must start anew from there, one of many steps at order 1: so not for any less.
         """
-        memory = self.clock
+        memory = self._clock
         moved = memory.y.copy()
-        n = len(self.system.q)
+        n = len(self._system.q)
         drift, _ = self._project(
-            self.system.model, self.clock.time, moved[:n], moved[n : 2 * n], 0, True, self._work, memory.sets
+            self._system.model, self._clock.time, moved[:n], moved[n : 2 * n], 0, True, self._steps.work, memory.sets
         )
-        counts = self.records.tape.counts
+        counts = self._steps.records.tape.counts
         counts.worst_drift = max(counts.worst_drift, drift)
         off = np.abs(moved[: 2 * n] - memory.y[: 2 * n])
         if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()):

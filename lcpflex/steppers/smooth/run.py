@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
@@ -30,10 +30,20 @@ __all__ = ["SmoothSteps"]
 STABLE = 2.0  # frequency times step up to which explicit steps of fixed length do not grow
 
 
-class SmoothSteps:
-    """Runge-Kutta steps with error control, or Verlet's of fixed length; what other integrators share.
+class Implicit(Protocol):
+    """An integrator with a loop in Python."""
 
-    ``fixed_step``: of Verlet's method [s]; 0 for the other.
+    def start(self) -> None:
+        """Begin at the present state."""
+
+    def loop(self, target: int) -> int:
+        """Steps until there are ``target`` of them or the duration is reached; a status."""
+
+
+class SmoothSteps:
+    """Steps of any integrator: Runge-Kutta's with error control, Verlet's of fixed length, or those of ``implicit``.
+
+    ``fixed_step``: of Verlet's method [s]; 0 for the others. ``implicit``: makes one with a loop of its own.
     """
 
     def __init__(
@@ -43,20 +53,21 @@ class SmoothSteps:
         settings: SmoothSettings,
         first_step: float = 0.0,
         fixed_step: float = 0.0,
+        implicit: Callable[[SmoothSteps], Implicit] | None = None,
     ) -> None:
         self.system, self.fixed_step = system, fixed_step
         self.records = Records(system)
         self.records.by_law, self.records.laws = system.names, list(laws)
         self.duration = settings.duration
-        self._settings = settings
+        self.settings = settings
         self._laws = laws
-        self._work = system.workspace(1, system.compliant(laws, 16))
-        self.clock = smooth_memory(system, self._history, laws)
+        self.work = system.workspace(1, system.compliant(laws, 16))
+        self.clock = smooth_memory(system, self.history, laws)
         self.clock.step = first_step
-        self.records.indentation = self._history.worst
+        self.records.indentation = self.history.worst
         self._advance = link(advance_fixed if fixed_step else advance, system.hooks)
         if fixed_step:
-            self._work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
+            self.work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
             total = math.ceil(settings.duration / fixed_step)
             self.records.sampling = Sampling(self, total, total)
         self._unused: list[str] = []
@@ -69,9 +80,17 @@ class SmoothSteps:
                 "rebound follows from the damping of the force law"
             )
 
+        self._implicit = None if implicit is None else implicit(self)
+
+    def begin_again(self) -> None:
+        """Make the integrator whose state is about to be put back."""
+        if self._implicit is not None:
+            self._implicit.start()
+
     @property
-    def _history(self) -> ContactMemory:
-        return self._work.compliant.history
+    def history(self) -> ContactMemory:
+        """What contacts remember; the same however large tables grow."""
+        return self.work.compliant.history
 
     @property
     def finished(self) -> bool:
@@ -81,31 +100,31 @@ class SmoothSteps:
     @property
     def touching(self) -> IntArray:
         """Declared contacts that touched at the last evaluation."""
-        contacts = self._work.compliant
+        contacts = self.work.compliant
         return contacts.table.law[: contacts.n_contacts]
 
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
-        status: int = self._advance(
-            self.system.model, self._settings, self._work, self.clock, self.records.tape, target
-        )
+        if self._implicit is not None:
+            return self._implicit.loop(target)
+        status: int = self._advance(self.system.model, self.settings, self.work, self.clock, self.records.tape, target)
         return status
 
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts than are near."""
-        span, before = self._work.span, self._work.compliant
-        self._work = self.system.workspace(1, self.system.compliant(self._laws, 2 * before.needed, before))
-        self._work.span[:] = span
+        span, before = self.work.span, self.work.compliant
+        self.work = self.system.workspace(1, self.system.compliant(self._laws, 2 * before.needed, before))
+        self.work.span[:] = span
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on."""
         if status == RunStatus.OUT_OF_RANGE:
-            return too_deep(self.system.names, self._history, self._work.compliant.out_of_range)
+            return too_deep(self.system.names, self.history, self.work.compliant.out_of_range)
         return RunStatus(status).sentence
 
     def remarks(self) -> tuple[list[str], list[str]]:
         """What there is to warn of at present, each once; no notes."""
-        warnings = [*self._unused, *law_warnings(self.system.names, self._history)]
+        warnings = [*self._unused, *law_warnings(self.system.names, self.history)]
         product = self.clock.frequency * self.fixed_step
         if not product <= STABLE:
             warnings.append(
@@ -117,17 +136,17 @@ class SmoothSteps:
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
         ndof, y = len(self.system.q), self.clock.y
-        return (y[:ndof], y[ndof : 2 * ndof], self.clock, self._history)
+        return (y[:ndof], y[ndof : 2 * ndof], self.clock, self.history)
 
     def half_steps(self, time: float, done: int, count: int) -> int:
         """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""
-        halved = self._settings._replace(duration=math.inf, max_step=0.5 * self._settings.max_step, stride=UNSTORED)
+        halved = self.settings._replace(duration=math.inf, max_step=0.5 * self.settings.max_step, stride=UNSTORED)
         target = self.clock.steps + count
-        self._work.span[:] *= 0.5
+        self.work.span[:] *= 0.5
         try:
             while True:
-                status = self._advance(self.system.model, halved, self._work, self.clock, self.records.tape, target)
+                status = self._advance(self.system.model, halved, self.work, self.clock, self.records.tape, target)
                 if status != RunStatus.PASSED:
                     return int(status)
         finally:
-            self._work.span[:] *= 2.0
+            self.work.span[:] *= 2.0

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -200,9 +201,10 @@ class Smooth:
         if isinstance(integrator, Stiff):
             from scipy.integrate import Radau
 
-            from lcpflex.steppers.smooth.implicit import StiffSteps
+            from lcpflex.steppers.smooth.implicit import ImplicitSteps
 
-            return StiffSteps(system, laws, settings, integrator.method or Radau)
+            implicit = partial(ImplicitSteps, method=integrator.method or Radau)
+            return SmoothSteps(system, laws, settings, implicit=implicit)
         return SmoothSteps(system, laws, settings, integrator.first_step or 0.0)
 
     def _chosen(self, system: System) -> list[Law]:
