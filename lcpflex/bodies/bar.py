@@ -24,9 +24,7 @@ from lcpflex.bodies.line_body import (
 )
 from lcpflex.bodies.reduction.damping import (
     Damping,
-    check_damping,
-    check_residual,
-    count_of_modes,
+    damped_modes,
     sampled,
     vanish,
     with_residual,
@@ -113,9 +111,7 @@ class Bar:
         ModelError
             For more modes than the mesh has, a damping that is negative or of the wrong length, or places off the bar.
         """
-        n = count_of_modes(modes, self.elements)
-        check_damping(damping, n)
-        check_residual(residual_damping)
+        n = damped_modes(modes, self.elements, damping, residual_damping)
         mass = self.density * self.area * self.length
         height = math.sqrt(self.area) if self.height is None else self.height
         line = Line(self.length, mass, height, self.elements)

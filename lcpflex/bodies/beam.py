@@ -25,9 +25,7 @@ from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_l
 from lcpflex.bodies.reduction.beam_stiffening import axis_of, bent_under_tension, spinning
 from lcpflex.bodies.reduction.damping import (
     Damping,
-    check_damping,
-    check_residual,
-    count_of_modes,
+    damped_modes,
     sampled,
     skew,
     vanish,
@@ -137,9 +135,7 @@ class Beam:
         if actual and not self.axial:
             raise ModelError("axial_force: 'actual' was given for a beam with axial=False, expected one that stretches")
         available = (3 if self.axial else 2) * self.elements
-        n = count_of_modes(modes, available)
-        check_damping(damping, n)
-        check_residual(residual_damping)
+        n = damped_modes(modes, available, damping, residual_damping)
         mass = self.density * self.width * self.thickness * self.length
         line = Line(self.length, mass, self.thickness, self.elements)
         places = interfaces_of(interfaces)

@@ -81,16 +81,20 @@ NO_LAW = LawRow(
 )
 
 
-class ElasticLaw(Protocol):
-    """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.force_laws.elastic.law`."""
+class LawPart(Protocol):
+    """What all three parts of a contact law offer to kernels."""
 
     @property
     def kind(self) -> str:
-        """Name among the elastic kinds."""
+        """Name among the ``KINDS`` of its part."""
 
     @property
     def parameters(self) -> tuple[float, ...]:
-        """At most six."""
+        """At most six of an elastic law, four of a damping, seven of friction."""
+
+
+class ElasticLaw(LawPart, Protocol):
+    """What an elastic law offers to kernels; its public face is in :mod:`lcpflex.force_laws.elastic.law`."""
 
     @property
     def limit(self) -> float:
@@ -118,16 +122,8 @@ class Part:
     remembers: bool = False
 
 
-class Damping(Protocol):
+class Damping(LawPart, Protocol):
     """What a dissipative law offers to kernels."""
-
-    @property
-    def kind(self) -> str:
-        """Name among the kinds of damping."""
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """At most four."""
 
     @property
     def guard_speed(self) -> float:
@@ -141,16 +137,8 @@ class Damping(Protocol):
         """Raise ModelError where it cannot go with that elastic law."""
 
 
-class FrictionLaw(Protocol):
+class FrictionLaw(LawPart, Protocol):
     """What a friction law offers to kernels; mu is that of the declared contact."""
-
-    @property
-    def kind(self) -> str:
-        """Name among the kinds of friction."""
-
-    @property
-    def parameters(self) -> tuple[float, ...]:
-        """At most seven."""
 
     @property
     def slip_speed(self) -> float:

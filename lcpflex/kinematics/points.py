@@ -106,17 +106,23 @@ def point_angle(bodies: Bodies, points: Points, q: FloatArray, p: int) -> float:
 
 
 @kernel
-def add_point_row(bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray) -> None:
-    """row += L^T d: the generalised force of a force d [N, world axes] at P, into the block of its body."""
-    b = points.body[p]
-    if b < 0:
-        return
+def force_at(
+    bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float
+) -> tuple[float, float, float, float]:
+    """Place of point p and a force (dx, dy) in the frame of its body, which is not the ground."""
     sx, sy = local_place(bodies, points, q, p)
-    d = bodies.dof[b]
+    d = bodies.dof[points.body[p]]
     cos = math.cos(q[d + 2])
     sin = math.sin(q[d + 2])
-    ex = cos * dx + sin * dy
-    ey = -sin * dx + cos * dy
+    return sx, sy, cos * dx + sin * dy, -sin * dx + cos * dy
+
+
+@kernel
+def add_point_row(bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray) -> None:
+    """row += L^T d: the generalised force of a force d [N, world axes] at P, into the block of its body."""
+    if points.body[p] < 0:
+        return
+    sx, sy, ex, ey = force_at(bodies, points, q, p, dx, dy)
     row[0] += dx
     row[1] += dy
     row[2] += sx * ey - sy * ex
@@ -137,15 +143,9 @@ def add_point_rows(
     across: FloatArray,
 ) -> None:
     """along += L^T d and across += L^T (-J d): ``add_point_row`` for d and for the force (dy, -dx) across it."""
-    b = points.body[p]
-    if b < 0:
+    if points.body[p] < 0:
         return
-    sx, sy = local_place(bodies, points, q, p)
-    d = bodies.dof[b]
-    cos = math.cos(q[d + 2])
-    sin = math.sin(q[d + 2])
-    ex = cos * dx + sin * dy
-    ey = -sin * dx + cos * dy
+    sx, sy, ex, ey = force_at(bodies, points, q, p, dx, dy)
     along[0] += dx
     along[1] += dy
     along[2] += sx * ey - sy * ex

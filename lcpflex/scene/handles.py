@@ -83,11 +83,7 @@ class Placed:
         if isinstance(outline, Chain):
             shape = shapes.chain(outline.points, outline.closed)
         else:
-            shape = (
-                shapes.hole(outline.center, outline.radius)
-                if outline.hole
-                else shapes.circle(outline.center, outline.radius)
-            )
+            shape = (shapes.hole if outline.hole else shapes.circle)(outline.center, outline.radius)
         label = f"{self.name}.{name}"
         return PlacedSurface(self.scene, self.body, label, self._on_body(shape), methodcaller("surface", name))
 

@@ -29,6 +29,7 @@ from lcpflex.scene.user_functions import check_names, functions_of
 if TYPE_CHECKING:
     from lcpflex.bodies.reduction.damping import Damping
     from lcpflex.bodies.reduction.stiffening import Stiffening
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.scene.compiling import CompiledScene, ReductionOrder
 
 __all__ = ["Scene"]
@@ -116,7 +117,6 @@ class Scene:
             where the free modes give way as the mesh does, to a hundredth, or else 3, 5 or 9; and 3 where 9 do not do.
         """
         called = _name("body", name, ["ground", *self._placed])
-        options = (modes, damping, stiffening, residual_damping, contact_nodes)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
@@ -125,27 +125,19 @@ class Scene:
             modal = modal_velocity = None
         elif not isinstance(body, Body):
             raise ModelError(f"body: {shown(body)} was given, expected a Body, or a flexible body and modes=8")
-        elif any(option is not None for option in options):
-            names = ("modes", "damping", "stiffening", "residual_damping", "contact_nodes")
-            given = next(name for name, option in zip(names, options, strict=True) if option is not None)
-            raise ModelError(
-                f"{given}: it was given for a Body, which has its modes, expected an unreduced one such as Beam(...)"
-            )
-        zeros = np.zeros(body.modes)
-        start = np.concatenate(
-            [
-                array_of("position", position, (2,)),
-                [in_range("angle", angle, -math.inf, math.inf)],
-                zeros if modal is None else array_of("modal", modal, (body.modes,)),
-            ]
-        )
-        rate = np.concatenate(
-            [
-                array_of("velocity", velocity, (2,)),
-                [in_range("angular_velocity", angular_velocity, -math.inf, math.inf)],
-                zeros if modal_velocity is None else array_of("modal_velocity", modal_velocity, (body.modes,)),
-            ]
-        )
+        else:
+            options = {
+                "modes": modes, "damping": damping, "stiffening": stiffening, "residual_damping": residual_damping,
+                "contact_nodes": contact_nodes,
+            }  # fmt: skip
+            for option, value in options.items():
+                if value is not None:
+                    raise ModelError(
+                        f"{option}: it was given for a Body, which has its modes, expected an unreduced one such as "
+                        "Beam(...)"
+                    )
+        start = _state(body.modes, position=position, angle=angle, modal=modal)
+        rate = _state(body.modes, velocity=velocity, angular_velocity=angular_velocity, modal_velocity=modal_velocity)
         placed = Placed(called, len(self._placed), body, (start, rate), self, order)
         self._placed[placed.name] = placed
         return placed
@@ -318,6 +310,13 @@ class Scene:
         stem: the label without its number.
         """
         return f"{stem}{1 + sum(s.label.rstrip('0123456789') == stem for s in self._surfaces)}"
+
+
+def _state(modes: int, **parts: Any) -> FloatArray:
+    """(3 + n,) of a place, an angle and n modal coordinates, by the names of the arguments, or of their rates."""
+    (at, place), (turned, angle), (bent, modal) = parts.items()
+    frame = [*array_of(at, place, (2,)), in_range(turned, angle, -math.inf, math.inf)]
+    return np.concatenate([frame, np.zeros(modes) if modal is None else array_of(bent, modal, (modes,))])
 
 
 def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:

@@ -36,7 +36,7 @@ from lcpflex.bodies.reduction.bases import (
     regional_basis,
     residual_basis,
 )
-from lcpflex.bodies.reduction.damping import Damping, check_residual, count_of_modes
+from lcpflex.bodies.reduction.damping import Damping, count_of_modes, damped_modes
 from lcpflex.bodies.reduction.eigenmodes import FreeMesh, check_memory
 from lcpflex.bodies.reduction.interface import Interfaces
 from lcpflex.bodies.reduction.mesh_body import body_of
@@ -100,8 +100,7 @@ def free_interface(
         See the module.
     """
     mesh = _mesh_of(model)
-    n = count_of_modes(modes, elastic_count(mesh))
-    check_residual(residual_damping)
+    n = damped_modes(modes, elastic_count(mesh), None, residual_damping)
     places = of_mesh(interfaces)
     if not places or n == elastic_count(mesh):
         return reduced(mesh, lambda mesh: free_basis(FreeMesh.of(mesh), n), damping, stiffening, columns=n)

@@ -21,6 +21,7 @@ __all__ = [
     "Rayleigh",
     "check_damping",
     "count_of_modes",
+    "damped_modes",
     "modal_damping",
     "sampled",
     "signed",
@@ -84,10 +85,14 @@ def check_damping(damping: Damping, modes: int) -> None:
     modal_damping(damping, np.ones(modes))
 
 
-def check_residual(ratio: float | None) -> None:
-    """Raise ModelError for a damping of residual modes that is none, also where there are no such modes."""
-    if ratio is not None:
-        in_range("residual_damping", ratio, 0.0, math.inf)
+def damped_modes(modes: int | None, available: int, damping: Damping | None, residual_damping: float | None) -> int:
+    """The number of modes to keep, with dampings that fit, or ModelError, before the eigenproblem is solved."""
+    n = count_of_modes(modes, available)
+    if damping is not None:
+        check_damping(damping, n)
+    if residual_damping is not None:
+        in_range("residual_damping", residual_damping, 0.0, math.inf)
+    return n
 
 
 def with_residual(damping: Damping, residual_damping: float | None, omega: FloatArray, free: int) -> FloatArray:

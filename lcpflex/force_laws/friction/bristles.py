@@ -22,7 +22,6 @@ from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
     slip_of,
-    static_coefficient,
 )
 
 __all__ = ["Bristle", "LuGre"]
@@ -90,8 +89,7 @@ class LuGre(WithBristles):
     @property
     def parameters(self) -> tuple[float, ...]:
         """sigma_0, sigma_1, sigma_2, v_s, mu_s."""
-        static = static_coefficient(self.static_friction)
-        return (self.stiffness, self.damping, self.viscous, self.stribeck_speed, static)
+        return self.stiffness, self.damping, self.viscous, self.stribeck_speed, self.static_friction or 0.0
 
     def steady_force(self, slip: npt.ArrayLike, normal: npt.ArrayLike, mu: npt.ArrayLike) -> Any:
         """Tangential force [N] after sliding at constant velocities [m/s] under normal forces >= 0 [N], broadcast.
@@ -109,7 +107,7 @@ class LuGre(WithBristles):
         common_shape((slip, normal, mu))
         if mu.size > 0:
             self.check(float(mu.max()), "mu")
-        static = np.maximum(static_coefficient(self.static_friction), mu)
+        static = np.maximum(self.static_friction or 0.0, mu)
         sliding = mu + (static - mu) * np.exp(-(np.minimum(np.abs(slip) / self.stribeck_speed, FAST) ** 2))
         return -normal * (mu > 0.0) * (np.sign(slip) * sliding + self.viscous * slip)
 
@@ -167,7 +165,7 @@ class Bristle(WithBristles):
             self.damping,
             self.viscous,
             self.stribeck_speed,
-            static_coefficient(self.static_friction),
+            self.static_friction or 0.0,
             self.dwell_time,
             0.01 * self.stribeck_speed if self.direction_speed is None else self.direction_speed,
         )

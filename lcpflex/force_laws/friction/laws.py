@@ -25,7 +25,6 @@ from lcpflex.force_laws.friction.static_friction import (
     check_static_friction,
     common_shape,
     slip_of,
-    static_coefficient,
 )
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 
@@ -217,7 +216,7 @@ class BengisuAkay(MemorylessFriction):
     @property
     def parameters(self) -> tuple[float, ...]:
         """v_0, mu_s, xi."""
-        return (self.slip_speed, static_coefficient(self.static_friction), self.decay)
+        return (self.slip_speed, self.static_friction or 0.0, self.decay)
 
     check = check_static_friction
 
@@ -252,6 +251,6 @@ class BrownMcPhee(MemorylessFriction):
     @property
     def parameters(self) -> tuple[float, ...]:
         """v_t, mu_s, sigma_2."""
-        return (self.slip_speed, static_coefficient(self.static_friction), self.viscous)
+        return (self.slip_speed, self.static_friction or 0.0, self.viscous)
 
     check = check_static_friction

@@ -14,7 +14,7 @@ from lcpflex.jit.kernel import FloatArray
 
 LARGEST = 10**8  # forces at a time
 
-__all__ = ["check_static_friction", "common_shape", "slip_of", "static_coefficient"]
+__all__ = ["check_static_friction", "common_shape", "slip_of"]
 
 
 def slip_of(slip: Any, normal: Any, mu: Any) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -43,8 +43,3 @@ def check_static_friction(law: Any, mu: float, contact: str) -> None:
             f"static_friction: {shown(static)} was given, "
             f"expected at least the friction {shown(mu)} of contact {contact!r}"
         )
-
-
-def static_coefficient(static: float | None) -> float:
-    """As kernels take it: they use the larger of it and mu."""
-    return 0.0 if static is None else static
