@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import numbers
+from lcpflex.basics.arguments import array_of, numbers
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene import compiling
 from lcpflex.scene.user_functions import check_names
@@ -103,7 +103,7 @@ class UserSystem:
         return self
 
     def __post_init__(self) -> None:
-        q = _array("q", self.q, (None,))
+        q = _array("q", self.q, (-1,))
         if not q.size:
             raise ModelError("q: an empty array was given, expected at least one coordinate")
         for name in ("force", *OPTIONAL):
@@ -117,7 +117,7 @@ class UserSystem:
             raise ModelError("gaps and normals: one was given without the other, expected both or neither")
         if (self.constraints is None) != (self.jacobian is None):
             raise ModelError("constraints and jacobian: one was given without the other, expected both or neither")
-        m = len(_call("gaps", self.gaps, (None,), q)) if self.gaps is not None else 0
+        m = len(_call("gaps", self.gaps, (-1,), q)) if self.gaps is not None else 0
         for name, high in (("friction", math.inf), ("restitution", 1.0), ("tangential_restitution", 1.0)):
             given = numbers(getattr(self, name))
             if given is None or given.shape not in ((), (m,)):
@@ -165,21 +165,12 @@ def _semidefinite(name: str, matrix: FloatArray) -> FloatArray:
     return matrix
 
 
-def _array(name: str, value: Any, shape: tuple[int | None, ...]) -> FloatArray:
-    """``value`` as a finite float array of ``shape`` (None: any length)."""
-    given = numbers(value)
-    if given is None:
-        raise ModelError(f"{name}: {shown(value)} was given, expected an array of numbers of shape {shape}")
-    array = np.array(given)
-    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
-    if not fits:
-        raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {shape}")
-    if not np.isfinite(array).all():
-        raise ModelError(f"{name}: {shown(array)} was given, expected finite numbers")
-    return array
+def _array(name: str, value: Any, shape: tuple[int, ...]) -> FloatArray:
+    """``value`` as a finite float array of ``shape`` (-1: any length), which may be written to."""
+    return np.array(array_of(name, value, shape))
 
 
-def _call(name: str, function: Callable[..., Any], shape: tuple[int | None, ...], *arguments: Any) -> FloatArray:
+def _call(name: str, function: Callable[..., Any], shape: tuple[int, ...], *arguments: Any) -> FloatArray:
     """What a user's function returns, checked; what it raises, named."""
     try:
         value = function(*arguments)
@@ -200,7 +191,7 @@ class Functions:
         self.friction = np.asarray(given.friction, dtype=float)
         start = np.asarray(given.q, dtype=float)
         self.n_joint = (
-            0 if given.constraints is None else len(_call("constraints", given.constraints, (None,), 0.0, start))
+            0 if given.constraints is None else len(_call("constraints", given.constraints, (-1,), 0.0, start))
         )
 
     def try_all(self) -> None:

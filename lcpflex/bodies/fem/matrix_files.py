@@ -200,10 +200,12 @@ def _matrix_market(name: str, path: Path) -> Any:
         if not 0 <= columns.min() <= columns.max() < n:
             raise ModelError(f"{where}an entry beyond column 1 to {n} was found, expected columns of the matrix")
     matrix = libs.sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsc()
-    if not symmetric:
-        return matrix
-    diagonal = libs.sparse.coo_matrix((matrix.diagonal(), (np.arange(n), np.arange(n))), shape=(n, n))
-    return (matrix + matrix.T - diagonal).tocsc()
+    return _mirrored(matrix) if symmetric else matrix
+
+
+def _mirrored(half: Any) -> Any:
+    """The symmetric matrix of its entries on one side of the diagonal, and on it."""
+    return (half + half.T - libs.sparse.diags_array(half.diagonal())).tocsc()
 
 
 def _abaqus(name: str, path: Path) -> Labelled:
@@ -269,8 +271,7 @@ def _labelled(name: str, rows: FloatArray) -> Labelled:
         )
     once = np.setdiff1d(np.arange(len(rows)), second)
     upper = libs.sparse.coo_matrix((rows[once, 4], (low[once], high[once])), shape=(size, size)).tocsc()
-    diagonal = libs.sparse.coo_matrix((upper.diagonal(), (np.arange(size), np.arange(size))), shape=(size, size))
-    return Labelled((upper + upper.T - diagonal).tocsc(), labels)
+    return Labelled(_mirrored(upper), labels)
 
 
 def _places(value: Any) -> tuple[FloatArray, IntArray | None]:
