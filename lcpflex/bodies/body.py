@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of, mapping_of as named, whole_number
 from lcpflex.basics.options import keep_number
-from lcpflex.basics.renamed import renamed_property
+from lcpflex.basics.renamed import renamed_keyword, renamed_property
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
@@ -341,3 +341,6 @@ class Body:
         reduced = rigid - coupled @ coupled.T
         frame = np.linalg.solve(reduced, right[:N_RIGID] - coupled @ right[N_RIGID:])
         return float(frame[0]), float(frame[1]), float(frame[2]), right[N_RIGID:] - coupled.T @ frame
+
+
+Body.__init__ = renamed_keyword(ladder="fidelity_levels")(Body.__init__)  # type: ignore[method-assign]

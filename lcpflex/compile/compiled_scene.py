@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.basics.lazy import attach
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import Callback, Calls, Materials, State, supplier
@@ -16,6 +17,8 @@ from lcpflex.model.arrays import Axis, Model, refrozen
 from lcpflex.steppers.system import System
 
 __all__ = ["CompiledScene", "Layout"]
+
+__getattr__, __dir__ = attach(__name__, renamed={"Compiled": "CompiledScene"})
 
 MARGIN = 0.2  # gaps are measured up to this part of the size of the scene
 

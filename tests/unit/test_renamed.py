@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import warnings
-from dataclasses import replace
+from dataclasses import fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ GOES_WITH = f"the old name goes with version {GOES}"
         ("lcpflex.solvers", "OwnSolver", "UserSolver"),
         ("lcpflex.bodies", "Rung", "FidelityLevel"),
         ("lcpflex.studies", "NextRung", "NextLevel"),
+        ("lcpflex.compile.compiled_scene", "Compiled", "CompiledScene"),
     ],
 )
 def test_classes(package: str, old: str, new: str) -> None:
@@ -95,6 +96,16 @@ def test_the_argument_of_contacts() -> None:
     assert old.pass_slave.tolist() == new.pass_slave.tolist() == [1]
     with pytest.raises(lf.ModelError, match="slave: it was given beside node_side"):
         declared(slave=True, node_side=True)
+
+
+def test_levels_of_a_body_written_by_hand() -> None:
+    parts = {part.name: getattr(lf.Disc(0.1, mass=2.0), part.name) for part in fields(lf.bodies.Body)}
+    levels = parts.pop("fidelity_levels")
+    with pytest.warns(DeprecationWarning, match=f"the argument ladder of __init__ is now called .*{GOES_WITH}"):
+        body = lf.bodies.Body(**parts, ladder=tuple)
+    assert body.fidelity_levels is tuple
+    assert levels is None
+    assert replace(body, mass=3.0).fidelity_levels is tuple
 
 
 def test_properties_of_results_and_studies() -> None:
