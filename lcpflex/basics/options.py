@@ -50,10 +50,12 @@ def keep_number(
     return number
 
 
-def keep_number_or_none(owner: Any, name: str, low: float, high: float, *, open_ends: bool = False) -> None:
+def keep_number_or_none(
+    owner: Any, name: str, low: float, high: float, *, open_ends: bool = False, label: str | None = None
+) -> None:
     """Keep attribute ``name`` of a frozen dataclass as a float, or as None; see :func:`keep_number`."""
     if getattr(owner, name) is not None:
-        keep_number(owner, name, low, high, open_ends=open_ends)
+        keep_number(owner, name, low, high, open_ends=open_ends, label=label)
 
 
 def keep_at_least(owner: Any, name: str, low: float, expected: str, *, open_end: bool = False) -> None:

@@ -13,8 +13,8 @@ import numpy as np
 from lcpflex.basics.arguments import flag, sequence_of
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.force_laws.arguments import finite_numbers, numbers_of
+from lcpflex.force_laws.elastic.kernels import FORCE, INDENTATION
 from lcpflex.force_laws.elastic.law import ElasticFace
-from lcpflex.force_laws.elastic.loops import FORCE, INDENTATION
 from lcpflex.force_laws.user_call import own_forces
 from lcpflex.jit.callback import OwnFunction
 from lcpflex.jit.kernel import FloatArray

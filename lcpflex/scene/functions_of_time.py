@@ -31,7 +31,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
-from lcpflex.basics.options import is_number, keep_number
+from lcpflex.basics.options import is_number, keep_number, keep_number_or_none
 from lcpflex.bodies.body import array_of
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
@@ -135,8 +135,7 @@ class Function:
         breaks = np.sort(array_of("Function: breaks", self.breaks, (-1,)))
         breaks.setflags(write=False)
         object.__setattr__(self, "breaks", breaks)
-        if self.shortest is not None:
-            keep_number(self, "shortest", 0.0, math.inf, open_ends=True, label="Function: shortest")
+        keep_number_or_none(self, "shortest", 0.0, math.inf, open_ends=True, label="Function: shortest")
 
     def __call__(self, *arguments: Any) -> Any:
         """What the function returns."""

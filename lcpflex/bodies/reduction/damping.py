@@ -117,8 +117,8 @@ def with_residual(damping: Damping, residual_damping: float | None, omega: Float
     return np.concatenate([own, 2.0 * last * rest])
 
 
-def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) -> FloatArray:
-    """Values of a displacement field: (k, 2) of a function at the places (k, 2), or the given (nodes, columns) array.
+def sampled(displacement: Displacement, places: FloatArray) -> FloatArray:
+    """Values of a displacement field: (k, 2) of a function at the places (k, 2), or the given (nodes, 2) array.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def sampled(displacement: Displacement, places: FloatArray, columns: int = 2) ->
         If the function raises or gives anything but two finite numbers, or the array has another shape.
     """
     if not callable(displacement):
-        return array_of("displacement", displacement, (-1, columns))
+        return array_of("displacement", displacement, (-1, 2))
     values = np.empty((len(places), 2))
     for k, (x, y) in enumerate(places):
         try:

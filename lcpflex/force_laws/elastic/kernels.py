@@ -15,7 +15,12 @@ from lcpflex.force_laws.user_call import own_force
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 
 __all__ = [
+    "ENERGY",
+    "FORCE",
+    "INDENTATION",
     "KINDS",
+    "STIFFNESS",
+    "evaluate",
     "LAST_LOGARITHM",
     "elastic_force",
     "elastic_stiffness",
@@ -27,6 +32,7 @@ __all__ = [
 
 KINDS = ("power", "logarithmic", "liu", "persson", "own")
 POWER, LOGARITHMIC, LIU, PERSSON, OWN = range(len(KINDS))
+FORCE, STIFFNESS, ENERGY, INDENTATION = range(4)  # what arrays are asked for
 MOST_ITERATIONS = 40
 ROUGH = 1e-2  # relative, of an indentation that only bounds a step
 FINE = 4e-16  # relative
@@ -271,3 +277,17 @@ def indentation_at(kinds: IntArray, p: FloatArray, force: float) -> float:
             break
         depth = following
     return depth
+
+
+@kernel
+def evaluate(kinds: IntArray, p: FloatArray, quantity: int, given: FloatArray, out: FloatArray) -> None:
+    """A quantity of a law at each indentation (or for INDENTATION at each force) ``given`` (n,), to ``out`` (n,)."""
+    for i in range(len(given)):
+        if quantity == FORCE:
+            out[i] = elastic_force(kinds, p, given[i])
+        elif quantity == STIFFNESS:
+            out[i] = elastic_stiffness(kinds, p, given[i])
+        elif quantity == ENERGY:
+            out[i] = stored_energy(kinds, p, given[i])
+        else:
+            out[i] = indentation_at(kinds, p, given[i])

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.force_laws.arguments import numbers_of
-from lcpflex.force_laws.elastic.kernels import KINDS
-from lcpflex.force_laws.elastic.loops import ENERGY, FORCE, INDENTATION, STIFFNESS, evaluate
+from lcpflex.force_laws.elastic.kernels import ENERGY, FORCE, INDENTATION, KINDS, STIFFNESS, evaluate
 from lcpflex.force_laws.layout import ELASTIC, END, LIMIT, PARAMETERS
 from lcpflex.jit.kernel import FloatArray
 

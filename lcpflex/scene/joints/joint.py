@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.options import keep_number_or_none
 from lcpflex.bodies.body import array_of
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair
 from lcpflex.errors import ModelError, shown
@@ -51,8 +51,7 @@ def check_joint(joint: Any) -> None:
 
 def keep_angle(joint: Any) -> None:
     """Keep the rest angle as a float, unless it is None."""
-    if joint.angle is not None:
-        keep_number(joint, "angle", -math.inf, math.inf, label=f"{type(joint).__name__}: angle")
+    keep_number_or_none(joint, "angle", -math.inf, math.inf, label=f"{type(joint).__name__}: angle")
 
 
 def unit(owner: str, axis: npt.ArrayLike) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.errors import ModelError, shown
 from lcpflex.scene.functions_of_time import Signal
@@ -53,8 +53,7 @@ def check_spring(spring: Any, rest: str) -> None:
     check_pair(owner, spring.P, spring.Q)
     keep_number(spring, "stiffness", 0.0, math.inf, label=f"{owner}: stiffness")
     keep_number(spring, "damping", 0.0, math.inf, label=f"{owner}: damping")
-    if getattr(spring, rest) is not None:
-        keep_number(spring, rest, 0.0 if rest == "length" else -math.inf, math.inf, label=f"{owner}: {rest}")
+    keep_number_or_none(spring, rest, 0.0 if rest == "length" else -math.inf, math.inf, label=f"{owner}: {rest}")
 
 
 def check_loaded(load: Any) -> None:
