@@ -103,9 +103,7 @@ def Box(
     middles = {"left": (-w / 2, 0.0), "right": (w / 2, 0.0), "bottom": (0.0, -h / 2), "top": (0.0, h / 2)}
     places = {name: np.array(at) for name, at in {"center": (0.0, 0.0), **middles, **corners}.items()}
     ring = [_point(*at) for at in corners.values()]
-    surfaces: dict[str, Outline] = {"outline": Chain(tuple(ring), closed=True)}
-    for k, name in enumerate(("bottom", "right", "top", "left")):
-        surfaces[name] = Chain((ring[k], ring[(k + 1) % 4]), closed=False)
+    surfaces = _sides(ring, ("bottom", "right", "top", "left"))
     return _rigid(m, m * (w * w + h * h) / 12.0, places["center"], places, surfaces)
 
 
@@ -141,11 +139,16 @@ def Polygon(
     m = _mass(abs(area), density, mass, thickness)
     places = {"center": center, **dict(zip(names, given, strict=True))}
     ring = [_point(*at) for at in given]
-    surfaces: dict[str, Outline] = {"outline": Chain(tuple(ring[::-1] if clockwise else ring), closed=True)}
-    for k, start in enumerate(ring):
-        side = (start, ring[(k + 1) % len(ring)])
-        surfaces[f"side_{k}"] = Chain(side[::-1] if clockwise else side, closed=False)
+    surfaces = _sides(ring, [f"side_{k}" for k in range(len(ring))], clockwise)
     return _rigid(m, m * second, center, places, surfaces)
+
+
+def _sides(ring: Sequence[MaterialPoint], names: Sequence[str], clockwise: bool = False) -> dict[str, Outline]:
+    """The outline through the corners, and its sides by name, each from a corner to the one given after it."""
+    way = -1 if clockwise else 1
+    sides = {name: ring[k : k + 2] for k, name in enumerate(names[:-1])} | {names[-1]: [ring[-1], ring[0]]}
+    outline: dict[str, Outline] = {"outline": Chain(tuple(ring[::way]), closed=True)}
+    return outline | {name: Chain(tuple(side[::way]), closed=False) for name, side in sides.items()}
 
 
 def _green(vertices: FloatArray) -> tuple[float, FloatArray, float]:

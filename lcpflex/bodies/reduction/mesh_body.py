@@ -71,20 +71,15 @@ def body_of(
     nodal = mesh.nodal(shapes)
     material = material_at_nodes(mesh, nodal)
     integrals = _axial_integrals if mesh.axisymmetric else _planar_integrals
-    mass, inertia, moment, S, a, c, coupling, weighed = integrals(mesh, shapes)
+    inertia, weighed = integrals(mesh, shapes)
+    center = inertia["moment"] / inertia["mass"]
     return Body(
-        mass=mass,
-        inertia=inertia,
-        moment=moment,
-        S=S,
-        a=a,
-        c=c,
+        **inertia,
         stiffness=omega2,
         damping=diagonal,
-        coupling=coupling,
         cross_damping=cross,
         geometric=stiffened_by_spin(mesh, stiffening, shapes),
-        points={**_axis(mesh, moment / mass, len(c)), **{name: material(node) for name, node in mesh.points.items()}},
+        points={**_axis(mesh, center, len(omega2)), **{name: material(node) for name, node in mesh.points.items()}},
         surfaces=Lazily({name: partial(_outline, material, *chain) for name, chain in mesh.chains.items()}),
         locate=partial(_locate, mesh, material),
         axisymmetric=mesh.axisymmetric,
@@ -95,24 +90,29 @@ def body_of(
     )
 
 
-def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
-    """m, I0, s0, S, a, c, D and M [R, Phi]: products with the mass matrix."""
+def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[dict[str, Any], FloatArray]:
+    """m, I0, s0, S, a, c and D by their names in :class:`Body`, and M [R, Phi]: products with the mass matrix."""
     rigid = mesh.rigid
     weighed = mesh.mass @ np.column_stack([rigid, mesh.places.ravel(), shapes])
     total = float(rigid[:, 0] @ weighed[:, 0])
     moment = rigid[:, :2].T @ weighed[:, 3]
     second = float(mesh.places.ravel() @ weighed[:, 3])
-    S = vanish("S", shapes.T @ weighed[:, :2], math.sqrt(total))
-    c = vanish("c", shapes.T @ weighed[:, 2], math.sqrt(second))
     turned = np.empty_like(shapes)  # J^T Phi
     turned[0::2] = shapes[1::2]
     turned[1::2] = -shapes[0::2]
-    a = shapes.T @ weighed[:, 3]
-    coupling = skew(weighed[:, 4:].T @ turned)
-    return total, second, moment, S, a, c, coupling, np.delete(weighed, 3, axis=1)
+    inertia = {
+        "mass": total,
+        "inertia": second,
+        "moment": moment,
+        "S": vanish("S", shapes.T @ weighed[:, :2], math.sqrt(total)),
+        "a": shapes.T @ weighed[:, 3],
+        "c": vanish("c", shapes.T @ weighed[:, 2], math.sqrt(second)),
+        "coupling": skew(weighed[:, 4:].T @ turned),
+    }
+    return inertia, np.delete(weighed, 3, axis=1)
 
 
-def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...]:
+def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[dict[str, Any], FloatArray]:
     """The same of a solid of revolution about x: y = r cos(phi), whose square is r^2 / 2 on average."""
     place = mesh.places.ravel()[mesh.dofs]
     along = mesh.dofs % 2 == 0
@@ -124,8 +124,9 @@ def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[Any, ...
     vanish("S", shapes.T @ weighed[:, 0], math.sqrt(total))
     n = shapes.shape[1]
     a = shapes.T @ (mesh.mass @ projected)
+    inertia = {"mass": total, "inertia": second, "moment": moment, "S": np.zeros((n, 2)), "a": a, "c": np.zeros(n)}
     rigid = np.column_stack([weighed[:, :1], np.zeros((len(place), 2))])  # across and about: nothing, by symmetry
-    return total, second, moment, np.zeros((n, 2)), a, np.zeros(n), None, np.column_stack([rigid, weighed[:, 1:]])
+    return inertia | {"coupling": None}, np.column_stack([rigid, weighed[:, 1:]])
 
 
 def _damping(
