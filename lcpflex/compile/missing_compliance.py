@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.reduction.line_interfaces import LineStatics
 from lcpflex.compile.surface_interfaces import Acting, acting_on
 from lcpflex.errors import ModelError
@@ -95,7 +96,8 @@ def deficits(body: Body, acting: Acting) -> tuple[Deficit, ...]:
     assert body.statics is not None
     modes, known = body.statics.known.get(acting, (None, ()))
     if modes is not body.stiffness:
-        known = tuple(deficit for deficit in _compared(body, body.statics, acting) if deficit.share > MISSING)
+        with one_thread(len(body.stiffness)):
+            known = tuple(deficit for deficit in _compared(body, body.statics, acting) if deficit.share > MISSING)
         body.statics.known[acting] = (body.stiffness, known)
     return tuple(known)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.basics import libs
+from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.reduction.damping import signed
 from lcpflex.bodies.reduction.eigenmodes import free_modes
 from lcpflex.jit.kernel import FloatArray
@@ -82,7 +83,8 @@ def bending_modes(
     rigid[1::2, 1] = 1.0
     _, shapes = free_modes(mass_matrix, (curvature.T @ curvature).tocsc(), rigid, count)
     # Rounding in K hides low frequencies of many elements (omega^2 ~ N^-4); strains keep twice the digits.
-    _, strain, turn = np.linalg.svd(np.asarray(curvature @ shapes), full_matrices=False)
+    with one_thread(n):
+        _, strain, turn = np.linalg.svd(np.asarray(curvature @ shapes), full_matrices=False)
     shapes = signed(shapes @ turn[::-1].T, np.arange(n) % 2 == 0)
     h = length / elements
     element_mass = mass / elements

@@ -15,6 +15,7 @@ import math
 
 import numpy as np
 
+from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.bodies.line_body import Line
 from lcpflex.bodies.reduction.damping import signed
@@ -98,8 +99,9 @@ def bent_under_tension(
             f"axial_force: {shown(stiffening.axial_force)} was given, "
             f"expected less compression: the beam buckles under it"
         ) from None
-    flexible = np.linalg.solve(lower, np.diag(1.0 / np.sqrt(omega2)))
-    _, periods, turn = np.linalg.svd(flexible)
+    with one_thread(len(lower)):
+        flexible = np.linalg.solve(lower, np.diag(1.0 / np.sqrt(omega2)))
+        _, periods, turn = np.linalg.svd(flexible)
     turn = turn[:count].T
     nodes = len(deflection)
     shapes = signed(np.vstack([deflection @ turn, rotation @ turn]), np.arange(2 * nodes) < nodes)

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics import libs
+from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.sparse_factor import AT_ONCE, Factor, NotPositive, dissection, links, positive_factor
 from lcpflex.errors import ModelError
@@ -122,7 +123,8 @@ class FreeMesh:
         if wanted > n - r:
             return np.zeros(0), np.zeros((n, 0))
         if is_dense(n, wanted):
-            values, vectors = self._all(wanted)
+            with one_thread(n):
+                values, vectors = self._all(wanted)
         else:
             values, vectors = lanczos(self.stiffness, self.mass, self.flexibility, wanted)
         judge(float(values[0]), self.mass, self.stiffness, r)
@@ -225,7 +227,8 @@ def fixed_modes(
     if count == 0:
         return np.zeros(0), np.zeros((n, 0))
     if is_dense(n, count):
-        return _full(stiffness.toarray(), mass.toarray(), 0, count)
+        with one_thread(n):
+            return _full(stiffness.toarray(), mass.toarray(), 0, count)
     return ritz(stiffness, mass, lanczos(stiffness, mass, factor.solve, count)[1])
 
 
@@ -257,7 +260,8 @@ def ritz(stiffness: csc_matrix[Any], mass: csc_matrix[Any], vectors: FloatArray)
     if not vectors.shape[1]:
         return np.zeros(0), vectors
     gram, stiff = grams(mass, stiffness, vectors)
-    omega2, turn = libs.linalg.eigh(stiff, gram)
+    with one_thread(len(gram)):
+        omega2, turn = libs.linalg.eigh(stiff, gram)
     return omega2, vectors @ turn
 
 

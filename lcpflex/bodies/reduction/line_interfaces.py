@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.blas import one_thread
 from lcpflex.bodies.fem.line_elements import LineModes, interpolate
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.bodies.reduction.stiffening import place_of
@@ -112,9 +113,10 @@ def residual_modes(omega2: FloatArray, loads: FloatArray) -> tuple[FloatArray, F
     energy = energy[:, size > NOTHING * size.max(initial=0.0)]
     if not energy.size:
         return np.zeros(0), np.zeros((len(omega2), 0))
-    span, share, _ = np.linalg.svd(energy / np.linalg.norm(energy, axis=0), full_matrices=False)
-    # displacements of unit energy: where their mass is diagonal, too, it is 1/omega^2
-    turn, period, _ = np.linalg.svd(soft[:, None] * span[:, share > DEPENDENT * share[0]], full_matrices=False)
+    with one_thread(len(energy)):
+        span, share, _ = np.linalg.svd(energy / np.linalg.norm(energy, axis=0), full_matrices=False)
+        # displacements of unit energy: where their mass is diagonal, too, it is 1/omega^2
+        turn, period, _ = np.linalg.svd(soft[:, None] * span[:, share > DEPENDENT * share[0]], full_matrices=False)
     return np.asarray(period**-2.0), np.asarray(turn)
 
 
