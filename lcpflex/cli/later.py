@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lcpflex.gallery import Case, scenes, warmup_cases
     from lcpflex.jit.cache import lost
     from lcpflex.jit.keys import LEVELS
+    from lcpflex.jit.late import compile_all
     from lcpflex.runs.simulate import simulate
     from lcpflex.solvers.arguments import check_repeats
     from lcpflex.solvers.benchmark.comparison import all_solvers

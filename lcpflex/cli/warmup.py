@@ -88,6 +88,8 @@ def warm() -> int:
         for case in bar:
             bar.set_postfix_str(f"{case.name}, {type(case.stepper).__name__}")
             later.simulate(case.build(), case.duration, case.stepper, progress=False, project=True)
+    if not private.why_not_thin():
+        later.compile_all()
     if later.lost:
         print(f"{len(later.lost)} kernels were compiled and could not be kept; {perf_counter() - start:.1f} s")
         return 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.load_means import force_value
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.points import add_point_row, add_rotation_row, point_angle
 from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.model.arrays import Model
@@ -72,7 +72,7 @@ def spring_forces(
         add_forces(model, q, k, gradient, drag, dissipative)
 
 
-@kernel
+@late_kernel
 def effort(
     model: Model, q: FloatArray, k: int, t: float, span: FloatArray, external: FloatArray, force: FloatArray
 ) -> None:

@@ -22,7 +22,7 @@ from lcpflex.force_laws.elastic.kernels import indentation_of
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.force_laws.history import ContactMemory, place_of
 from lcpflex.force_laws.normal_kernels import contact_energy, contact_stiffness, normal_force
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import dot
 
@@ -144,7 +144,7 @@ def normal_forces(model: Model, q: FloatArray, u: FloatArray, contacts: Complian
         contacts.sticks[k] = 0
 
 
-@kernel
+@late_kernel
 def friction_forces(
     model: Model, u: FloatArray, states: FloatArray, rates: FloatArray, contacts: CompliantContacts
 ) -> None:
@@ -186,7 +186,7 @@ def contact_forces(
     friction_forces(model, u, states, rates, contacts)
 
 
-@kernel
+@late_kernel
 def add_normal_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """Add the normal forces to those in ``work``: of springs to conservative, the rest to dissipative."""
     contacts = work.compliant
@@ -224,6 +224,12 @@ def add_contact_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspa
 @kernel
 def elastic_energy(model: Model, contacts: CompliantContacts) -> float:
     """Energy stored in the contacts of ``normal_forces`` [J]."""
+    return energy_of_pairs(model, contacts) if contacts.n_contacts > 0 else 0.0
+
+
+@late_kernel
+def energy_of_pairs(model: Model, contacts: CompliantContacts) -> float:
+    """``elastic_energy`` where there are contacts."""
     total = 0.0
     table = contacts.table
     for k in range(contacts.n_contacts):

@@ -24,7 +24,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import BENGISU_AKAY, BROWN_MCPHEE, friction_force
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import cholesky_solve
 
@@ -156,7 +156,7 @@ def free_velocities(model: Model, t: float, q: FloatArray, u: FloatArray, h: flo
     )
 
 
-@kernel
+@late_kernel
 def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work: Workspace) -> None:
     """Friction of the contacts whose normal forces are known, to ``contacts.p`` and ``contacts.friction``.
 
@@ -248,7 +248,13 @@ def compare_friction(u: FloatArray, h: float, work: Workspace) -> None:
 
     ``balance`` knows nothing of rigid contacts: what they hold, friction of compliant ones was made to hold, too.
     """
-    contacts = work.compliant
+    if work.compliant.n_tangents > 0:
+        add_missed_friction(u, h, work.compliant)
+
+
+@late_kernel
+def add_missed_friction(u: FloatArray, h: float, contacts: CompliantContacts) -> None:
+    """``compare_friction`` where there are contacts with friction."""
     history = contacts.history
     for j in range(contacts.n_tangents):
         k = contacts.tangent[j]

@@ -22,7 +22,7 @@ from lcpflex.dynamics.mechanics import factorise, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import stored_energy
 from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import cholesky, cholesky_solve, dot
@@ -187,9 +187,16 @@ def update_history(
     steps do not follow the forces, and what is too stiff for them is kept. ``states`` (places, 2): of friction, reset
     where a contact begins.
     """
+    return len(work.compliant.friction) == 0 or renew_history(model, t, q, u, turned, explicit, states, work)
+
+
+@late_kernel
+def renew_history(
+    model: Model, t: float, q: FloatArray, u: FloatArray, turned: float, explicit: bool, states: FloatArray,
+    work: Workspace,
+) -> bool:  # fmt: skip
+    """``update_history`` where compliant contacts may be."""
     contacts = work.compliant
-    if len(contacts.friction) == 0:
-        return True
     find_rates(model, q, u, roundings(q), contacts)
     if contacts.needed > 0:
         return False

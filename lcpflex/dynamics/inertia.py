@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from lcpflex.dynamics.shortening import factorise_tangent, shortens
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
@@ -181,10 +181,10 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
         lower[2, 2] = math.sqrt(tt - lower[2, 0] * lower[2, 0] - lower[2, 1] * lower[2, 1])
 
 
-@kernel
+@late_kernel
 def with_tangent(
     bodies: Bodies, q: FloatArray, b: int, alpha_k: float, work: Arrow, rigid: tuple[float, ...]
-) -> tuple[float, ...]:
+) -> tuple[float, float, float, float, float, float]:
     """The Schur complement (xx, xy, yy, xt, yt, tt) of body b with its dense matrix, from that with the diagonal."""
     xx, xy, yy, xt, yt, tt = rigid
     d = bodies.dof[b]
@@ -192,7 +192,7 @@ def with_tangent(
     n = bodies.dof[b + 1] - d - N_RIGID
     work.full[b] = 0
     if alpha_k == 0.0:
-        return rigid
+        return xx, xy, yy, xt, yt, tt
     start = work.dense_start[b]
     matrix = work.dense[start : start + n * n].reshape((n, n))
     diagonal = work.diagonal[first : first + n]

@@ -14,7 +14,7 @@ Sources: von Karman 1910 (strain); Simo & Hughes 1986 (assumed strains).
 
 from __future__ import annotations
 
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import cholesky
@@ -55,7 +55,7 @@ def shortened(bodies: Bodies, b: int, modal: FloatArray, i: int) -> float:
     return total
 
 
-@kernel
+@late_kernel
 def shortening_forces(bodies: Bodies, b: int, modal: FloatArray, force: FloatArray) -> None:
     """force -= gradient of V without its linear springs, of body b with ``modal`` (n,) and ``force`` (n,)."""
     first = bodies.axial_start[b]
@@ -70,7 +70,7 @@ def shortening_forces(bodies: Bodies, b: int, modal: FloatArray, force: FloatArr
             force[bodies.bending_mode[bends + row]] -= pull * slope_product(bodies, b, modal, i, row)
 
 
-@kernel
+@late_kernel
 def shortening_energy(bodies: Bodies, b: int, modal: FloatArray) -> float:
     """V of body b without its linear springs [J]: the sum of omega_a^2 (z_a^2 - q_a^2) / 2."""
     first = bodies.axial_start[b]

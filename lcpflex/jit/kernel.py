@@ -15,7 +15,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FloatArray", "IntArray", "interpreted", "kernel"]
+__all__ = ["FloatArray", "IntArray", "interpreted", "kernel", "late_kernel"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -31,6 +31,19 @@ def kernel(function: F) -> F:
     vectorised, and what is not finite is judged once, where a result is. The plain Python source stays reachable as
     ``function.py_func``.
     """
+    return _compiled(function, late=False)
+
+
+def late_kernel(function: F) -> F:
+    """A kernel that is not compiled before it is called, by a kernel as well (:mod:`lcpflex.jit.late`).
+
+    For what many runs do not need. Its annotation tells what it returns: None, bool, int, float or a tuple. Calls of
+    it are never compiled into their callers.
+    """
+    return _compiled(function, late=True)
+
+
+def _compiled(function: F, late: bool) -> F:
     import numba
 
     if numba.config.DISABLE_JIT:
@@ -39,9 +52,11 @@ def kernel(function: F) -> F:
 
     if reason := why_not_thin():
         return cast(F, _linked_by_numba(function, reason))
+    from lcpflex.jit.late import LateDispatcher
     from lcpflex.jit.thin_dispatcher import ThinDispatcher
 
-    return cast(F, ThinDispatcher(function, {"nopython": True, "boundscheck": None, **OPTIONS}))
+    kind = LateDispatcher if late else ThinDispatcher
+    return cast(F, kind(function, {"nopython": True, "boundscheck": None, **OPTIONS}))
 
 
 def _linked_by_numba(function: Callable[..., Any], reason: str) -> Any:

@@ -39,6 +39,8 @@ class KernelFile:
         The functions by which it is called.
     needs
         The functions of other kernels that its code calls, and the keys of these kernels.
+    late
+        Its calls of late kernels, and what they call.
     outside
         Further symbols that its code refers to: of libm, of Python, of numba.
     defined
@@ -53,6 +55,7 @@ class KernelFile:
     big: bool
     symbols: tuple[str, ...]
     needs: dict[str, str]
+    late: dict[str, str]
     outside: tuple[str, ...]
     defined: tuple[str, ...]
     code: bytes
@@ -60,7 +63,7 @@ class KernelFile:
 
     def packed(self) -> bytes:
         """As bytes."""
-        names = ("key", "big", "symbols", "needs", "outside", "defined")
+        names = ("key", "big", "symbols", "needs", "late", "outside", "defined")
         header = json.dumps({**{name: getattr(self, name) for name in names}, "code": len(self.code)}).encode()
         rest = len(header).to_bytes(LENGTH, "little") + header + self.code + self.entry
         return MAGIC + hashlib.sha256(rest).digest() + rest

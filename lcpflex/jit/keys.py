@@ -143,10 +143,14 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
         if name in function.__globals__:
             value = function.__globals__[name]
             kernels = value.calls if isinstance(value, Leaf) else {"": value}
-            reached = [_source(kernel) for kind, kernel in sorted(kernels.items()) if not kind or kind in structs]
+            chosen = [kernel for kind, kernel in sorted(kernels.items()) if not kind or kind in structs]
+            reached = list(map(_source, chosen))
             if all(map(_is_own, reached)):
                 called += [source for source in reached if not source.__module__.startswith(COMPILERS)]
-                values[name] = [(source.__module__, source.__qualname__) for source in reached]
+                values[name] = [
+                    (type(kernel).__qualname__, source.__module__, source.__qualname__, _result(source))
+                    for kernel, source in zip(chosen, reached, strict=True)
+                ]
             else:
                 values[name] = _meaning(value)
     place = function.__module__, function.__qualname__, function.__defaults__, function.__kwdefaults__
@@ -156,6 +160,11 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
 def _source(value: Any) -> Any:
     """The function that a kernel or an intrinsic was made of; any other value as it is."""
     return getattr(value, "py_func", getattr(value, "_defn", value))
+
+
+def _result(source: Callable[..., Any]) -> object:
+    """What callers of a late kernel know of it."""
+    return source.__annotations__.get("return")
 
 
 def _is_own(value: Any) -> bool:

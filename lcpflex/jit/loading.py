@@ -16,7 +16,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.serialize import dumps
 
 from lcpflex.jit.kernel_file import KernelFile
-from lcpflex.jit.thin import ThinLibrary
+from lcpflex.jit.thin import ThinLibrary, late_calls
 
 __all__ = ["bring_in", "entry_of", "file_of", "overload"]
 
@@ -39,6 +39,7 @@ def file_of(library: ThinLibrary, entry: bytes = b"") -> KernelFile | None:
             big=library.big,
             symbols=library.symbols,
             needs=library.needs,
+            late={call: late_calls[call] for call in sorted(library.late)},
             outside=tuple(sorted(declared - set(library.needs))),
             defined=tuple(v.name for v in values if not v.is_declaration and v.linkage not in local),
             code=library._get_compiled_object(),
@@ -80,6 +81,7 @@ def bring_in(key: str, read: Callable[[str], KernelFile | None]) -> KernelFile |
         for file in found.values():
             engine._ee.add_object_file(llvm.ObjectFileRef.from_data(file.code))
             engine._defined_symbols.update(file.defined)
+            late_calls.update(file.late)
         engine.finalize_object()  # when all are in: here the symbols are looked up
         _present.update(found)
     return _present[key]
@@ -125,6 +127,7 @@ class LoadedLibrary(ThinLibrary):
         self.big = file.big
         self.symbols = file.symbols
         self.needs = file.needs
+        self.late = set(file.late)
         self._shared_module: Any = None
         self._code = code
         self._finalized = True

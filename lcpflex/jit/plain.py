@@ -43,4 +43,4 @@ def _load(key: str, context: Any) -> Any:
 def _file_of(key: str, result: Any) -> KernelFile | None:
     if result.library.has_dynamic_globals:  # addresses of this process in it
         return None
-    return KernelFile(key, False, (), {}, (), (), b"", dumps(result._reduce()))
+    return KernelFile(key, False, (), {}, {}, (), (), b"", dumps(result._reduce()))

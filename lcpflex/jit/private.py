@@ -22,14 +22,18 @@ NAMES = {
     "numba.core.compiler:DefaultPassBuilder": "define_nopython_pipeline",
     "numba.core.compiler:compile_result": "",
     "numba.core.compiler_lock:global_compiler_lock": "is_locked",
-    "numba.core.cpu:CPUContext": "create_cpython_wrapper get_executable insert_user_function subtarget codegen",
+    "numba.core.cpu:CPUContext": "create_cpython_wrapper get_executable insert_user_function "
+    "insert_func_defn insert_const_string call_conv subtarget codegen",
+    "numba.core.callconv:CPUCallConv": "call_function get_function_type return_status_propagate return_user_exc",
     "numba.core.environment:lookup_environment": "",
     "numba.core.funcdesc:PythonFunctionDescriptor": "llvm_cpython_wrapper_name llvm_func_name env_name",
-    "numba.core.registry:CPUDispatcher": "add_overload compile _compile_for_args _insert",
+    "numba.core.registry:CPUDispatcher": "add_overload compile _compile_for_args _insert "
+    "get_call_template get_overload",
     "numba.core.serialize:dumps": "",
     "llvmlite.binding:ObjectFileRef": "from_data",
     "llvmlite.binding:ExecutionEngine": "add_object_file finalize_object",
     "llvmlite.binding:address_of_symbol": "",
+    "llvmlite.binding:add_symbol": "",
 }
 
 

@@ -20,12 +20,14 @@ from numba.core.environment import lookup_environment
 
 from lcpflex.jit.keys import key_of
 
-__all__ = ["ThinCompiler", "ThinLibrary"]
+__all__ = ["PROCESS", "ThinCompiler", "ThinLibrary", "late_calls"]
 
 LARGEST = 400  # instructions of a callee that is taken in
 ENVIRONMENT = "_ZN08NumbaEnv"  # how the places of Python constants begin
 LATE = ".numba.unresolved$"  # calls in a circle: addresses of this process
 PROCESS = "numba.dynamic.globals"  # a symbol that begins so keeps numba from storing what is linked with it
+
+late_calls: dict[str, str] = {}  # of late kernels, by the kernels of this process: what is called (lcpflex.jit.late)
 
 
 class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
@@ -41,6 +43,8 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         The functions by which it is called.
     needs
         The functions of other kernels that it calls, and their keys.
+    late
+        Its calls of late kernels.
     kept
         Whether its code holds for other processes.
     """
@@ -52,6 +56,7 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         self.big = False
         self.symbols: tuple[str, ...] = ()
         self.needs: dict[str, str] = {}
+        self.late: set[str] = set()
         self.kept = True
         self._takes_in = small  # whether small callees are taken in
 
@@ -83,6 +88,7 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
                 outside.update(dict.fromkeys(library.symbols, library.key))
             else:
                 outside.update(library.needs)
+                self.late |= library.late
                 self._final_module.link_in(library.linkable(), preserve=True)
         return outside
 
@@ -112,10 +118,10 @@ class ThinLibrary(JITCodeLibrary):  # type: ignore[misc]
         """The module that callers of other packages take in.
 
         If it calls kernels that are not in it, numba must not store these callers: they would look for symbols that
-        nobody has loaded.
+        nobody has loaded, or for late kernels that nobody has told of.
         """
         self._ensure_finalized()
-        if not self.big and not self.needs:
+        if not self.big and not self.needs and not self.late:
             return self.linkable()
         marked = llvm.parse_assembly(
             f'target triple = "{self._codegen._llvm_module.triple}"\n'

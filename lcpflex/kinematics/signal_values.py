@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.force_laws.user_call import own_force
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.model.arrays import Signals
 
 __all__ = ["signal_value"]
@@ -20,7 +20,7 @@ def function_value(address: int, component: int, t: float) -> tuple[float, float
     return value, own_force(address, t, 1.0, 0.0), own_force(address, t, 2.0, 0.0)
 
 
-@kernel
+@late_kernel
 def signal_value(signals: Signals, index: int, t: float, external: FloatArray) -> tuple[float, float, float]:
     """Value, first and second derivative at time t of function ``index``; see :class:`lcpflex.model.arrays.Signals`."""
     first = signals.first[index]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
 
@@ -160,8 +160,13 @@ def least_forces(data: ContactData, memory: SolverMemory, p: FloatArray) -> None
 
     p: normals, then tangents. The memory serves as room to work in; what it knows of the next problem stays.
     """
-    if data.n_contacts < 2:
-        return
+    if data.n_contacts > 1:
+        take_least(data, memory, p)
+
+
+@late_kernel
+def take_least(data: ContactData, memory: SolverMemory, p: FloatArray) -> None:
+    """``least_forces`` where a force may have another in its place."""
     count = list_unknowns(data, memory, p)
     free = null_vectors(data, memory, count)
     if free == 0:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
@@ -257,7 +257,7 @@ def attempt(
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
 
 
-@kernel
+@late_kernel
 def lemke(
     M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray, pivot_limit: int
 ) -> tuple[int, int]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.errors import ModelError
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
@@ -268,7 +268,7 @@ def block_exchanges(
     return ITERATION_LIMIT, pivots
 
 
-@kernel
+@late_kernel
 def single_exchanges(
     M: FloatArray,
     q: FloatArray,

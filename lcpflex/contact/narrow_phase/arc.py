@@ -9,7 +9,7 @@ import math
 
 from lcpflex.contact.narrow_phase.limits import COINCIDENT, NOWHERE, SPAN_TOLERANCE, WIDEN
 from lcpflex.contact.table import ContactTable
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.points import (
     add_point_rows,
     add_rotation_row,
@@ -63,7 +63,7 @@ def near_arc(model: Model, f: int, x: float, y: float, reach: float) -> bool:
     return -reach <= depth <= reach + c.feature_reach[f, 1]
 
 
-@kernel
+@late_kernel
 def over_arc(
     model: Model, q: FloatArray, f: int, x: float, y: float, highest: float
 ) -> tuple[bool, float, float, float, float, float]:
@@ -116,7 +116,7 @@ def arc_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> floa
     return within_arc(angle, table.span[k, 0], table.span[k, 1])
 
 
-@kernel
+@late_kernel
 def arc_rows(
     model: Model, q: FloatArray, table: ContactTable, k: int, normal_row: FloatArray, tangent_row: FloatArray
 ) -> None:
@@ -136,7 +136,7 @@ def arc_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     return wx, wy
 
 
-@kernel
+@late_kernel
 def arc_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""
     nx = table.normal[k, 0]
