@@ -21,7 +21,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.memory import known
+from lcpflex.solvers.contact.memory import carried_over
 from lcpflex.steppers.recorder import FIELDS
 from lcpflex.steppers.records import Records
 
@@ -97,7 +97,8 @@ class Advancing(Protocol):
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
-    return (work.held_key, work.held_gap, work.span, numbers_of(work), numbers_of(work.problem), *known(work.solver))
+    held = (work.held_key, work.held_gap, work.span, numbers_of(work), numbers_of(work.problem))
+    return (*held, *carried_over(work.solver))
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:

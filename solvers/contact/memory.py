@@ -23,7 +23,7 @@ __all__ = [
     "ContactData",
     "SolverMemory",
     "contact_data",
-    "known",
+    "carried_over",
     "prepare",
 ]
 
@@ -86,7 +86,7 @@ def contact_data(capacity: int) -> ContactData:
     return allocate(ContactData, {"contacts": capacity, "pairs": 2 * capacity})
 
 
-def known(memory: SolverMemory) -> tuple[npt.NDArray[Any], ...]:
+def carried_over(memory: SolverMemory) -> tuple[npt.NDArray[Any], ...]:
     """What a solve may take over from the one before, as arrays that are written to; all else is written anew."""
     return memory.last_key, memory.last_basis, numbers_of(memory)
 
