@@ -67,17 +67,31 @@ def residual_parts(M: FloatArray, q: FloatArray, z: FloatArray, n: int) -> tuple
     ``max_i |min(d_i z_i, w_i)|`` with d_i the largest |M_ij| of the row (1 for a zero row),
     ``max_i (|q_i| + sum_j |M_ij z_j|)`` and ``max_i |q_i|``, all in the units of q.
     """
+    return _parts(M, q, z, n, n < 0, z)
+
+
+@kernel
+def _parts(
+    M: FloatArray, q: FloatArray, z: FloatArray, n: int, kept: bool, w: FloatArray
+) -> tuple[float, float, float]:
+    """As :func:`residual_parts`; where it is ``kept``, w = M z + q (cap,) is written."""
     worst, size, load = 0.0, 0.0, 0.0
+    finite = True
     for i in range(n):
         product, terms, row = row_parts(M[i], z, n)
         slack = product + q[i]
+        if kept:
+            w[i] = slack
         load = max(load, abs(q[i]))
         terms += abs(q[i])
         lifted = row * z[i] if row > 0.0 else z[i]
+        # NaN fails every comparison, and min() may drop it: each number is asked for by itself.
         if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
-            return np.inf, np.inf, np.inf
+            finite = False
         worst = max(worst, abs(min(lifted, slack)))
         size = max(size, terms)
+    if not finite:
+        return np.inf, np.inf, np.inf
     return worst, size, load
 
 
@@ -106,21 +120,8 @@ def weigh(M: FloatArray, q: FloatArray, z: FloatArray, n: int, w: FloatArray) ->
 
     M (cap, cap), q, z and w (cap,): the leading n x n block and the first n entries count. Out: w.
     """
-    worst, size, load = 0.0, 0.0, 0.0
-    finite = True
-    for i in range(n):
-        product, terms, row = row_parts(M[i], z, n)
-        slack = product + q[i]
-        w[i] = slack
-        load = max(load, abs(q[i]))
-        terms += abs(q[i])
-        lifted = row * z[i] if row > 0.0 else z[i]
-        # NaN fails every comparison, and min() may drop it: each number is asked for by itself.
-        if not (terms < np.inf and abs(lifted) < np.inf and abs(slack) < np.inf):
-            finite = False
-        worst = max(worst, abs(min(lifted, slack)))
-        size = max(size, terms)
-    if not finite:
+    worst, size, load = _parts(M, q, z, n, n >= 0, w)
+    if worst == np.inf:
         return np.inf, np.inf
     return guarded_residual(worst, size, load), strict_residual(worst, load)
 

@@ -14,6 +14,7 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.lcp.pivoting import block_pivots
+from lcpflex.solvers.semidefinite import dot
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
 
 __all__ = ["block_gauss_seidel", "solve_contact", "sweep_delassus", "sweep_factor"]
@@ -61,21 +62,6 @@ def solve_contact(
 
 
 @kernel
-def _dot(row: FloatArray, x: FloatArray, n: int) -> float:
-    """Sum of row_j x_j in four sums side by side."""
-    s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
-    whole = n - n % 4
-    for j in range(0, whole, 4):
-        s0 += row[j] * x[j]
-        s1 += row[j + 1] * x[j + 1]
-        s2 += row[j + 2] * x[j + 2]
-        s3 += row[j + 3] * x[j + 3]
-    for j in range(whole, n):
-        s0 += row[j] * x[j]
-    return (s0 + s1) + (s2 + s3)
-
-
-@kernel
 def sweep_delassus(
     G: FloatArray,
     free: FloatArray,
@@ -91,14 +77,14 @@ def sweep_delassus(
     free (m,), friction (n,); tangent_of (n,): tangential row of each contact, -1 without friction; forces (m,) and
     states (n,) are advanced in place. Ends early once the change is ``target`` or less.
     """
-    m, n, change = len(free), len(friction), np.inf
+    m, n, change = len(free), len(friction), np.inf  # 0 * m: a literal would have dot compiled once more
     made = 0
     while made < sweeps and change > target:
         change = 0.0
         for k in range(n):
             row = G[k]
             p = forces[k]
-            r_n = _dot(row, forces, m) + free[k] - row[k] * p
+            r_n = dot(row, forces, 0 * m, m) + free[k] - row[k] * p
             t = tangent_of[k]
             if t < 0:
                 new = max(0.0, -r_n / row[k]) if row[k] > 0.0 else 0.0
@@ -107,7 +93,7 @@ def sweep_delassus(
                 side = G[t]
                 q = forces[t]
                 r_n -= row[t] * q
-                r_t = _dot(side, forces, m) + free[t] - side[k] * p - side[t] * q
+                r_t = dot(side, forces, 0 * m, m) + free[t] - side[k] * p - side[t] * q
                 new, rub, state = solve_contact(row[k], row[t], side[k], side[t], r_n, r_t, friction[k])
                 states[k] = state
                 change = max(change, abs(side[t] * (rub - q)))
@@ -197,7 +183,7 @@ def _take_point(
         t = tangent_of[k]
         if t >= 0:
             z[t] = forces[t] + friction[k] * forces[k]
-            z[m - n + t] = max(-_dot(G[t], forces, m) - free[t], 0.0)
+            z[m - n + t] = max(-dot(G[t], forces, 0 * m, m) - free[t], 0.0)
 
 
 @kernel

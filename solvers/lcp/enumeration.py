@@ -20,7 +20,7 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import natural_residual
 from lcpflex.solvers.clock import out_of_time
 from lcpflex.solvers.lcp.active_factor import backward
-from lcpflex.solvers.lcp.pivoting import eliminate
+from lcpflex.solvers.lcp.pivoting import eliminate, load_block
 from lcpflex.solvers.lcp.proofs import exact_solution
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
@@ -52,16 +52,7 @@ def _load(M: FloatArray, q: FloatArray, n: int, code: int, table: FloatArray, or
         if (code >> i) & 1:
             order[m] = i
             m += 1
-    for k in range(m):
-        i = order[k]
-        largest = 0.0
-        for c in range(m):
-            table[k, c] = M[i, order[c]]
-            largest = max(largest, abs(table[k, c]))
-        lift = 1.0 / largest if largest > 0.0 else 1.0
-        for c in range(m):
-            table[k, c] *= lift
-        table[k, m] = -q[i] * lift
+    load_block(M, q, order, m, table)
     for c in range(m):
         largest = 0.0
         for k in range(m):

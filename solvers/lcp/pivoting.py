@@ -13,7 +13,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.certificate import guarded_residual, row_parts
 from lcpflex.solvers.lcp.active_factor import backward
 
-__all__ = ["block_pivots", "eliminate", "solve_active"]
+__all__ = ["block_pivots", "eliminate", "load_block", "solve_active"]
 
 SINGULAR = 1e-14  # smallest pivot of rows scaled to 1
 DOUBTFUL = 1e-9  # pivot of rows scaled to 1 below which rows and columns are searched for a better one
@@ -36,16 +36,7 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
             if basis[i] == 1:
                 basis[n + m] = i
                 m += 1
-        for k in range(m):
-            source, row = M[basis[n + k]], table[k]
-            largest = 0.0
-            for c in range(m):
-                row[c] = source[basis[n + c]]
-                largest = max(largest, abs(row[c]))
-            lift = 1.0 / largest if largest > 0.0 else 1.0
-            for c in range(m):
-                row[c] *= lift
-            row[m] = -q[basis[n + k]] * lift
+        load_block(M, q, basis[n:], m, table)
         rank = eliminate(table, basis[n:], m, complete, SINGULAR if complete else DOUBTFUL)
         if rank == m:
             break
@@ -57,6 +48,21 @@ def solve_active(M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: Flo
     backward(table, rank, x)
     for k in range(rank):
         z[basis[n + k]] = x[k]
+
+
+@kernel
+def load_block(M: FloatArray, q: FloatArray, order: IntArray, m: int, table: FloatArray) -> None:
+    """M_AA for the m unknowns of A in this order, with -q_A in column m, rows scaled to 1."""
+    for k in range(m):
+        source, row = M[order[k]], table[k]
+        largest = 0.0
+        for c in range(m):
+            row[c] = source[order[c]]
+            largest = max(largest, abs(row[c]))
+        lift = 1.0 / largest if largest > 0.0 else 1.0
+        for c in range(m):
+            row[c] *= lift
+        row[m] = -q[order[k]] * lift
 
 
 @kernel
