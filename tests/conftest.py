@@ -13,6 +13,7 @@ Between processes: file by file, because fixtures are dear; examples one by one.
 
 from __future__ import annotations
 
+import gc
 import os
 from typing import Any
 
@@ -31,6 +32,16 @@ FIRST = (
     "tests/unit/steppers/test_massless_compliance.py",
     "tests/unit/force_laws/test_dissipation.py",
 )
+
+
+def pytest_collection() -> None:
+    """Collected tests stay: to look for what of them is garbage takes a third of the collection."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(optionalhook=True)
