@@ -47,7 +47,7 @@ class Packed:
         self._pack(type(values).__name__, dict(zip(values._fields, values, strict=True)))
 
     def _pack(self, label: str, values: dict[str, Any]) -> None:
-        from lcpflex.jit.struct_type import PackedType, number_type
+        from lcpflex.jit.struct_type import number_type, packed_type
 
         self._label = label
         names = [name for name, _ in self._numbers]
@@ -61,7 +61,7 @@ class Packed:
                 words += [kept._address] if isinstance(kept, Packed) else _descriptor(kept)
         self._memory = np.array(words, dtype=np.int64)
         self._address = int(self._memory.ctypes.data)
-        self._type = PackedType(label, tuple(fields))
+        self._type = packed_type(label, tuple(fields))
         for name in names:
             setattr(self, name, values[name])
 

@@ -22,7 +22,7 @@ from lcpflex.jit.keys import key_of
 
 __all__ = ["PROCESS", "ThinCompiler", "ThinLibrary", "late_calls"]
 
-LARGEST = 400  # instructions of a callee that is taken in
+LARGEST = 700  # instructions of a callee that is taken in
 ENVIRONMENT = "_ZN08NumbaEnv"  # how the places of Python constants begin
 LATE = ".numba.unresolved$"  # calls in a circle: addresses of this process
 PROCESS = "numba.dynamic.globals"  # a symbol that begins so keeps numba from storing what is linked with it
