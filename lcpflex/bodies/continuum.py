@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from lcpflex.basics.arguments import positive
-from lcpflex.basics.options import keep_flag
 from lcpflex.bodies.fem.assembly import Solid, lame_constants
 from lcpflex.bodies.fem.checked_mesh import planar_mesh
 from lcpflex.bodies.fem.elastic_mesh import finite_elements_of
@@ -16,6 +17,7 @@ from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.material import check_material
 from lcpflex.bodies.fem.stiffness_error import stiffness_error
 from lcpflex.bodies.reduction.component_modes import free_interface
+from lcpflex.errors import ModelError, shown
 
 __all__ = ["Continuum"]
 
@@ -72,7 +74,8 @@ class Continuum:
     def __post_init__(self) -> None:
         check_material(self)
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))
-        keep_flag(self, "plane_strain")
+        if not isinstance(self.plane_strain, bool | np.bool_):
+            raise ModelError(f"plane_strain: {shown(self.plane_strain)} was given, expected True or False")
         lame = lame_constants(self.youngs_modulus, self.poissons_ratio, plane_stress=not self.plane_strain)
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:
