@@ -95,8 +95,10 @@ def array_of(name: str, value: Any, shape: tuple[int, ...]) -> np.ndarray[Any, n
     array = numbers(value)
     if array is None:
         raise ModelError(f"{name}: {shown(value)} was given, expected an array of numbers")
-    wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
-    if array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True)):
+    if array.shape != shape and (
+        array.ndim != len(shape) or any(n not in (-1, have) for have, n in zip(array.shape, shape, strict=True))
+    ):
+        wanted = "(" + ", ".join("any" if length < 0 else str(length) for length in shape) + ")"
         raise ModelError(f"{name}: an array of shape {array.shape} was given, expected shape {wanted}")
     finite = np.isfinite(array)
     if not finite.all():

@@ -271,7 +271,7 @@ class Functions:
         given = getattr(self._given, name)
         if given is None:
             return np.zeros(shape)
-        copies = (one.copy() if isinstance(one, np.ndarray) else one for one in arguments)
+        copies = [one.copy() if isinstance(one, np.ndarray) else one for one in arguments]
         return _call(name, given, shape, *copies) if callable(given) else _array(name, given, shape)
 
     def mass(self, q: FloatArray) -> FloatArray:
