@@ -10,13 +10,18 @@ __all__ = ["RunStatus"]
 class RunStatus(IntEnum):
     """What a loop returns; ``sentence`` is what the run is told where nothing more is known of it."""
 
-    sentence: str
+    _said: str
 
-    def __new__(cls, value: int, sentence: str = "") -> RunStatus:
+    def __new__(cls, value: int, said: str = "") -> RunStatus:
         member = int.__new__(cls, value)
         member._value_ = value
-        member.sentence = sentence
+        member._said = said
         return member
+
+    @property
+    def sentence(self) -> str:
+        """Never empty: a run that is not told why it cannot go on would try again."""
+        return self._said or self.name.lower().replace("_", " ")
 
     DONE = 0
     PART = 17  # of a step was made
