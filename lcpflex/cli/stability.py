@@ -6,7 +6,6 @@ import argparse
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +28,7 @@ MOST = 10_000  # cells of a map
 LONGEST = 12  # digits of a count
 OWN = "own"  # the truth of this library
 RANGE = "NAME=START:STOP:COUNT"
-STEPPED = "moreau-jean"
+STEPPED, UNSTEPPED = "moreau-jean", "acceleration-level"
 STEP = 1e-4  # of methods where neither an axis nor the scene's own stepper gives one [s]
 
 
@@ -92,7 +91,7 @@ def _run(request: argparse.Namespace, find: Callable[[str], Any]) -> int:
     methods = {_label(text): _method("--method", text, known) for text in request.method or [STEPPED]}
     truth = True if request.truth == OWN else None
     if request.truth not in (None, OWN):
-        steppers = {name: one for name, one in known.items() if one is not _acceleration_level}
+        steppers = {name: one for name, one in known.items() if name != UNSTEPPED}
         truth = _method("--truth", request.truth, {OWN: None, **steppers})
     asked = [("--x", request.x), ("--y", request.y)]
     axes: dict[str, list[Any]] = {}
@@ -133,38 +132,22 @@ def _check_size(axes: Mapping[str, Sequence[Any]], methods: Mapping[str, Any]) -
 
 def _methods(step: float = STEP) -> dict[str, Callable[..., Any]]:
     """By name, each with the parameters that can be an axis; ``step`` [s] where none is."""
+
+    def massless_boundary(step: float = step, dynamic_modes: float | None = None) -> Any:
+        modes = None if dynamic_modes is None else round(dynamic_modes)
+        return later.MasslessBoundary(step=step, dynamic_modes=modes)
+
+    def penalty(step: float = step, stiffness: float = 1e6, damping: float = 0.0) -> Any:
+        return later.Smooth(later.Penalty(stiffness=stiffness, damping=damping), integrator=later.Verlet(step))
+
     return {
-        STEPPED: partial(_moreau_jean, step=step),
-        "event-driven": _event_driven,
-        "generalized-alpha": partial(_generalized_alpha, step=step),
-        "massless-boundary": partial(_massless_boundary, step=step),
-        "penalty": partial(_penalty, step=step),
-        "acceleration-level": _acceleration_level,
+        STEPPED: lambda step=step, theta=0.5: later.MoreauJean(step=step, theta=theta),
+        "event-driven": lambda step=math.inf, rtol=1e-8: later.EventDriven(rtol=rtol, max_step=step),
+        "generalized-alpha": lambda step=step, rho_inf=0.8: later.GeneralizedAlpha(step=step, rho_inf=rho_inf),
+        "massless-boundary": massless_boundary,
+        "penalty": penalty,
+        UNSTEPPED: lambda scene: later.acceleration_level(scene),
     }
-
-
-def _moreau_jean(step: float, theta: float = 0.5) -> Any:
-    return later.MoreauJean(step=step, theta=theta)
-
-
-def _event_driven(step: float = math.inf, rtol: float = 1e-8) -> Any:
-    return later.EventDriven(rtol=rtol, max_step=step)
-
-
-def _generalized_alpha(step: float, rho_inf: float = 0.8) -> Any:
-    return later.GeneralizedAlpha(step=step, rho_inf=rho_inf)
-
-
-def _massless_boundary(step: float, dynamic_modes: float | None = None) -> Any:
-    return later.MasslessBoundary(step=step, dynamic_modes=None if dynamic_modes is None else round(dynamic_modes))
-
-
-def _penalty(step: float, stiffness: float = 1e6, damping: float = 0.0) -> Any:
-    return later.Smooth(later.Penalty(stiffness=stiffness, damping=damping), integrator=later.Verlet(step))
-
-
-def _acceleration_level(scene: Any) -> Any:
-    return later.acceleration_level(scene)
 
 
 def _axis(option: str, text: str, owners: Sequence[Callable[..., Any]]) -> tuple[str, list[Any]]:
