@@ -139,6 +139,7 @@ def test_every_caller_is_found(loop: str, which: str) -> None:
     replaced = dict.fromkeys(HOOKS[which], print)
     expected = reach_as_written(LOOPS[loop], HOOKS[which])  # imports all schemes
     found = {place(function) for function in reaching(LOOPS[loop], replaced)}
+    found = {at for at in found if at[0].startswith("lcpflex.")}  # schemes of other tests may be there
     assert found == expected
     if which == "user system" and "implicit" not in loop:
         assert place(LOOPS[loop]) in found

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 import lcpflex as lf
 from lcpflex.dynamics import contact_forces_friction
 from lcpflex.dynamics.contact_forces_friction import balanced_friction
-from lcpflex.force_laws.friction.kernels import friction_force
+from lcpflex.force_laws.friction.kernels import KINDS, friction_force
 from lcpflex.force_laws.friction.laws import BengisuAkay, BrownMcPhee, SmoothedCoulomb
 from lcpflex.force_laws.layout import FRICTION, PARAMETERS
 from lcpflex.jit.kernel import interpreted
@@ -28,7 +28,7 @@ class OneLaw:
     def __init__(self, law: Any) -> None:
         p = np.zeros(PARAMETERS)
         p[FRICTION : FRICTION + len(law.parameters)] = law.parameters
-        self.kinds, self.parameters = np.array([[0, 0, law.kind, 0]]), p[None]
+        self.kinds, self.parameters = np.array([[0, 0, KINDS.index(law.kind), 0]]), p[None]
 
 
 LAWS = [

@@ -127,11 +127,15 @@ def test_what_is_set_is_taken_as_it_is():
     limits = control.limits(system, 1.0, 0.1)
     assert set(limits.atol) == {3e-7}
     assert (limits.near, limits.slow, limits.shortest) == (3e-7, 3e-7, 2e-8)
-    scales = scales_of(system, 1.0)
-    assert lf.MoreauJean(1e-3, gap_tolerance=0.0).settings(scales).gap_tolerance == 0.0
-    assert lf.MoreauJean(1e-3).settings(scales).gap_tolerance == pytest.approx(1e-9 * 400.0)
-    settings = lf.GeneralizedAlpha(1e-3, gap_tolerance=1e-7, velocity_threshold=1e-5).settings(scales)
-    assert (settings.gap_tolerance, settings.velocity_threshold) == (1e-7, 1e-5)
+    assert scheme_of(lf.MoreauJean(1e-3, gap_tolerance=0.0), system).gap_tolerance == 0.0
+    assert scheme_of(lf.MoreauJean(1e-3), system).gap_tolerance == pytest.approx(1e-9 * 400.0)
+    scheme = scheme_of(lf.GeneralizedAlpha(1e-3, gap_tolerance=1e-7, velocity_threshold=1e-5), system)
+    assert (scheme.gap_tolerance, scheme.velocity_threshold) == (1e-7, 1e-5)
+
+
+def scheme_of(stepper, system):
+    """The numbers that the kernels of a run are given."""
+    return stepper.start(system, 1.0, 0.1).method.stepping.scheme
 
 
 def strip(kg, m, s=1.0):
