@@ -221,7 +221,7 @@ def add_balanced_forces(model: Model, t: float, q: FloatArray, u: FloatArray, h:
     add_friction(work)
 
 
-@kernel
+@late_kernel
 def forces_after(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """Forces of compliant contacts in the state (q, u) that a step with ``add_balanced_forces`` led to, with the
     friction of it.

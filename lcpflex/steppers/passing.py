@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import bound
-from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
@@ -55,7 +55,7 @@ def may_pass(model: Model, q: FloatArray, tape: Tape) -> bool:
     return 2.0 * most > least and passes_near(model, q, tape)
 
 
-@kernel
+@late_kernel
 def passes_near(model: Model, q: FloatArray, tape: Tape) -> bool:
     """``may_pass`` pair by pair, for surfaces that may have met in the step."""
     c = model.contacts

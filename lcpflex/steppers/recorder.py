@@ -9,7 +9,7 @@ from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.mechanics import energies
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, shapes_of, struct
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 
@@ -151,7 +151,7 @@ def note_contact(
         tape.n_points = row + 1
 
 
-@kernel
+@late_kernel
 def note_compliant(model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, tape: Tape) -> None:
     """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
     table = contacts.table

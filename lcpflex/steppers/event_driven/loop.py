@@ -78,7 +78,8 @@ def record(
                 state = STICK
         place = contact_point(model, q, work.table, k)
         note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
-    note_compliant(model, q, work.compliant, False, tape)
+    if work.compliant.n_contacts > 0:
+        note_compliant(model, q, work.compliant, False, tape)
     store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
     return RunStatus.DONE
 

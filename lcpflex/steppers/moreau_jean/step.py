@@ -217,8 +217,9 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, tape: 
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
             note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
-    forces_after(model, q, u, work)
-    note_compliant(model, q, work.compliant, False, tape)
+    if len(work.compliant.friction) > 0:
+        forces_after(model, q, u, work)
+        note_compliant(model, q, work.compliant, False, tape)
     store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
     return needed
 
