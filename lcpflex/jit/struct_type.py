@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cache
 from hashlib import sha256
 from typing import Any
 
@@ -15,6 +14,7 @@ from lcpflex.jit.struct import Packed, copy_parts
 
 __all__ = ["PackedType", "number_type", "packed_type"]
 
+_made: dict[Any, PackedType] = {}
 WORD = 8  # bytes; every field is a number of whole words
 
 
@@ -37,10 +37,12 @@ class PackedType(types.Type):
         raise AttributeError(name)
 
 
-@cache
 def packed_type(label: str, fields: tuple[tuple[str, Any], ...]) -> PackedType:
-    """The one type of structs with these fields: a tenth of a millisecond is needed to make it."""
-    return PackedType(label, fields)
+    """The one type of structs with these fields: a tenth of a millisecond is needed to make it, and as much to hash."""
+    key = label, *((name, id(kind)) for name, kind in fields)  # the type that is kept keeps the kinds
+    if key not in _made:
+        _made[key] = PackedType(label, fields)
+    return _made[key]
 
 
 def number_type(kind: Any) -> Any:

@@ -51,14 +51,14 @@ DOUBTFUL = 1e-6  # change at which it has not after the last pass
 def place_end(h: float, scheme: AlphaScheme) -> None:
     """Smooth motion to the end of a step of length h, from the iterate of the acceleration there."""
     q, u = scheme.q, scheme.u
-    am = scheme.alpha_m
-    af = scheme.alpha_f
+    am, af = scheme.alpha_m, scheme.alpha_f
+    beta, gamma = scheme.beta, scheme.gamma
     for i in range(len(q)):
         a = scheme.a[i]
         a_new = ((1.0 - af) * scheme.w_new[i] + af * scheme.w[i] - am * a) / (1.0 - am)
         scheme.a_new[i] = a_new
-        scheme.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - scheme.beta) * a + scheme.beta * a_new))
-        scheme.v_new[i] = u[i] + h * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
+        scheme.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - beta) * a + beta * a_new))
+        scheme.v_new[i] = u[i] + h * ((1.0 - gamma) * a + gamma * a_new)
 
 
 @kernel

@@ -170,6 +170,7 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tap
 def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape) -> bool:
     """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
     q, u, h = scheme.q, scheme.u, scheme.step
+    theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
     keep_doubtful(work, t)
     distribute(work)
     total = work.n_joint + work.n_contacts + work.n_tangents
@@ -178,7 +179,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, t
     compare_friction(work.free_u, h, work)
     largest = 0.0
     for i in range(len(u)):
-        u[i] = scheme.theta * work.free_u[i] + (1.0 - scheme.theta) * u[i]
+        u[i] = theta * work.free_u[i] + (1.0 - theta) * u[i]
     advance(model, q, u, h, q)
     for i in range(len(q)):
         u[i] = work.free_u[i]
