@@ -48,11 +48,11 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: 
         if status == RunStatus.DONE:
             clock.steps += 1
             clock.within = 0.0
-            if not end_step(model, scheme, t + clock.length, True, work):
-                return RunStatus.OUT_OF_RANGE
         elif status != RunStatus.PART:
             return status
         clock.time = clock.start + (clock.steps - clock.first) * clock.length + clock.within
+        if status == RunStatus.DONE and not end_step(model, scheme, t + clock.length, True, work):
+            return RunStatus.OUT_OF_RANGE
         if may_pass(model, scheme.q, tape):
             return RunStatus.PASSED
 
