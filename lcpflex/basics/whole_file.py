@@ -1,9 +1,14 @@
-"""Files that are written beside their final name and put in its place when they are whole."""
+"""Files that are written beside their final name and put in its place when they are whole; what others raise."""
 
 from __future__ import annotations
 
 import csv
+import lzma
 import os
+import struct
+import tokenize
+import zipfile
+import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -11,7 +16,13 @@ from typing import Any
 
 from lcpflex.errors import ModelError, writable_path
 
-__all__ = ["whole_file", "write_rows"]
+__all__ = ["DAMAGED", "whole_file", "write_rows"]
+
+# What numpy, zipfile, its codecs and json raise of bytes that are not those once written.
+DAMAGED: tuple[type[Exception], ...] = (
+    OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, EOFError, ImportError, MemoryError,
+    RuntimeError, SyntaxError, struct.error, tokenize.TokenError, lzma.LZMAError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 @contextmanager

@@ -16,8 +16,6 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from importlib import import_module
@@ -27,15 +25,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.whole_file import whole_file
+from lcpflex.basics.whole_file import DAMAGED, whole_file
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.results.first_format import CHANGED
 
 __all__ = ["read", "write"]
 
-DAMAGED = (
-    ValueError, KeyError, TypeError, AttributeError, EOFError, MemoryError, zipfile.BadZipFile, zlib.error
-)  # fmt: skip
 RENAMED = {  # classes and fields of the first format
     "Compiled": "CompiledScene", "ContactSpots": "ContactPoints", "by_law": "compliant", "spots": "contact_points"
 }  # fmt: skip

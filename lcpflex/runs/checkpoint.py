@@ -22,7 +22,6 @@ import sys
 import threading
 import time
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics.whole_file import whole_file
+from lcpflex.basics.whole_file import DAMAGED, whole_file
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
 from lcpflex.runs.stamp import described
@@ -45,10 +44,6 @@ __all__ = ["Checkpoint", "Checkpoints", "read"]
 
 FORMAT = "lcpflex checkpoint 1"
 SHARE = 0.02  # of the wall time that writing may take
-DAMAGED: tuple[type[Exception], ...] = (  # what numpy, zipfile and json raise of it
-    ValueError, KeyError, TypeError, AttributeError, IndexError, EOFError, ImportError, NotImplementedError,
-    RecursionError, MemoryError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,6 @@ Those of Siconos and of FCLIB: :mod:`lcpflex.solvers.benchmark.siconos_files`, :
 from __future__ import annotations
 
 import os
-import zipfile
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,16 +16,13 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import SHOWN, lines_of, sequence_of, text
-from lcpflex.basics.whole_file import whole_file
+from lcpflex.basics.whole_file import DAMAGED, whole_file
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.benchmark.stored import MARKS, AnyProblem, arrays_of, problem_of
 from lcpflex.solvers.problem import Lcp
 
 __all__ = ["Recorded", "load_problems", "load_text_lcp", "save_problems"]
-
-# What numpy and zipfile raise for bytes that are not those once written.
-_DAMAGED = (OSError, ValueError, EOFError, MemoryError, RuntimeError, SyntaxError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +75,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
             if not hasattr(stored, "files"):
                 raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
             arrays = {key: stored[key] for key in stored.files}
-    except _DAMAGED as error:
+    except DAMAGED as error:
         raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
     records: list[Recorded] = []
     while any(f"{key}_{len(records)}" in arrays for key in MARKS):

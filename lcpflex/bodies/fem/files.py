@@ -26,6 +26,7 @@ __all__ = ["read_mesh"]
 
 LINES = ("vertex", "line", "line3")  # what a planar mesh may hold besides: it names points and edges
 ABAQUS = {"3": "CPS3", "4": "CPS4", "6": "CPE6", "8": "S8R"}  # by number of nodes: the names that meshio knows
+ASKED = 100  # times that a reader may find the end of a file
 ABAQUS_TYPE = re.compile(r"(?im)^(\*element\b.*?\btype\s*=\s*)(?:cps|cpe|cax)([3468])\w*")
 
 
@@ -74,12 +75,40 @@ def _read(name: str, source: str) -> Any:
         with contextlib.redirect_stdout(talk), contextlib.redirect_stderr(talk):
             if name.lower().endswith(".inp"):
                 return _read_abaqus(name)
+            if name.lower().endswith(".msh"):
+                return _read_msh(name)
             return libs.meshio.read(name)
     except SystemExit:  # meshio leaves the program where no reader takes the file
         said = " ".join(talk.getvalue().split())
     except Exception as error:  # the readers raise whatever a broken file makes them stumble over
         said = f"{type(error).__name__}: {error}"
     raise ModelError(f"{source}: meshio cannot read it ({said}), expected a mesh in a format that it knows")
+
+
+class _CutFile(io.BufferedReader):
+    """A file that raises EOFError where a reader asks for more behind its end again and again."""
+
+    asked = 0
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        return self._counted(super().read(size))
+
+    def readline(self, size: int | None = -1, /) -> bytes:
+        return self._counted(super().readline(size))
+
+    def _counted(self, found: bytes) -> bytes:
+        self.asked += not found
+        if self.asked > ASKED:
+            raise EOFError("it ends too soon")
+        return found
+
+
+def _read_msh(name: str) -> Any:
+    """A file of Gmsh, or one of Fluent, which begins with a parenthesis; meshio's reader of those knows no end."""
+    with _CutFile(io.FileIO(name)) as file:
+        if file.peek(1)[:1] != b"(":
+            return libs.meshio.read(name, "gmsh")
+        return libs.meshio.read(file, "ansys")
 
 
 def _read_abaqus(name: str) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import random
+import re
 import zipfile
 
 import meshio
@@ -48,7 +49,12 @@ def _saved_mesh(path):
     mesh = meshes.rectangle(0.4, 0.1, 4, 2, order=1)
     cells = {"quad": mesh.t.T}
     places = np.column_stack([mesh.p.T, np.zeros(mesh.p.shape[1])])
-    meshio.write_points_cells(path, places, cells, file_format="vtk" if path.suffix == ".vtk" else None)
+    meshio.write_points_cells(path, places, cells, file_format={".vtk": "vtk", ".msh": "gmsh"}.get(path.suffix))
+
+
+def _mesh_of_fluent(path):
+    mesh = meshes.rectangle(0.4, 0.1, 4, 2, order=1)
+    meshio.write_points_cells(path, mesh.p.T, {"quad": mesh.t.T}, file_format="ansys")
 
 
 def _checkpoint(path):
@@ -73,6 +79,7 @@ READERS = {
     "load_siconos_mlcp": (solvers.load_siconos_mlcp, "path", ".dat", None),
     "load_fclib": (solvers.load_fclib, "path", ".hdf5", None),
     "mesh of Gmsh": (_mesh, "mesh", ".msh", _saved_mesh),
+    "mesh of Fluent": (_mesh, "mesh", ".msh", _mesh_of_fluent),
     "mesh of VTK": (_mesh, "mesh", ".vtk", _saved_mesh),
     "mesh of Abaqus": (_mesh, "mesh", ".inp", _saved_mesh),
     "matrix, text": (_matrix, "mass", ".mtx", _mass),
@@ -112,8 +119,9 @@ def _changed(content, seed):
 
 def _ending(name, path):
     read, argument, _, _ = READERS[name]
+    others = ["mesh", "coordinates", "stiffness"] if argument == "mass" else []
     with limited_memory():
-        return ending_of(lambda: read(path), argument, ["mesh", "coordinates"] if argument == "mass" else [])
+        return ending_of(lambda: read(path), argument, others)
 
 
 def _sound(name, folder):
@@ -160,6 +168,48 @@ def test_damaged_files_are_refused(name, tmp_path):
     for k, changed in enumerate(_changed(content, seed=7)):
         path.write_bytes(changed)
         assert _ending(name, path).kind in ("refused", "result"), (k, _ending(name, path))
+
+
+def _headers(content):
+    """Where the headers of a zip file begin: of the entries, of its list of them, and of the end."""
+    return [found.start() for found in re.finditer(rb"PK(\x01\x02|\x03\x04|\x05\x06)", content)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name, reader in READERS.items() if reader[2] == ".npz"])
+def test_zip_files_with_damaged_headers_are_refused(name, tmp_path):
+    """Versions, methods of compression, encryption and sizes: whatever zipfile raises of them is told."""
+    sound = _sound(name, tmp_path)
+    content = sound.read_bytes()
+    path = tmp_path / "damaged.npz"
+    rng = random.Random(11)
+    headers = _headers(content)
+    for _ in range(300):
+        damaged = bytearray(content)
+        at = min(rng.choice(headers) + rng.randrange(4, 46), len(content) - 1)
+        damaged[at] = rng.randrange(256)
+        path.write_bytes(damaged)
+        end = _ending(name, path)
+        assert end.kind in ("refused", "result"), (at, damaged[at], end)
+
+
+def test_a_version_of_zip_that_nobody_knows_is_refused(tmp_path):
+    path = tmp_path / "result.npz"
+    result().save(path)
+    content = bytearray(path.read_bytes())
+    listed = next(at for at in _headers(content) if content[at + 2] == 1)
+    content[listed + 6] = 166  # the version needed to extract, 16.6
+    path.write_bytes(content)
+    with pytest.raises(lf.ModelError, match=r"path: .*zip file version 16\.6.*expected a result"):
+        lf.Result.load(path)
+
+
+def test_a_mesh_of_fluent_that_is_cut_is_refused(tmp_path):
+    """The reader that meshio has for it knows no end."""
+    path = tmp_path / "cut.msh"
+    path.write_text("(10 (1 1 4 1 2)(\n0 0\n1 0\n")
+    end = _ending("mesh of Fluent", path)
+    assert end.kind == "refused", end
 
 
 @pytest.mark.slow
