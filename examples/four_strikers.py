@@ -55,11 +55,11 @@ def mean_force(result: lf.Result) -> tuple[FloatArray, FloatArray]:
 
 def pressure(result: lf.Result, spacing: float) -> tuple[FloatArray, FloatArray]:
     """Places of nodes across the rod [m], and force a node by ``spacing`` and depth [Pa], mean over ``WINDOW``."""
-    spots = result.contact_points
+    touching = result.contact_points
     near = np.abs(result.times - 15e-6) < 0.5 * WINDOW
-    chosen = near[spots.record]
-    node, where = np.unique(np.rint(spots.place[chosen, 1] / spacing), return_inverse=True)
-    force = np.bincount(where, spots.force[chosen, 0]) / np.count_nonzero(near)
+    chosen = near[touching.record]
+    node, where = np.unique(np.rint(touching.place[chosen, 1] / spacing), return_inverse=True)
+    force = np.bincount(where, touching.force[chosen, 0]) / np.count_nonzero(near)
     return spacing * node, force / (spacing * DEPTH)
 
 

@@ -242,27 +242,27 @@ class _Forces:
 
     def _press(self, result: Result, k: int, q: FloatArray, force: FloatArray, pulls: dict[int, Pulls]) -> None:
         """Add the contact forces that were stored, on the pairs that touch there."""
-        spots = result.contact_points
-        pressing = np.flatnonzero((spots.record == k) & (spots.force[:, 0] > 0.0))
+        touching = result.contact_points
+        pressing = np.flatnonzero((touching.record == k) & (touching.force[:, 0] > 0.0))
         if not len(pressing):
             return
         table, found = near(self._model, q, NEAR * self._compiled.size)
         places = np.array([contact_point(self._model, q, table, i) for i in range(found)]).reshape(found, 2)
         dof = self._compiled.model.bodies.dof
         normal, tangent = np.zeros((2, 2, int(np.diff(dof).max())))
-        for spot in pressing:
-            own = np.flatnonzero(table.law[:found] == spots.contact[spot])
+        for point in pressing:
+            own = np.flatnonzero(table.law[:found] == touching.contact[point])
             if not len(own):
                 continue
-            i = int(own[np.hypot(*(places[own] - spots.place[spot]).T).argmin()])
+            i = int(own[np.hypot(*(places[own] - touching.place[point]).T).argmin()])
             contact_rows(self._model, q, table, i, normal, tangent)
-            row = spots.force[spot, 0] * normal + spots.force[spot, 1] * tangent
+            row = touching.force[point, 0] * normal + touching.force[point, 1] * tangent
             for side, b in enumerate(table.body[i].tolist()):
                 if b < 0:
                     continue
                 force[dof[b] : dof[b + 1]] += row[side, : dof[b + 1] - dof[b]]
                 if b in pulls:
-                    d, away = int(dof[b]), spots.place[spot] - q[dof[b] : dof[b] + 2]
+                    d, away = int(dof[b]), touching.place[point] - q[dof[b] : dof[b] + 2]
                     pulls[b].append((float(np.cos(q[d + 2]) * away[0] + np.sin(q[d + 2]) * away[1]), row[side, :2]))
 
     def _accelerated(

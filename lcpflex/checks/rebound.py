@@ -90,7 +90,7 @@ def _hardest(result: Result, compiled: CompiledScene, law: int) -> Collision | N
     """The collision of a contact with most impulse; None between rigid bodies, and before the first instant."""
     c = compiled.model.contacts
     own = c.pass_law == law
-    pair = c.surface_body[np.concatenate([c.pass_slave[own], c.pass_feature[own]])]
+    pair = c.surface_body[np.concatenate([c.pass_node[own], c.pass_feature[own]])]
     lasts = float(slowest_vibrations(compiled.model.bodies)[pair[pair >= 0]].max(initial=0.0))
     if lasts == 0.0:
         return None

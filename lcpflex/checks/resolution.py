@@ -47,22 +47,22 @@ def unresolved(result: Result) -> tuple[str, ...]:
 def _few_pairs(result: Result, law: int, name: str) -> str:
     """Where nodes of a mesh touch, or a disc touches a mesh, and fewer than 9 pairs carry the greatest force."""
     assert result.compiled is not None
-    slaves, masters = _meshed_slaves(result.compiled, law), _masters_of_discs(result.compiled, law)
+    nodes, surfaces = _meshed_nodes(result.compiled, law), _surfaces_of_discs(result.compiled, law)
     history = result.contact(name)
-    if not (slaves or masters) or not history.peak_force > 0.0:
+    if not (nodes or surfaces) or not history.peak_force > 0.0:
         return ""
     pairs = int(history.pairs[history.force[:, 0] >= NEAR_PEAK * history.peak_force].max())
     if pairs == 0 or pairs >= PAIRS:
         return ""
     choice = (
         ""
-        if slaves
+        if nodes
         else ", and choose that surface as the node side of the contact (node_side=): nodes share a force more evenly"
     )
     return (
         f"contact {name!r}: {pairs} pair{'' if pairs == 1 else 's'} of touching points carried its peak force of "
         f"{history.peak_force:.4g} N, expected at least {PAIRS}: make the elements of "
-        f"{' and '.join(slaves or masters)} {PAIRS / pairs:.2g} times as fine where they touch{choice}"
+        f"{' and '.join(nodes or surfaces)} {PAIRS / pairs:.2g} times as fine where they touch{choice}"
     )
 
 
@@ -124,7 +124,7 @@ def _surfaces(compiled: CompiledScene, law: int) -> IntArray:
     """The surfaces of a contact."""
     contacts = compiled.model.contacts
     of_law = contacts.pass_law == law
-    return np.concatenate([contacts.pass_slave[of_law], contacts.pass_feature[of_law]])
+    return np.concatenate([contacts.pass_node[of_law], contacts.pass_feature[of_law]])
 
 
 def _bodies(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
@@ -132,21 +132,21 @@ def _bodies(compiled: CompiledScene, surfaces: IntArray) -> list[int]:
     return [int(b) for b in np.unique(compiled.model.contacts.surface_body[surfaces]) if b >= 0]
 
 
-def _meshed_slaves(compiled: CompiledScene, law: int) -> list[str]:
+def _meshed_nodes(compiled: CompiledScene, law: int) -> list[str]:
     """Names of meshed bodies of which several nodes may touch in a contact."""
     contacts, layout = compiled.model.contacts, compiled.layout
-    slaves = contacts.pass_slave[contacts.pass_law == law]
-    several = slaves[contacts.slave_start[slaves + 1] - contacts.slave_start[slaves] > 1]
+    nodes = contacts.pass_node[contacts.pass_law == law]
+    several = nodes[contacts.node_start[nodes + 1] - contacts.node_start[nodes] > 1]
     return [repr(layout.bodies[b]) for b in _owners(compiled, several)]
 
 
-def _masters_of_discs(compiled: CompiledScene, law: int) -> list[str]:
+def _surfaces_of_discs(compiled: CompiledScene, law: int) -> list[str]:
     """Names of meshed bodies of which a disc or arc may touch several segments in a contact."""
     contacts, layout = compiled.model.contacts, compiled.layout
     of_law = contacts.pass_law == law
-    slaves, masters = contacts.pass_slave[of_law], contacts.pass_feature[of_law]
-    segments = contacts.feature_start[masters + 1] - contacts.feature_start[masters]
-    touched = masters[(contacts.slave_radius[contacts.slave_start[slaves]] > 0.0) & (segments > 1)]
+    nodes, surfaces = contacts.pass_node[of_law], contacts.pass_feature[of_law]
+    segments = contacts.feature_start[surfaces + 1] - contacts.feature_start[surfaces]
+    touched = surfaces[(contacts.node_radius[contacts.node_start[nodes]] > 0.0) & (segments > 1)]
     return [repr(layout.bodies[b]) for b in _owners(compiled, touched)]
 
 

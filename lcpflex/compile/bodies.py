@@ -68,9 +68,9 @@ def scene_size(model: Model, circles: Sequence[tuple[int, float]], q: FloatArray
     places = [points.place[points.body == b] for b in range(len(model.bodies.mass))]
     extents = [float(np.ptp(p, axis=0).max()) for p in places if len(p)]
     extents += [2.0 * radius for point, radius in circles if points.body[point] >= 0]
-    slaves = model.contacts.slave_point
-    moving = points.body[slaves] >= 0
-    extents += [2.0 * float(radius) for radius in model.contacts.slave_radius[moving]]
+    nodes = model.contacts.node_point
+    moving = points.body[nodes] >= 0
+    extents += [2.0 * float(radius) for radius in model.contacts.node_radius[moving]]
     largest = max(extents, default=0.0)
     if largest > 0.0:
         return largest

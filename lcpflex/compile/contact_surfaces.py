@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from lcpflex.bodies.surface import NO_SLAVE, RANK, Kind, Surface, can_touch
+from lcpflex.bodies.surface import NO_NODE, RANK, Kind, Surface, can_touch
 from lcpflex.contact.depth_bounds import below_chain, below_hole, is_solid
 from lcpflex.contact.feature_blocks import Feature, blocks_of
 from lcpflex.contact.narrow_phase.feature import ARC, SEGMENT, VERTEX
@@ -38,33 +38,33 @@ def compile_surfaces(
     ModelError
         For two surfaces that cannot touch each other, or that belong to one body.
     """
-    slaves: list[tuple[int, float, FloatArray]] = []
+    nodes: list[tuple[int, float, FloatArray]] = []
     features: list[Feature] = []
-    slave_start, feature_start = [0], [0]
+    node_start, feature_start = [0], [0]
     for body, surface in surfaces:
         indices = [points.add(body, p.place, p.phi, p.psi) for p in surface.points]
-        slaves += _slaves(surface, indices)
+        nodes += _nodes(surface, indices)
         features += _features(surface, indices, len(features))
-        slave_start.append(len(slaves))
+        node_start.append(len(nodes))
         feature_start.append(len(features))
     centers = np.array([_bounds(surface) for _, surface in surfaces]).reshape(-1, 3)
-    spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(slave_start), strict=True) for _ in range(n)]
+    spans = [(s.start, s.extent) for (_, s), n in zip(surfaces, np.diff(node_start), strict=True) for _ in range(n)]
     surface_block, block_start, circles, heights = blocks_of(features, feature_start)
     passes = [(*w, law) for law, d in enumerate(declared) for w in _passes(surfaces, d[0], d[1], node_side_of.get(law))]
     laws = np.array([numbers for _, _, *numbers in declared], dtype=float).reshape(-1, 3)
     ints = np.int64
     return Contacts(
-        slave_start=frozen(slave_start, ints),
-        slave_point=frozen([point for point, _, _ in slaves], ints),
-        slave_radius=frozen([radius for _, radius, _ in slaves]),
-        slave_normal=frozen([normal for _, _, normal in slaves], columns=2),
-        slave_span=frozen(spans, columns=2),
+        node_start=frozen(node_start, ints),
+        node_point=frozen([point for point, _, _ in nodes], ints),
+        node_radius=frozen([radius for _, radius, _ in nodes]),
+        node_normal=frozen([normal for _, _, normal in nodes], columns=2),
+        node_span=frozen(spans, columns=2),
         feature_start=frozen(feature_start, ints),
         feature_kind=frozen([f.kind for f in features], ints),
         feature_point=frozen([f.points for f in features], ints, columns=2),
         feature_radius=frozen([f.radius for f in features]),
         feature_sense=frozen([f.sense for f in features]),
-        feature_reach=frozen([f.reach for f in features], columns=3),
+        feature_depth=frozen([f.reach for f in features], columns=3),
         feature_span=frozen([f.span for f in features], columns=2),
         feature_neighbour=frozen([f.neighbour for f in features], ints, columns=2),
         surface_block=surface_block,
@@ -74,8 +74,8 @@ def compile_surfaces(
         surface_body=frozen([body for body, _ in surfaces], ints),
         surface_center=frozen(centers[:, :2], columns=2),
         surface_extent=frozen(centers[:, 2]),
-        surface_sway=frozen(_sway([surface for _, surface in surfaces])),
-        pass_slave=frozen([a for a, _, _ in passes], ints),
+        surface_deflection=frozen(_deflection([surface for _, surface in surfaces])),
+        pass_node=frozen([a for a, _, _ in passes], ints),
         pass_feature=frozen([b for _, b, _ in passes], ints),
         pass_law=frozen([law for _, _, law in passes], ints),
         friction=frozen(laws[:, 0]),
@@ -97,7 +97,7 @@ def _passes(surfaces: Sequence[tuple[int, Surface]], a: int, b: int, node_side: 
         return [(node_side, a + b - node_side)]
     if first.kind is Kind.CHAIN and second.kind is Kind.CHAIN:
         return [(a, b), (b, a)]
-    return [(a, b) if RANK.get(first.kind, NO_SLAVE) <= RANK.get(second.kind, NO_SLAVE) else (b, a)]
+    return [(a, b) if RANK.get(first.kind, NO_NODE) <= RANK.get(second.kind, NO_NODE) else (b, a)]
 
 
 def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
@@ -107,7 +107,7 @@ def _segments(surface: Surface) -> tuple[FloatArray, FloatArray]:
     return places[: len(ends)], ends - places[: len(ends)]
 
 
-def _slaves(surface: Surface, indices: list[int]) -> list[tuple[int, float, FloatArray]]:
+def _nodes(surface: Surface, indices: list[int]) -> list[tuple[int, float, FloatArray]]:
     """(point, radius, mean outward normal) of what may touch other surfaces.
 
     The end of an open chain is a right-angled corner of the solid.
@@ -141,7 +141,7 @@ def _features(surface: Surface, indices: list[int], first: int) -> list[Feature]
     if surface.kind is Kind.HALF_PLANE:
         return [Feature(SEGMENT, (indices[0], indices[1]), circle, span=(-math.inf, math.inf))]
     sense = -1.0 if surface.kind is Kind.HOLE else 1.0
-    reach = _hole_reach(surface) if surface.kind is Kind.HOLE else math.inf
+    reach = _hole_depth(surface) if surface.kind is Kind.HOLE else math.inf
     span = (surface.start, surface.extent)
     pair = (indices[0], indices[0])
     return [Feature(ARC, pair, circle, (0.0, 0.0), surface.radius * sense, sense, (reach, reach, reach), span)]
@@ -154,7 +154,7 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
     """
     starts, steps = _segments(surface)
     n, count = len(indices), len(steps)
-    reach = _chain_reach(surface)
+    reach = _chain_depth(surface)
     lengths = np.hypot(*steps.T)
     features = []
     for i in range(count):
@@ -192,12 +192,12 @@ def _chain_features(surface: Surface, indices: list[int], first: int) -> list[Fe
     return features
 
 
-def _chain_reach(surface: Surface) -> FloatArray:
+def _chain_depth(surface: Surface) -> FloatArray:
     places = np.array([point.place for point in surface.points])
     return below_chain(places, surface.closed, surface.outline)
 
 
-def _hole_reach(surface: Surface) -> float:
+def _hole_depth(surface: Surface) -> float:
     return min(below_hole(surface.points[0].place, surface.radius, surface.outline), 0.5 * surface.wall)
 
 
@@ -206,21 +206,21 @@ def _bounds(surface: Surface) -> tuple[float, float, float]:
     if surface.kind is Kind.HALF_PLANE:
         return (*surface.points[0].place, math.inf)
     if surface.kind is Kind.HOLE:
-        return (*surface.points[0].place, surface.radius + _hole_reach(surface))
+        return (*surface.points[0].place, surface.radius + _hole_depth(surface))
     places = np.array([point.place for point in surface.points])
     center = 0.5 * (places.min(axis=0) + places.max(axis=0))
     extent = float(np.hypot(*(places - center).T).max()) + surface.radius
     if surface.kind is Kind.CHAIN and not is_solid(places, surface.closed):
-        extent += float(_chain_reach(surface).max())
+        extent += float(_chain_depth(surface).max())
     return float(center[0]), float(center[1]), extent
 
 
-def _sway(surfaces: Sequence[Surface]) -> FloatArray:
+def _deflection(surfaces: Sequence[Surface]) -> FloatArray:
     """(surfaces, most modes) greatest displacement that a unit of each mode gives to a point of the surface."""
     modes = max((len(point.psi) for surface in surfaces for point in surface.points), default=0)
-    sway = np.zeros((len(surfaces), max(modes, 1)))
-    for row, surface in zip(sway, surfaces, strict=True):
+    deflection = np.zeros((len(surfaces), max(modes, 1)))
+    for row, surface in zip(deflection, surfaces, strict=True):
         for point in surface.points:
             n = len(point.psi)
             row[:n] = np.maximum(row[:n], np.hypot(*point.phi.T) + (np.abs(point.psi) * surface.radius))
-    return sway
+    return deflection

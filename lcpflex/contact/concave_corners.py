@@ -22,7 +22,7 @@ def yield_to_deeper(table: ContactTable, n: int) -> None:
     deepest = 0
     for k in range(1, n):
         one_hollow = (
-            table.slave[k] == table.slave[deepest]
+            table.node[k] == table.node[deepest]
             and table.law[k] == table.law[deepest]
             and table.kind[k] == SEGMENT
             and table.kind[deepest] == SEGMENT

@@ -18,13 +18,13 @@ from lcpflex.contact.feature_blocks import near_block
 from lcpflex.contact.narrow_phase.arc import in_arc
 from lcpflex.contact.narrow_phase.feature import SEGMENT, VERTEX, may_touch, over, refresh
 from lcpflex.contact.narrow_phase.limits import WIDEN
-from lcpflex.contact.table import ALL, BY_LAW, SET_VALUED, ContactTable, contact_table
+from lcpflex.contact.table import ALL, COMPLIANT, RIGID, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.points import local_place
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table", "detect"]
+__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "detect"]
 
 FACING = -1e-9  # a node whose own outward normal has a larger component along the other's cannot touch it
 SMOOTH = 1e-6  # two segments with a smaller turn are straight
@@ -39,7 +39,7 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
     c = model.contacts
     dof = model.bodies.dof
     out = table.bound
-    sway_of = c.surface_sway
+    sway_of = c.surface_deflection
     last = -1
     cos = 1.0
     sin = 0.0
@@ -47,7 +47,7 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
         b = c.surface_body[s]
         x = c.surface_center[s, 0]
         y = c.surface_center[s, 1]
-        sway = 0.0
+        deflection = 0.0
         if b < 0:
             out[s, 3] = 1.0
             out[s, 4] = 0.0
@@ -59,22 +59,22 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
                 last = b
             x, y = q[d] + cos * x - sin * y, q[d + 1] + sin * x + cos * y
             for m in range(dof[b + 1] - d - N_RIGID):
-                sway += abs(q[d + N_RIGID + m]) * sway_of[s, m]
+                deflection += abs(q[d + N_RIGID + m]) * sway_of[s, m]
             out[s, 3] = cos
             out[s, 4] = sin
         out[s, 0] = x
         out[s, 1] = y
-        out[s, 2] = sway
+        out[s, 2] = deflection
 
 
 @kernel
-def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, f: int) -> None:
+def load_entry(model: Model, table: ContactTable, k: int, law: int, node: int, f: int) -> None:
     """Entry k: what does not depend on the configuration."""
     c = model.contacts
-    table.key[k] = slave * len(c.feature_kind) + f
+    table.key[k] = node * len(c.feature_kind) + f
     table.law[k] = law
-    table.slave[k] = c.slave_point[slave]
-    table.slave_radius[k] = c.slave_radius[slave]
+    table.node[k] = c.node_point[node]
+    table.node_radius[k] = c.node_radius[node]
     table.kind[k] = c.feature_kind[f]
     table.a[k] = c.feature_point[f, 0]
     table.b[k] = c.feature_point[f, 1]
@@ -83,14 +83,14 @@ def load_entry(model: Model, table: ContactTable, k: int, law: int, slave: int, 
     table.sense[k] = c.feature_sense[f]
     table.span[k, 0] = c.feature_span[f, 0]
     table.span[k, 1] = c.feature_span[f, 1]
-    table.body[k, 0] = model.points.body[c.slave_point[slave]]
+    table.body[k, 0] = model.points.body[c.node_point[node]]
     table.body[k, 1] = model.points.body[c.feature_point[f, 0]]
 
 
 @kernel
 def below_or_beyond(table: ContactTable, k: int) -> bool:
     """Whether the node of the candidate k is below its segment, or beyond an end of it."""
-    d = table.gap[k] + table.slave_radius[k]
+    d = table.gap[k] + table.node_radius[k]
     return d < 0.0 or table.span[k, AWAY] > (1.0 + WIDEN) * d
 
 
@@ -159,19 +159,19 @@ def keep_nearest(model: Model, q: FloatArray, margin: float, table: ContactTable
 
 
 @kernel
-def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: float, ny: float) -> bool:
+def faces(model: Model, q: FloatArray, table: ContactTable, node: int, nx: float, ny: float) -> bool:
     """Whether a node may touch what has the normal (nx, ny), in the frame of the features."""
     c = model.contacts
     cos = table.frame[0]
     sin = table.frame[1]
     x = cos * nx + sin * ny  # in the frame of the nodes
     y = cos * ny - sin * nx
-    mx = c.slave_normal[slave, 0]
-    my = c.slave_normal[slave, 1]
-    p = c.slave_point[slave]
+    mx = c.node_normal[node, 0]
+    my = c.node_normal[node, 1]
+    p = c.node_point[node]
     if mx == 0.0 and my == 0.0:
-        extent = c.slave_span[slave, 1]
-        return extent >= 2.0 * math.pi or in_arc(model, q, p, math.atan2(-y, -x), c.slave_span[slave, 0], extent)
+        extent = c.node_span[node, 1]
+        return extent >= 2.0 * math.pi or in_arc(model, q, p, math.atan2(-y, -x), c.node_span[node, 0], extent)
     turn = 0.0
     first = model.points.start[p]
     count = model.points.start[p + 1] - first
@@ -185,7 +185,7 @@ def faces(model: Model, q: FloatArray, table: ContactTable, slave: int, nx: floa
 
 @kernel
 def collect(
-    model: Model, q: FloatArray, highest: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
+    model: Model, q: FloatArray, highest: float, table: ContactTable, w: int, node: int, x: float, y: float, n: int
 ) -> int:
     """Candidates of one node, at most ``highest`` above a feature, from entry n on; returns the count.
 
@@ -194,12 +194,12 @@ def collect(
     """
     c = model.contacts
     surface = c.pass_feature[w]
-    sway = table.bound[surface, 2]
-    reach = max(highest, 0.0) + table.bound[c.pass_slave[w], 2] + sway
+    deflection = table.bound[surface, 2]
+    reach = max(highest, 0.0) + table.bound[c.pass_node[w], 2] + deflection
     cos = table.frame[0]
     sin = table.frame[1]
-    directed = c.slave_normal[slave, 0] != 0.0 or c.slave_normal[slave, 1] != 0.0
-    point = c.slave_radius[slave] == 0.0
+    directed = c.node_normal[node, 0] != 0.0 or c.node_normal[node, 1] != 0.0
+    point = c.node_radius[node] == 0.0
     sunk = False
     placed = False
     px = 0.0
@@ -212,26 +212,26 @@ def collect(
         if vertex and point and not sunk:
             break  # those come last
         for f in range(c.block_start[block], c.block_start[block + 1]):
-            if not may_touch(model, f, x, y, reach, sway):
+            if not may_touch(model, f, x, y, reach, deflection):
                 continue
             if not placed:
                 placed = True
-                sx, sy = local_place(model.bodies, model.points, q, c.slave_point[slave])
+                sx, sy = local_place(model.bodies, model.points, q, c.node_point[node])
                 px = cos * sx - sin * sy + table.frame[2]
                 py = sin * sx + cos * sy + table.frame[3]
             there, s, d, nx, ny, away = over(model, q, f, px, py, highest)
             if not there:
                 continue
             aside = vertex and point
-            facing = not aside and faces(model, q, table, slave, nx, ny)
+            facing = not aside and faces(model, q, table, node, nx, ny)
             if not facing and not aside and not (directed and d > WIDEN * c.surface_extent[surface]):
                 continue
             sunk = sunk or d < 0.0 or away > (1.0 + WIDEN) * d
             if n < len(table.key):
-                load_entry(model, table, n, c.pass_law[w] if facing else BESIDE, slave, f)
+                load_entry(model, table, n, c.pass_law[w] if facing else BESIDE, node, f)
                 table.s[n] = s
                 table.span[n, AWAY] = away
-                table.gap[n] = d - c.slave_radius[slave]
+                table.gap[n] = d - c.node_radius[node]
                 table.normal[n, 0] = nx
                 table.normal[n, 1] = ny
             n += 1
@@ -239,19 +239,19 @@ def collect(
 
 
 @kernel
-def detect_slave(
-    model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, slave: int, x: float, y: float, n: int
+def detect_node(
+    model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, node: int, x: float, y: float, n: int
 ) -> int:
     """Contacts of one node, undeformed at (x, y) in the frame of the features, from entry n on; returns the count."""
-    radius = model.contacts.slave_radius[slave]
+    radius = model.contacts.node_radius[node]
     first = n
-    n = collect(model, q, margin + radius, table, w, slave, x, y, first)
+    n = collect(model, q, margin + radius, table, w, node, x, y, first)
     depth = 0.0
     for k in range(first, min(n, len(table.key))):
         if table.kind[k] == SEGMENT and below_or_beyond(table, k):
             depth = max(depth, table.span[k, AWAY])
     if depth > margin + radius:  # whatever is nearer than that decides
-        n = collect(model, q, depth, table, w, slave, x, y, first)
+        n = collect(model, q, depth, table, w, node, x, y, first)
     if first < n <= len(table.key):
         return keep_nearest(model, q, margin, table, model.contacts.pass_law[w], first, n)
     return n
@@ -261,7 +261,7 @@ def detect_slave(
 def detect_pass(model: Model, q: FloatArray, margin: float, table: ContactTable, w: int, n: int) -> int:
     """Contacts of pass w, from entry n on; returns the new count."""
     c = model.contacts
-    a = c.pass_slave[w]
+    a = c.pass_node[w]
     b = c.pass_feature[w]
     i = c.surface_body[a]
     j = c.surface_body[b]
@@ -283,15 +283,15 @@ def detect_pass(model: Model, q: FloatArray, margin: float, table: ContactTable,
     reach = c.surface_extent[b] + margin + table.bound[a, 2] + table.bound[b, 2]
     bx = c.surface_center[b, 0]
     by = c.surface_center[b, 1]
-    for slave in range(c.slave_start[a], c.slave_start[a + 1]):
-        p = c.slave_point[slave]
+    for node in range(c.node_start[a], c.node_start[a + 1]):
+        p = c.node_point[node]
         sx = model.points.place[p, 0]
         sy = model.points.place[p, 1]
         x = cos * sx - sin * sy + ox
         y = sin * sx + cos * sy + oy
-        far = reach + c.slave_radius[slave]
+        far = reach + c.node_radius[node]
         if (x - bx) * (x - bx) + (y - by) * (y - by) <= far * far:
-            n = detect_slave(model, q, margin, table, w, slave, x, y, n)
+            n = detect_node(model, q, margin, table, w, node, x, y, n)
     return n
 
 
@@ -318,15 +318,15 @@ def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> i
     Returns how many there are, or at least as many if that exceeds the capacity: entries then mean nothing.
     """
     bound(model, q, table)
-    slaves = model.contacts.pass_slave
+    nodes = model.contacts.pass_node
     features = model.contacts.pass_feature
     extent = model.contacts.surface_extent
     at = table.bound
     n = int(np.int64(0))  # a literal 0 would have the kernels below compiled once more, for it alone
-    for w in range(len(slaves)):
-        if table.collects != ALL and table.by_law[model.contacts.pass_law[w]] != table.collects:
+    for w in range(len(nodes)):
+        if table.collects != ALL and table.compliant[model.contacts.pass_law[w]] != table.collects:
             continue
-        a = slaves[w]
+        a = nodes[w]
         b = features[w]
         reach = extent[a] + at[a, 2] + at[b, 2] + margin
         if extent[b] < math.inf:

@@ -34,12 +34,12 @@ def contact_rows(
             normal_rows[i, c] = 0.0
             tangent_rows[i, c] = 0.0
     if table.body[k, 0] >= 0:
-        p = table.slave[k]
+        p = table.node[k]
         nx = table.normal[k, 0]
         ny = table.normal[k, 1]
         add_point_rows(model.bodies, model.points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
-        if table.slave_radius[k] != 0.0:
-            add_rotation_row(model.bodies, model.points, p, table.slave_radius[k], tangent_rows[0])
+        if table.node_radius[k] != 0.0:
+            add_rotation_row(model.bodies, model.points, p, table.node_radius[k], tangent_rows[0])
     if table.body[k, 1] >= 0:
         feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
 
@@ -47,7 +47,7 @@ def contact_rows(
 @kernel
 def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
     """gdot_N [m/s] of entry k."""
-    _, _, vx, vy, _, _ = point_motion(model.bodies, model.points, q, u, table.slave[k])
+    _, _, vx, vy, _, _ = point_motion(model.bodies, model.points, q, u, table.node[k])
     wx, wy = feature_velocity(model, q, u, table, k)
     return table.normal[k, 0] * (vx - wx) + table.normal[k, 1] * (vy - wy)
 
@@ -55,5 +55,5 @@ def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k:
 @kernel
 def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """Where entry k touches: the point of the node's circle nearest to the feature [m], world axes."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
-    return px - table.slave_radius[k] * table.normal[k, 0], py - table.slave_radius[k] * table.normal[k, 1]
+    px, py = point_position(model.bodies, model.points, q, table.node[k])
+    return px - table.node_radius[k] * table.normal[k, 0], py - table.node_radius[k] * table.normal[k, 1]

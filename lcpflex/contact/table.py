@@ -9,9 +9,9 @@ import numpy as np
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
 
-__all__ = ["ALL", "BY_LAW", "SET_VALUED", "ContactTable", "contact_table"]
+__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table"]
 
-SET_VALUED, BY_LAW, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
+RIGID, COMPLIANT, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
 
 @struct
@@ -20,8 +20,8 @@ class ContactTable:
 
     key: IntArray = array("contacts")  # node and feature in one number, the same from call to call
     law: IntArray = array("contacts")  # declared contact
-    slave: IntArray = array("contacts")  # material point P of the node
-    slave_radius: FloatArray = array("contacts")  # [m]
+    node: IntArray = array("contacts")  # material point P of the node
+    node_radius: FloatArray = array("contacts")  # [m]
     kind: IntArray = array("contacts")  # of the feature
     a: IntArray = array("contacts")  # material points of the feature
     b: IntArray = array("contacts")
@@ -32,13 +32,17 @@ class ContactTable:
     body: IntArray = array("contacts", 2)  # i of the node, j of the feature; -1: ground
     gap: FloatArray = array("contacts")  # [m]
     normal: FloatArray = array("contacts", 2)  # from j to i
-    bound: FloatArray = array("surfaces", 5)  # work: world centre, sway, and cosine and sine of the angle of its body
+    bound: FloatArray = array(
+        "surfaces", 5
+    )  # work: world centre, deflection, and cosine and sine of the angle of its body
     frame: FloatArray = array(4)  # work: cosine, sine, x, y of the nodes' body in the frame of the features' body
-    by_law: IntArray  # (laws,) 1: compliant, has a continuous contact force, 0: rigid; (0,): of no matter
+    compliant: IntArray  # (laws,) 1: compliant, has a continuous contact force, 0: rigid; (0,): of no matter
     collects: int  # which of these two the table is for, or ALL
 
 
-def contact_table(capacity: int, n_surfaces: int = 0, by_law: Sequence[int] = (), collects: int = ALL) -> ContactTable:
+def contact_table(
+    capacity: int, n_surfaces: int = 0, compliant: Sequence[int] = (), collects: int = ALL
+) -> ContactTable:
     """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with)."""
     sizes = {"contacts": capacity, "surfaces": n_surfaces}
-    return allocate(ContactTable, sizes, by_law=np.array(by_law, np.int64), collects=collects)
+    return allocate(ContactTable, sizes, compliant=np.array(compliant, np.int64), collects=collects)

@@ -21,8 +21,8 @@ def pass_thickness(contacts: Contacts) -> FloatArray:
     """(passes,) least radius of a node plus least depth of what it touches [m]; infinite for half-planes."""
     depths = _feature_depths(contacts)
     thickness = np.full(len(contacts.pass_law), math.inf)
-    for w, (a, b) in enumerate(zip(contacts.pass_slave, contacts.pass_feature, strict=True)):
-        radii = contacts.slave_radius[contacts.slave_start[a] : contacts.slave_start[a + 1]]
+    for w, (a, b) in enumerate(zip(contacts.pass_node, contacts.pass_feature, strict=True)):
+        radii = contacts.node_radius[contacts.node_start[a] : contacts.node_start[a + 1]]
         below = depths[contacts.feature_start[b] : contacts.feature_start[b + 1]]
         if radii.size and below.size:
             thickness[w] = float(radii.min()) + float(below.min())
@@ -36,7 +36,7 @@ def law_thickness(contacts: Contacts) -> FloatArray:
     """
     thickness = np.full(len(contacts.friction), math.inf)
     extents = np.where(contacts.surface_extent > 0.0, 2.0 * contacts.surface_extent, math.inf)
-    sides = zip(contacts.pass_law, contacts.pass_slave, contacts.pass_feature, pass_thickness(contacts), strict=True)
+    sides = zip(contacts.pass_law, contacts.pass_node, contacts.pass_feature, pass_thickness(contacts), strict=True)
     for law, a, b, least in sides:
         thickness[law] = min(thickness[law], least, extents[a], extents[b])
     return thickness
@@ -44,17 +44,17 @@ def law_thickness(contacts: Contacts) -> FloatArray:
 
 def farthest(contacts: Contacts, points: Points) -> float:
     """Largest distance of a point of a surface from the frame of its body [m]."""
-    slaves = np.hypot(*points.place[contacts.slave_point].T) + contacts.slave_radius
+    nodes = np.hypot(*points.place[contacts.node_point].T) + contacts.node_radius
     features = np.hypot(*points.place[contacts.feature_point].reshape(-1, 2).T)
     moving = features[points.body[contacts.feature_point].reshape(-1) >= 0]
     radii = np.abs(contacts.feature_radius)
-    mobile = slaves[points.body[contacts.slave_point] >= 0]
+    mobile = nodes[points.body[contacts.node_point] >= 0]
     return float(max(mobile.max(initial=0.0), moving.max(initial=0.0) + radii.max(initial=0.0)))
 
 
 def _feature_depths(contacts: Contacts) -> FloatArray:
     """(features,) how deep below its middle a node belongs to a feature: no bound below vertices of chains."""
-    depths = contacts.feature_reach[:, 1].astype(float)
+    depths = contacts.feature_depth[:, 1].astype(float)
     discs = (contacts.feature_kind == ARC) & (contacts.feature_radius > 0.0)
     depths[discs] = np.minimum(depths[discs], contacts.feature_radius[discs])
     depths[contacts.feature_kind == VERTEX] = math.inf

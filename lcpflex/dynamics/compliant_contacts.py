@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lcpflex.contact.detection import BY_LAW, ContactTable, contact_table
+from lcpflex.contact.detection import COMPLIANT, ContactTable, contact_table
 from lcpflex.dynamics.inertia import Arrow
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
@@ -16,7 +16,7 @@ from lcpflex.model.arrays import Contacts
 
 __all__ = ["CompliantContacts", "compliant_contacts", "sufficient_capacity"]
 
-SPARE = 64  # entries of the table beyond those that the slaves are expected to need
+SPARE = 64  # entries of the table beyond those that the nodes are expected to need
 
 
 @struct
@@ -73,13 +73,13 @@ def compliant_contacts(
     capacity: int,
 ) -> CompliantContacts:
     """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid."""
-    by_law = [int(law is not None) for law in laws]
-    n, ndof, width = (n_joint, int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(by_law) else (0, 0, 1)
+    compliant = [int(law is not None) for law in laws]
+    n, ndof, width = (n_joint, int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 0, 1)
     sizes = {"joints": n, "unknowns": n + 1, "rows": n + 2 * capacity + 1, "width": width, "contacts": capacity}
     return allocate(
         CompliantContacts,
         sizes | {"laws": len(laws), "ndof": ndof},
-        table=contact_table(capacity, n_surfaces if any(by_law) else 0, by_law, BY_LAW),
+        table=contact_table(capacity, n_surfaces if any(compliant) else 0, compliant, COMPLIANT),
         history=history,
         dof=dof,
         arrow=factors,
@@ -91,12 +91,12 @@ def compliant_contacts(
 
 
 def sufficient_capacity(contacts: Contacts, laws: Sequence[object]) -> int:
-    """Entries that suffice: a slave touches few features, but looks at many. 0 where no contact has a law."""
+    """Entries that suffice: a node touches few features, but looks at many. 0 where no contact has a law."""
     if not any(laws):
         return 0
-    slaves, features = 0, 0
-    for a, b, law in zip(contacts.pass_slave, contacts.pass_feature, contacts.pass_law, strict=True):
+    nodes, features = 0, 0
+    for a, b, law in zip(contacts.pass_node, contacts.pass_feature, contacts.pass_law, strict=True):
         if laws[law] is not None:
-            slaves += int(contacts.slave_start[a + 1] - contacts.slave_start[a])
+            nodes += int(contacts.node_start[a + 1] - contacts.node_start[a])
             features = max(features, int(contacts.feature_start[b + 1] - contacts.feature_start[b]))
-    return 4 * slaves + features + SPARE
+    return 4 * nodes + features + SPARE

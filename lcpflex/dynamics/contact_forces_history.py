@@ -35,7 +35,7 @@ ROUNDING = 1e-14  # of the largest coordinate, at least of 1: contacts nearer th
 
 @kernel
 def mark(model: Model, history: ContactMemory, table: ContactTable, n: int) -> None:
-    """Mark as seen the places whose slave touches their feature, among the first n entries of the table."""
+    """Mark as seen the places whose node touches their feature, among the first n entries of the table."""
     count = max(len(model.contacts.feature_kind), 1)
     for i in range(len(history.seen)):
         history.seen[i] = 0
@@ -49,7 +49,7 @@ def mark(model: Model, history: ContactMemory, table: ContactTable, n: int) -> N
 
 @kernel
 def left_place(history: ContactMemory, place: int) -> int:
-    """Of the places of a slave, one that it has left and may take along to another feature; -1: none."""
+    """Of the places of a node, one that it has left and may take along to another feature; -1: none."""
     for i in range(place, place + PLACES):
         if history.feature[i] != FREE and history.seen[i] == 0:
             return i
@@ -58,7 +58,7 @@ def left_place(history: ContactMemory, place: int) -> int:
 
 @kernel
 def holds(history: ContactMemory, place: int, feature: int) -> int:
-    """Of the places of a slave, the one for ``feature``; -1: none."""
+    """Of the places of a node, the one for ``feature``; -1: none."""
     for i in range(place, place + PLACES):
         if history.feature[i] == feature:
             return i
@@ -215,12 +215,12 @@ def renew_history(
             factor_joints(model, t, q, u, work)
         for k in range(n):
             contacts.inverse[k] = condensed_mobility(contacts, n_joint + k)
-    contacts.out_of_range = settle(model, contacts, states)
+    contacts.out_of_range = update_states(model, contacts, states)
     return contacts.out_of_range < 0
 
 
 @kernel
-def settle(model: Model, contacts: CompliantContacts, states: FloatArray) -> int:
+def update_states(model: Model, contacts: CompliantContacts, states: FloatArray) -> int:
     """Write the history of the contacts found; the law whose indentation is out of its range, or -1."""
     history = contacts.history
     table = contacts.table

@@ -40,11 +40,11 @@ def static_sway(model: Model, flexibility: FloatArray, q: FloatArray) -> float:
         b = contacts.surface_body[s]
         if b >= 0:
             d = model.bodies.dof[b] + N_RIGID
-            sway = 0.0
+            deflection = 0.0
             for k in range(model.bodies.dof[b + 1] - d):
                 if flexibility[d + k] > 0.0:
-                    sway += abs(q[d + k]) * contacts.surface_sway[s, k]
-            largest = max(largest, sway)
+                    deflection += abs(q[d + k]) * contacts.surface_deflection[s, k]
+            largest = max(largest, deflection)
     return largest
 
 

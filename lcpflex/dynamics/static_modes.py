@@ -106,7 +106,7 @@ def with_static_modes(model: Model, flexibility: FloatArray) -> Model:
     contacts = _changed(
         Contacts,
         model.contacts,
-        slave_point=place[model.contacts.slave_point],
+        node_point=place[model.contacts.node_point],
         feature_point=place[model.contacts.feature_point],
     )
     return pack(_changed(Model, model, bodies=changed, points=points, contacts=contacts))
@@ -135,7 +135,7 @@ def _uncoupled(flat: FloatArray, start: IntArray, static: list[npt.NDArray[np.bo
 def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, IntArray]:
     """All points without static modes, then those of contact surfaces once more with them; and where each is found."""
     points = model.points
-    of_contacts = np.unique(np.concatenate([model.contacts.slave_point, model.contacts.feature_point.ravel()]))
+    of_contacts = np.unique(np.concatenate([model.contacts.node_point, model.contacts.feature_point.ravel()]))
     of_contacts = of_contacts[points.body[of_contacts] >= 0]
     place = np.arange(len(points.body))
     place[of_contacts] = len(points.body) + np.arange(len(of_contacts))
@@ -159,7 +159,7 @@ def _points(model: Model, static: list[npt.NDArray[np.bool_]]) -> tuple[Points, 
 def _in_contact(contacts: Contacts, soft: IntArray | None = None) -> set[int]:
     """The surfaces of contacts, without those of ``soft`` ones."""
     hard = slice(None) if soft is None else soft[contacts.pass_law] == 0
-    return {int(s) for s in np.concatenate([contacts.pass_slave[hard], contacts.pass_feature[hard]])}
+    return {int(s) for s in np.concatenate([contacts.pass_node[hard], contacts.pass_feature[hard]])}
 
 
 def _shapes(model: Model, p: int) -> tuple[FloatArray, slice]:
@@ -199,9 +199,9 @@ def check_compliance(
     for law in range(len(contacts.friction)):
         gives = [soft[law] == 1, not contacts.friction[law] > 0.0]
         for w in np.flatnonzero(contacts.pass_law == law):
-            slaves = _span(contacts.slave_start, contacts.pass_slave[w])
+            nodes = _span(contacts.node_start, contacts.pass_node[w])
             features = _span(contacts.feature_start, contacts.pass_feature[w])
-            own = [_compliance(model, flexibility, q, int(contacts.slave_point[s])) for s in slaves]
+            own = [_compliance(model, flexibility, q, int(contacts.node_point[s])) for s in nodes]
             for f in features:
                 a, b = (int(p) for p in contacts.feature_point[f])
                 other = 0.5 * (_compliance(model, flexibility, q, a) + _compliance(model, flexibility, q, b))
@@ -284,7 +284,7 @@ def contact_stiffness(model: Model, flexibility: FloatArray, give: FloatArray) -
 
     ``give`` (passes,) [m/N] is what a law of the contact itself adds to F_NN.
 
-    Of the stiffest point of each side that has compliance, be it slave or master: (G_a + G_b) / (F_a + F_b). Normals
+    Of the stiffest point of each side that has compliance, nodes or features: (G_a + G_b) / (F_a + F_b). Normals
     are those of nodes and segments, or the softest direction where there is none. A guess of the step that closed
     contacts will need, not a bound: the stepper tests each of its steps, and divides those in which a light rigid body
     touches, whose own mobility is not in it.
@@ -292,10 +292,10 @@ def contact_stiffness(model: Model, flexibility: FloatArray, give: FloatArray) -
     at_rest = np.zeros(int(model.bodies.dof[-1]))
     mass = mass_matrix(model, at_rest)
     contacts, largest = model.contacts, 0.0
-    for a, b, own in zip(contacts.pass_slave, contacts.pass_feature, give, strict=True):
-        slaves = [(int(contacts.slave_point[s]), contacts.slave_normal[s]) for s in _span(contacts.slave_start, a)]
+    for a, b, own in zip(contacts.pass_node, contacts.pass_feature, give, strict=True):
+        nodes = [(int(contacts.node_point[s]), contacts.node_normal[s]) for s in _span(contacts.node_start, a)]
         features = [end for f in _span(contacts.feature_start, b) for end in _ends(model, f)]
-        sides = [_stiffest(model, mass, flexibility, side, own) for side in (slaves, features)]
+        sides = [_stiffest(model, mass, flexibility, side, own) for side in (nodes, features)]
         G, F = (sum(side[i] for side in sides) for i in range(2))
         F += own
         largest = max(largest, G / F if F > 0.0 else 0.0)

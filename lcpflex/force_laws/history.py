@@ -47,9 +47,9 @@ def contact_memory(contacts: Contacts, laws: Sequence[LawRow | None]) -> Contact
     ranges = np.zeros((len(rows), 2, 3), dtype=np.int64)
     taken = np.zeros(len(rows), dtype=np.int64)
     places = 0
-    for surface, law in zip(contacts.pass_slave, contacts.pass_law, strict=True):
+    for surface, law in zip(contacts.pass_node, contacts.pass_law, strict=True):
         if rows[law].remembers:
-            first, last = contacts.slave_start[surface], contacts.slave_start[surface + 1]
+            first, last = contacts.node_start[surface], contacts.node_start[surface + 1]
             ranges[law, taken[law]] = first, last, places
             taken[law] += 1
             places += PLACES * int(last - first)
@@ -78,19 +78,19 @@ def contact_memory(contacts: Contacts, laws: Sequence[LawRow | None]) -> Contact
 
 
 @kernel
-def first_place(memory: ContactMemory, law: int, slave: int) -> int:
+def first_place(memory: ContactMemory, law: int, node: int) -> int:
     """First of the places of a node under a law; -1 if the law remembers nothing."""
     for w in range(2):
         first = memory.ranges[law, w, 0]
-        if first <= slave < memory.ranges[law, w, 1]:
-            return memory.ranges[law, w, 2] + PLACES * (slave - first)
+        if first <= node < memory.ranges[law, w, 1]:
+            return memory.ranges[law, w, 2] + PLACES * (node - first)
     return -1
 
 
 @kernel
-def place_of(memory: ContactMemory, law: int, slave: int, feature: int) -> int:
+def place_of(memory: ContactMemory, law: int, node: int, feature: int) -> int:
     """Place of a node on a feature; the one it comes from if it has just passed on to it; -1: none."""
-    place = first_place(memory, law, slave)
+    place = first_place(memory, law, node)
     if place < 0:
         return -1
     for i in range(place, place + PLACES):

@@ -166,17 +166,17 @@ class Contacts(NamedTuple):
     """
 
     # surfaces
-    slave_start: Offsets  # (ns + 1,)
-    slave_point: IntArray  # (nodes,)
-    slave_radius: FloatArray  # (nodes,)
-    slave_normal: Pairs  # (nodes, 2) mean outward normal, body frame; zero: any direction may touch
-    slave_span: Pairs  # (nodes, 2) start angle and extent of the part of its circle that may touch, body frame
+    node_start: Offsets  # (ns + 1,)
+    node_point: IntArray  # (nodes,)
+    node_radius: FloatArray  # (nodes,)
+    node_normal: Pairs  # (nodes, 2) mean outward normal, body frame; zero: any direction may touch
+    node_span: Pairs  # (nodes, 2) start angle and extent of the part of its circle that may touch, body frame
     feature_start: Offsets  # (ns + 1,)
     feature_kind: IntArray  # (features,)
     feature_point: IndexPairs  # (features, 2) material points a, b (b = a for arcs)
     feature_radius: FloatArray  # (features,) signed
     feature_sense: FloatArray  # (features,) +1 convex, -1 hole
-    feature_reach: Triples  # (features, 3) how deep below s = 0, 1/2, 1 a node belongs to it, linear between [m]
+    feature_depth: Triples  # (features, 3) how deep below s = 0, 1/2, 1 a node belongs to it, linear between [m]
     feature_span: Pairs  # (features, 2) range of s, endless at hollow corners; arcs: start angle and extent
     feature_neighbour: IndexPairs  # (features, 2) segments before and behind on the chain, -1: none
     surface_block: Offsets  # (ns + 1,) offsets of the blocks of features of each surface
@@ -186,9 +186,9 @@ class Contacts(NamedTuple):
     surface_body: IntArray  # (ns,)
     surface_center: Pairs  # (ns, 2) centre of the bounding circle, body frame
     surface_extent: FloatArray  # (ns,) its radius; infinite for half-planes
-    surface_sway: Rows  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
+    surface_deflection: Rows  # (ns, largest mode count) greatest |Phi_k| over the surface, to bound its deformation
     # passes: nodes of one surface against features of another
-    pass_slave: IntArray  # (passes,) surface
+    pass_node: IntArray  # (passes,) surface
     pass_feature: IntArray  # (passes,) surface
     pass_law: IntArray  # (passes,) declared contact
     # declared contacts

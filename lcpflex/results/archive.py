@@ -31,8 +31,11 @@ from lcpflex.results.first_format import CHANGED
 
 __all__ = ["read", "write"]
 
-RENAMED = {  # classes and fields of the first format
-    "Compiled": "CompiledScene", "ContactSpots": "ContactPoints", "by_law": "compliant", "spots": "contact_points"
+RENAMED = {  # classes and fields, as older files name them
+    "Compiled": "CompiledScene", "ContactSpots": "ContactPoints", "by_law": "compliant", "spots": "contact_points",
+    "slave_start": "node_start", "slave_point": "node_point", "slave_radius": "node_radius",
+    "slave_normal": "node_normal", "slave_span": "node_span", "pass_slave": "pass_node",
+    "feature_reach": "feature_depth", "surface_sway": "surface_deflection",
 }  # fmt: skip
 EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 2"

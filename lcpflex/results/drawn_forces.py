@@ -69,15 +69,15 @@ def _arrows(
     result: Result, compiled: CompiledScene, record: int, length: float, scale: float
 ) -> list[tuple[FloatArray, FloatArray, float, bool]]:
     """Foot, tip, force [N] of each arrow, and whether it is shorter than the force asks for."""
-    spots, found = result.contact_points, []
-    for k in np.flatnonzero(spots.record == record):
-        normal = spots.normal[k] * _towards_later(result, compiled, int(k))
+    touching, found = result.contact_points, []
+    for k in np.flatnonzero(touching.record == record):
+        normal = touching.normal[k] * _towards_later(result, compiled, int(k))
         tangent = np.array([normal[1], -normal[0]])  # it turns with the normal: the numbers hold for either body
-        force = spots.force[k, 0] * normal + spots.force[k, 1] * tangent
+        force = touching.force[k, 0] * normal + touching.force[k, 1] * tangent
         size = float(np.hypot(*force))
         if size > _SEEN * scale:
-            tip = spots.place[k] + force / size * length * min(size / scale, _LONGEST)
-            found.append((spots.place[k], tip, size, size > _LONGEST * scale))
+            tip = touching.place[k] + force / size * length * min(size / scale, _LONGEST)
+            found.append((touching.place[k], tip, size, size > _LONGEST * scale))
     return found
 
 
@@ -87,7 +87,7 @@ def _arrow_length(result: Result, compiled: CompiledScene, view: View) -> float:
     extents = _extents(compiled)
     contacts = compiled.model.contacts
     touching = np.isin(contacts.pass_law, result.contact_points.contact)
-    sides = contacts.surface_body[[*contacts.pass_slave[touching], *contacts.pass_feature[touching]]]
+    sides = contacts.surface_body[[*contacts.pass_node[touching], *contacts.pass_feature[touching]]]
     sizes = [extents[body] for body in np.unique(sides) if body in extents]
     wanted = _BODY_SHARE * min(sizes, default=picture)
     return float(np.clip(wanted, _SHORTEST * picture, _ARROW * picture))
@@ -123,24 +123,24 @@ def _force_key(ax: Axes, view: View, stretch: float, scale: float) -> None:
     ax.text(start[0], y, label, ha="right", va="center", fontsize="small", color=_FORCE, bbox=ground, zorder=6)
 
 
-def _towards_later(result: Result, compiled: CompiledScene, spot: int) -> float:
-    """1 where the normal of a spot points to the later of the two bodies, -1 where to the earlier or the ground.
+def _towards_later(result: Result, compiled: CompiledScene, point: int) -> float:
+    """1 where the normal of a contact point goes to the later of the two bodies, -1 where to the earlier or the ground.
 
     Chains test their nodes against each other both ways, so that now the one body has the feature, now the other; there
     the solid side of the earlier one decides.
     """
     contacts = compiled.model.contacts
-    passes = np.flatnonzero(contacts.pass_law == result.contact_points.contact[spot])
-    slaves = contacts.surface_body[contacts.pass_slave[passes]]
+    passes = np.flatnonzero(contacts.pass_law == result.contact_points.contact[point])
+    nodes = contacts.surface_body[contacts.pass_node[passes]]
     features = contacts.surface_body[contacts.pass_feature[passes]]
-    later = slaves > features
+    later = nodes > features
     if later.all() or not later.any():
         return 1.0 if later.all() else -1.0
     earlier = int(contacts.pass_feature[passes[np.argmax(later)]])
-    q, normal = result.q[result.contact_points.record[spot]], result.contact_points.normal[spot]
+    q, normal = result.q[result.contact_points.record[point]], result.contact_points.normal[point]
     return (
         1.0
-        if float(normal @ _outward(compiled, q, earlier, result.contact_points.place[spot], normal)) >= 0.0
+        if float(normal @ _outward(compiled, q, earlier, result.contact_points.place[point], normal)) >= 0.0
         else -1.0
     )
 

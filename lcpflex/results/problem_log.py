@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.contact.memory import ContactData, SolverMemory
     from lcpflex.solvers.problem import Lcp
 
-__all__ = ["Recorder", "RecordProblems"]
+__all__ = ["ProblemLog", "RecordProblems"]
 
 MEASURES = ("residual", "iterations", "condition")
 UNSOLVED = 1e-9  # natural-map residual from which a problem is kept in any case
@@ -72,7 +72,7 @@ class RecordProblems:
 
 
 @dataclass(slots=True)
-class Recorder:
+class ProblemLog:
     """The problems kept so far of one run; ``names`` are those of the declared contacts."""
 
     request: RecordProblems

@@ -67,7 +67,7 @@ class ContactPoints:
     record: IntArray  # (k,) index of the stored instant
     contact: IntArray  # (k,) index of the declared contact
     place: FloatArray  # (k, 2) [m], world axes
-    normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (slave), world axes
+    normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (node), world axes
     force: FloatArray  # (k, 2) normal and tangential force [N], t = (n_y, -n_x)
     state: StateArray  # (k,) OPEN, STICK, SLIP or CREEP
 

@@ -54,7 +54,7 @@ def stated_errors(
     # 1/omega of a vibration, half the time of a flight
     with np.errstate(over="ignore"):  # a coordinate that hardly moves is never past
         passing = np.minimum(0.5 * ranges[0] / np.maximum(ranges[1], np.finfo(float).tiny), 0.5 * span)
-    local = records.tape.local.copy() if controlled else _sampled(records, steps)
+    local = records.recorder.local.copy() if controlled else _sampled(records, steps)
     if local is None:
         return None, None
     local[0] = np.maximum(local[0], passing * local[1])
@@ -85,7 +85,7 @@ def _with_impacts(
     episodes = None if units.own else _Episodes(model, units, records.impact_step, data, first, last)
     for k, (_, _, laws) in enumerate(impacts):
         place += (times[k + 1] - times[k]) * speed + grown[k]
-        if records.set_valued[laws].any():
+        if records.rigid[laws].any():
             place += 0.5 * records.impact_step * jumps[k]
         if episodes is not None:
             speed = episodes.magnified(k, laws, place, speed)
@@ -115,10 +115,10 @@ def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, i
     times, force = data["times"], data["force"][:, :, 0]
     taken = np.diff(data["impulse"][:, :, 0], axis=0)
     steady = np.minimum(force[1:], force[:-1]) * np.diff(times)[:, None]
-    struck = (taken - steady > 0.5 * taken) & (taken > 0.0) & records.set_valued
+    struck = (taken - steady > 0.5 * taken) & (taken > 0.0) & records.rigid
     rows = np.flatnonzero(struck.any(axis=1)).tolist()
     found = [(row, row + 1, np.flatnonzero(struck[row]).tolist()) for row in rows]
-    for law in np.flatnonzero(~records.set_valued).tolist():
+    for law in np.flatnonzero(~records.rigid).tolist():
         edges = np.diff(np.concatenate([[0], taken[:, law] > 0.0, [0]]).astype(np.int8))
         for first, last in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
             if times[last] - times[first] <= RESTING * (times[-1] - times[0]):
@@ -219,18 +219,16 @@ def _shapes(model: Model, units: Units) -> tuple[FloatArray, FloatArray, list[In
     cornered, curved = np.zeros(units.count), np.zeros(len(contacts.friction))
     partners: list[set[int]] = [set() for _ in contacts.friction]
     kinds = [contacts.feature_kind[a:b] for a, b in pairwise(contacts.feature_start.tolist())]
-    widest = [
-        float(np.max(contacts.slave_radius[a:b], initial=0.0)) for a, b in pairwise(contacts.slave_start.tolist())
-    ]
+    widest = [float(np.max(contacts.node_radius[a:b], initial=0.0)) for a, b in pairwise(contacts.node_start.tolist())]
     for body, kind in zip(contacts.surface_body.tolist(), kinds, strict=True):
         if body >= 0 and (kind == SEGMENT).any():
             cornered[body] = 1.0
-    for slave, feature, law in zip(contacts.pass_slave, contacts.pass_feature, contacts.pass_law, strict=True):
-        bodies = [int(b) for b in contacts.surface_body[[slave, feature]] if b >= 0]
+    for node, feature, law in zip(contacts.pass_node, contacts.pass_feature, contacts.pass_law, strict=True):
+        bodies = [int(b) for b in contacts.surface_body[[node, feature]] if b >= 0]
         partners[law].update(bodies)
-        if (kinds[feature] != SEGMENT).all() and widest[slave] > 0.0:
+        if (kinds[feature] != SEGMENT).all() and widest[node] > 0.0:
             own = slice(contacts.feature_start[feature], contacts.feature_start[feature + 1])
-            radius = widest[slave] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
+            radius = widest[node] + float(np.abs(contacts.feature_radius[own]).max(initial=0.0))
             curved[law] = max(curved[law], 1.0 / radius)
         elif len(bodies) == 2:
             extents = [units.extent(b) for b in bodies if cornered[b]]

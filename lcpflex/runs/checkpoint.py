@@ -82,8 +82,8 @@ class Checkpoint:
         if begin_again is not None:
             begin_again()
         self.thawed("run", run)
-        if setup.recorder is not None:
-            setup.recorder.seen, setup.recorder.stride, setup.recorder.kept = self.thawed("recorder")
+        if setup.problem_log is not None:
+            setup.problem_log.seen, setup.problem_log.stride, setup.problem_log.kept = self.thawed("recorder")
         if setup.system.calls is not None:
             setup.system.calls.number, setup.system.calls.time = self.thawed("calls")
         computing, loading = self.thawed("spent")
@@ -228,12 +228,12 @@ class Checkpoints:
         self._next = now + pause
 
     def _write(self) -> None:
-        run, setup, recorder = self._run, self._setup, self._setup.recorder
+        run, setup, problem_log = self._run, self._setup, self._setup.problem_log
         arrays = dict(self._fixed)
         run.records.merge()
         calls = setup.system.calls
         spent = [before + now for before, now in zip(self._spent, self._clock.so_far(), strict=True)]
-        kept = None if recorder is None else [recorder.seen, recorder.stride, recorder.kept]
+        kept = None if problem_log is None else [problem_log.seen, problem_log.stride, problem_log.kept]
         try:
             structure = {
                 **self._head,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from lcpflex.dynamics.time_structure import for_system, with_instants
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.energy_balance import EnergyGrowth
-from lcpflex.results.problem_log import Recorder, RecordProblems
+from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
@@ -71,7 +71,7 @@ class Setup:
     system: System
     source: CompiledScene | UserSystem
     names: tuple[str, ...]  # of the declared contacts
-    recorder: Recorder | None
+    problem_log: ProblemLog | None
 
     @property
     def compiled(self) -> CompiledScene | None:
@@ -108,11 +108,11 @@ def set_up(
     if system.probe is not None:
         system = replace(system, model=for_system(system.model, system.probe, options.duration))
     _check_solver(stepper, system)
-    recorder = None
+    problem_log = None
     if record_problems is not None:
-        recorder = Recorder(record_problems, names)
-        system = replace(system, watch=recorder.watch)
-    return Setup(options, stepper, system, source, names, recorder)
+        problem_log = ProblemLog(record_problems, names)
+        system = replace(system, watch=problem_log.watch)
+    return Setup(options, stepper, system, source, names, problem_log)
 
 
 def _indents(stepper: Stepper) -> Callable[[str], bool] | None:

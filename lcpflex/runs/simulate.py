@@ -20,7 +20,7 @@ from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
-from lcpflex.results.problem_log import Recorder, RecordProblems
+from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import ContactPoints, Event, Result
 from lcpflex.results.stated_error import stated_errors
 from lcpflex.runs.checkpoint import Checkpoints
@@ -143,7 +143,7 @@ def carry_out(
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
     stepper, system, names = setup.stepper, setup.system, setup.names
-    options, recorder = setup.options, setup.recorder
+    options, problem_log = setup.options, setup.problem_log
     clock = Stopwatch()
     run = setup.run()
     errs = options.energy_growth is EnergyGrowth.ERROR
@@ -177,8 +177,8 @@ def carry_out(
         result = replace(result, python_calls=system.calls.number, python_time=system.calls.time)
     if step := getattr(run, "fixed_step", 0.0):
         result = replace(result, warnings=(*result.warnings, *unseen_loads(result, step)))
-    if recorder is not None:
-        result = _save_problems(recorder, result)
+    if problem_log is not None:
+        result = _save_problems(problem_log, result)
     if message:
         touching = tuple(names[k] for k in run.touching)
         raise StepError(
@@ -199,10 +199,10 @@ def _closed(touching: tuple[str, ...]) -> str:
     return f"contact{'s' if len(touching) > 1 else ''} {', '.join(touching[:NAMED])}{more}"
 
 
-def _save_problems(recorder: Recorder, result: Result) -> Result:
+def _save_problems(problem_log: ProblemLog, result: Result) -> Result:
     """Write the recorded problems; if that cannot be, the result says so and is not lost."""
     try:
-        recorder.save()
+        problem_log.save()
     except LcpflexError as error:
         return replace(result, warnings=(*result.warnings, f"the contact problems were not stored: {error}"))
     return result
@@ -253,7 +253,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
     place_error, speed_error = stated_errors(system.model, run.records, data, run.steps, controlled)
-    spots = data["spots"]
+    touching = data["touching"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     laws = run.records.laws
@@ -266,12 +266,12 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     return Result(
         **stored | {"state": state, "energies": energies},
         contact_points=ContactPoints(
-            record=spots[:, 0].astype(np.int64),
-            contact=spots[:, 1].astype(np.int64),
-            place=spots[:, 2:4],
-            normal=spots[:, 4:6],
-            force=spots[:, 6:8],
-            state=creeping(laws, spots[:, 1].astype(np.int64), spots[:, 8]).astype(np.int8),
+            record=touching[:, 0].astype(np.int64),
+            contact=touching[:, 1].astype(np.int64),
+            place=touching[:, 2:4],
+            normal=touching[:, 4:6],
+            force=touching[:, 6:8],
+            state=creeping(laws, touching[:, 1].astype(np.int64), touching[:, 8]).astype(np.int8),
         ),
         events=events,
         warnings=(
@@ -291,7 +291,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         duration=options.duration,
         compiled=compiled,
         contact_names=names,
-        compliant=run.records.by_law,
+        compliant=run.records.compliant,
         crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),

@@ -23,7 +23,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import StepClock
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
@@ -137,11 +137,11 @@ def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -
 
 
 @kernel
-def add_differences(q: FloatArray, u: FloatArray, kept: Backup, tape: Tape) -> None:
+def add_differences(q: FloatArray, u: FloatArray, kept: Backup, recorder: Recorder) -> None:
     """Add up the errors of an accepted step, from by how much its two results differ."""
     for i in range(len(q)):
-        tape.local[0, i] += HALVED * abs(q[i] - kept.long_q[i])
-        tape.local[1, i] += HALVED * abs(u[i] - kept.long_u[i])
+        recorder.local[0, i] += HALVED * abs(q[i] - kept.long_q[i])
+        recorder.local[1, i] += HALVED * abs(u[i] - kept.long_u[i])
 
 
 @kernel

@@ -8,15 +8,15 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
 from lcpflex.steppers.golden_section import Section
-from lcpflex.steppers.recorder import Counts, Tape
+from lcpflex.steppers.recorder import Counts, Recorder
 from lcpflex.steppers.system import System
 
-__all__ = ["Backup", "backup", "keep_end", "put_back", "put_by"]
+__all__ = ["Backup", "backup", "keep_end", "restore", "save"]
 
 
 @struct
 class Backup:
-    """State at the start of a step and after the one long step, running sums of the tape, contacts held."""
+    """State at the start of a step and after the one long step, running sums of the recorder, contacts held."""
 
     scheme: Any  # with all that its steps take over
     q: FloatArray  # those of ``scheme``
@@ -41,13 +41,13 @@ def backup(system: System, scheme: Any, capacity: int) -> Backup:
 
 
 @kernel
-def put_by(scheme: Any, work: Workspace, tape: Tape, kept: Backup) -> None:
+def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None:
     """Keep the present state."""
     copy_parts(scheme, kept.scheme)
-    copy_parts(tape.counts, kept.counts)
-    for law in range(len(tape.total_impulse)):
-        kept.total_impulse[law, 0] = tape.total_impulse[law, 0]
-        kept.total_impulse[law, 1] = tape.total_impulse[law, 1]
+    copy_parts(recorder.counts, kept.counts)
+    for law in range(len(recorder.total_impulse)):
+        kept.total_impulse[law, 0] = recorder.total_impulse[law, 0]
+        kept.total_impulse[law, 1] = recorder.total_impulse[law, 1]
     kept.n_held = work.n_held
     for k in range(work.n_held):
         kept.held_key[k] = work.held_key[0, k]
@@ -55,13 +55,13 @@ def put_by(scheme: Any, work: Workspace, tape: Tape, kept: Backup) -> None:
 
 
 @kernel
-def put_back(scheme: Any, work: Workspace, tape: Tape, kept: Backup) -> None:
-    """Undo everything since ``put_by``."""
+def restore(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None:
+    """Undo everything since ``save``."""
     copy_parts(kept.scheme, scheme)
-    copy_parts(kept.counts, tape.counts)
-    for law in range(len(tape.total_impulse)):
-        tape.total_impulse[law, 0] = kept.total_impulse[law, 0]
-        tape.total_impulse[law, 1] = kept.total_impulse[law, 1]
+    copy_parts(kept.counts, recorder.counts)
+    for law in range(len(recorder.total_impulse)):
+        recorder.total_impulse[law, 0] = kept.total_impulse[law, 0]
+        recorder.total_impulse[law, 1] = kept.total_impulse[law, 1]
     work.n_held = kept.n_held
     for k in range(kept.n_held):
         work.held_key[0, k] = kept.held_key[k]

@@ -13,7 +13,7 @@ from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.passing import may_pass
-from lcpflex.steppers.recorder import Tape, has_room
+from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import end_step, record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import UNSTORED, Sampling
@@ -23,7 +23,7 @@ __all__ = ["FixedSteps", "advance"]
 
 
 @kernel
-def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: Tape, last: int) -> int:
+def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, recorder: Recorder, last: int) -> int:
     """Steps until there are ``last`` of them, from a state that is stored where it is due.
 
     Returns DONE, or why the next step or record could not be made; the state is then that of the last whole step or
@@ -35,16 +35,16 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: 
         t = clock.time
         if clock.begun == 1 and clock.within == 0.0:
             if (clock.steps % clock.stride == 0 or clock.steps == clock.last) and clock.stored != clock.steps:
-                if not has_room(work, tape):
+                if not has_room(work, recorder):
                     return RunStatus.TAPE_FULL
-                clock.number = record(model, scheme, t, work, tape)
-                if clock.number > len(tape.table.key):
+                clock.number = record(model, scheme, t, work, recorder)
+                if clock.number > len(recorder.table.key):
                     return RunStatus.GROW_TAPE
                 clock.stored = clock.steps
             if clock.steps >= last:
                 return RunStatus.DONE
         clock.step_taken = clock.length
-        status = take_step(model, scheme, t, work, tape, clock)
+        status = take_step(model, scheme, t, work, recorder, clock)
         if status == RunStatus.DONE:
             clock.steps += 1
             clock.within = 0.0
@@ -53,7 +53,7 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, tape: 
         clock.time = clock.start + (clock.steps - clock.first) * clock.length + clock.within
         if status == RunStatus.DONE and not end_step(model, scheme, t + clock.length, True, work):
             return RunStatus.OUT_OF_RANGE
-        if may_pass(model, scheme.q, tape):
+        if may_pass(model, scheme.q, recorder):
             return RunStatus.PASSED
 
 
@@ -106,7 +106,7 @@ class FixedSteps:
     def _loop(self, last: int) -> int:
         stepping = self.stepping
         status: int = self._advance(
-            stepping.system.model, self.clock, stepping.scheme, stepping.work, self.records.tape, last
+            stepping.system.model, self.clock, stepping.scheme, stepping.work, self.records.recorder, last
         )
         return status
 
@@ -119,7 +119,7 @@ class FixedSteps:
         """All that a step changes, q and u first."""
         stepping = self.stepping
         scheme = stepping.scheme
-        compliant = (stepping.work.compliant,) if stepping.system.by_law else ()
+        compliant = (stepping.work.compliant,) if stepping.system.is_compliant else ()
         return (scheme.q, scheme.u, self.clock, scheme, *stepping.support.carried(stepping.work), *compliant)
 
     def half_steps(self, time: float, done: int, count: int) -> int:

@@ -7,7 +7,7 @@ import math
 from lcpflex.jit.kernel import kernel
 from lcpflex.jit.struct import struct
 
-__all__ = ["LOOKS", "Section", "begin_section", "look", "narrow"]
+__all__ = ["LOOKS", "Section", "begin_section", "narrow", "next_place"]
 
 GOLDEN = 0.6180339887498949
 LOOKS = 41  # until the section is a part in 1e8 of where it began
@@ -41,7 +41,7 @@ def begin_section(section: Section, low: float, high: float) -> None:
 
 
 @kernel
-def look(section: Section) -> float:
+def next_place(section: Section) -> float:
     """Where to look next."""
     return section.d if section.at_d == 1 else section.c
 

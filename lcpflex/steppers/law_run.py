@@ -59,7 +59,7 @@ def refuse_states(system: System) -> None:
 
 def begin_laws(system: System, work: Workspace) -> None:
     """The history of compliant contacts at the start."""
-    if system.by_law:
+    if system.is_compliant:
         update_history(system.model, 0.0, system.q, system.u, 0.0, True, work.compliant.states, work)
 
 

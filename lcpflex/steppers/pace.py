@@ -27,7 +27,7 @@ class Pace:
         """Steps after which a few hundred are judged: always the same ones, however many are made at a time."""
         return int(self._seen[1]) + WINDOW
 
-    def look(self, clock: StepClock) -> None:
+    def update(self, clock: StepClock) -> None:
         """Take the clock of a run into account."""
         now = (clock.time, clock.steps, clock.n_shortest)
         made = now[1] - self._seen[1]

@@ -15,7 +15,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = ["Passages", "passed_through", "swallowed"]
 
@@ -38,12 +38,12 @@ def crosses(
     model: Model, table: ContactTable, k: int, before: FloatArray, after: FloatArray, low: float, high: float,
     free: bool, q: FloatArray,
 ) -> bool:  # fmt: skip
-    """Whether the slave of entry k goes through its feature, or over an arc, between two shares of the path.
+    """Whether the node of entry k goes through its feature, or over an arc, between two shares of the path.
 
     Entry k: as it is at ``low``. Where the path is ``free``, half as deep as that, or a little into an arc, wherever it
     ends: what was found there might as well have been missed.
     """
-    limit = table.slave_radius[k] + depth_of_feature(model, table, k)  # beyond, the slave is behind what it touches
+    limit = table.node_radius[k] + depth_of_feature(model, table, k)  # beyond, the node is behind what it touches
     if free:
         limit *= WITHIN
     deepest = table.gap[k]
@@ -113,17 +113,17 @@ class Passages:
         np.minimum.at(self._thickness, contacts.pass_law, least)
         self._found: dict[int, _Passage] = {}
 
-    def examine(self, time: float, step: float, tape: Tape) -> int:
+    def examine(self, time: float, step: float, recorder: Recorder) -> int:
         """Look at the path of the step that ended at ``time``; 0, or the entries that the table must hold."""
-        passed, scratch = np.zeros(len(self._thickness)), np.zeros(len(tape.before))
+        passed, scratch = np.zeros(len(self._thickness)), np.zeros(len(recorder.before))
         moved = 0.0
-        for after in (tape.after, tape.free):
+        for after in (recorder.after, recorder.free):
             if not np.isfinite(after).all():
                 continue
-            moved, parts = self._size(tape.before, after)
+            moved, parts = self._size(recorder.before, after)
             needed = passed_through(
-                self._model, tape.before, after, moved, parts, tape.table, self._thickness, after is tape.free,
-                scratch, passed,
+                self._model, recorder.before, after, moved, parts, recorder.table, self._thickness,
+                after is recorder.free, scratch, passed,
             )  # fmt: skip
             if needed:
                 return int(needed)
@@ -156,8 +156,8 @@ class Passages:
         swing = 0.0
         for s in np.flatnonzero(contacts.surface_body == b):
             far = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
-            sway = np.abs(contacts.surface_sway[s][: len(step) - N_RIGID]) @ np.abs(step[N_RIGID:])
-            swing = max(swing, (far * abs(float(step[2])) if math.isfinite(far) else 0.0) + float(sway))
+            deflection = np.abs(contacts.surface_deflection[s][: len(step) - N_RIGID]) @ np.abs(step[N_RIGID:])
+            swing = max(swing, (far * abs(float(step[2])) if math.isfinite(far) else 0.0) + float(deflection))
         return swing
 
     def clauses(self) -> list[str]:

@@ -14,14 +14,14 @@ from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import solve_normals
 from lcpflex.solvers.semidefinite import cholesky_solve
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = ["project_contacts", "project_joints"]
 
 
 @kernel
 def project_joints(
-    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, tape: Tape, tolerance: float
+    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, recorder: Recorder, tolerance: float
 ) -> None:
     """q += A^-1 J^T d until |phi(q, t)| <= tolerance, with the rows of the step (a simplified Newton method)."""
     n_joint = len(work.residual)
@@ -39,7 +39,7 @@ def project_joints(
             work.bias[j] = -work.residual[j]
         cholesky_solve(work.lower, n_joint, work.bias)
         apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
-    tape.counts.worst_drift = max(tape.counts.worst_drift, drift)
+    recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift)
 
 
 @kernel
@@ -54,7 +54,7 @@ def held_at(work: Workspace, k: int) -> float:
 
 
 @kernel
-def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, tape: Tape) -> int:
+def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, recorder: Recorder) -> int:
     """Choose the contacts that have drifted below the gap they closed at; their number, 0 unless ``active``.
 
     ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
@@ -65,7 +65,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
     held = 0
     for k in range(work.n_contacts):
         gap = work.table.gap[k]
-        tape.counts.worst_penetration = max(tape.counts.worst_penetration, -gap)
+        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -gap)
         if work.p[n_joint + k] <= 0.0:
             continue
         target = held_at(work, k)
@@ -88,7 +88,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
 
 @kernel
 def project_contacts(
-    model: Model, step: float, tolerance: float, active: bool, q: FloatArray, work: Workspace, tape: Tape
+    model: Model, step: float, tolerance: float, active: bool, q: FloatArray, work: Workspace, recorder: Recorder
 ) -> bool:
     """Take the drift out of contacts that stay closed; true where the configuration changed.
 
@@ -97,7 +97,7 @@ def project_contacts(
     n_joint = work.n_joint
     for k in range(work.n_contacts):
         refresh(model, q, work.table, k)
-    m = hold_contacts(step, tolerance, active, work, tape)
+    m = hold_contacts(step, tolerance, active, work, recorder)
     if m == 0:
         return False
     if solve_normals(work.problem, work.closed, work.drift, m, work.solver) != 0:

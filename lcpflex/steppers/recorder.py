@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
+from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.mechanics import energies
@@ -17,7 +17,7 @@ __all__ = [
     "FIELDS",
     "RUNNING",
     "Counts",
-    "Tape",
+    "Recorder",
     "has_room",
     "note_certificate",
     "note_compliant",
@@ -25,7 +25,7 @@ __all__ = [
     "note_gain",
     "store_contacts",
     "store_state",
-    "tape",
+    "recorder",
 ]
 
 
@@ -48,7 +48,7 @@ class Counts:
 
 
 @struct
-class Tape:
+class Recorder:
     """Room for ``capacity`` instants and for a number of touching points over all of them.
 
     What is stored of each instant is declared here, "capacity" being its first dimension, and written in
@@ -71,14 +71,14 @@ class Tape:
     penetration: FloatArray = array("capacity")
     joint_drift: FloatArray = array("capacity")
     size: IntArray = array("capacity")
-    spots: FloatArray = array("spots", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
+    points: FloatArray = array("points", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]
     # what bodies may pass through in a step (lcpflex.contact.thickness)
     thinnest: float  # [m]
     farthest: float  # point of a surface from its frame [m]
     pass_thickness: FloatArray  # of each pass [m]
-    sway: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
+    deflection: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
     before: FloatArray = array("ndof")  # configuration at the start of the step
     after: FloatArray = array("ndof")  # and at its end, where it is to be examined
     free: FloatArray = array(
@@ -92,112 +92,120 @@ class Tape:
     now_state: IntArray = array("laws")
 
 
-FIELDS = tuple(name for name, shape in shapes_of(Tape).items() if shape[0] == "capacity")  # stored of each instant
-RUNNING = tuple(name for name, shape in shapes_of(Tape).items() if shape[0] not in ("capacity", "spots"))
+FIELDS = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] == "capacity")  # stored of each instant
+RUNNING = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] not in ("capacity", "points"))
 
 
-def tape(
+def recorder(
     ndof: int,
     n_laws: int,
     capacity: int,
-    spots: int,
+    points: int,
     table: ContactTable,
     margin: float,
     pass_thickness: FloatArray,
     farthest: float,
-    sway: FloatArray,
-) -> Tape:
-    """Allocate an empty tape."""
+    deflection: FloatArray,
+) -> Recorder:
+    """Allocate an empty recorder."""
     return allocate(
-        Tape,
-        {"ndof": ndof, "bodies": len(sway), "laws": n_laws, "capacity": capacity, "spots": spots},
+        Recorder,
+        {"ndof": ndof, "bodies": len(deflection), "laws": n_laws, "capacity": capacity, "points": points},
         table=table,
         margin=margin,
         thinnest=pass_thickness.min(initial=np.inf),
         farthest=farthest,
         pass_thickness=pass_thickness,
-        sway=sway,
+        deflection=deflection,
         free=np.full(ndof, np.nan),
         counts=allocate(Counts, {}),
     )
 
 
 @kernel
-def has_room(work: Workspace, tape: Tape) -> bool:
-    """Whether an instant with the contacts of the present step fits on the tape."""
-    spots = tape.n_points + work.n_contacts + work.compliant.n_contacts
-    return tape.n_instants < len(tape.times) and spots <= len(tape.spots)
+def has_room(work: Workspace, recorder: Recorder) -> bool:
+    """Whether an instant with the contacts of the present step fits into the recorder."""
+    points = recorder.n_points + work.n_contacts + work.compliant.n_contacts
+    return recorder.n_instants < len(recorder.times) and points <= len(recorder.points)
 
 
 @kernel
 def note_contact(
-    tape: Tape, law: int, place: tuple[float, float], normal: FloatArray, force_n: float, force_t: float, state: int
+    recorder: Recorder,
+    law: int,
+    place: tuple[float, float],
+    normal: FloatArray,
+    force_n: float,
+    force_t: float,
+    state: int,
 ) -> None:
-    """Add one touching point to the instant about to be stored: to its declared contact and to the spots."""
-    tape.now_force[law, 0] += force_n
-    tape.now_force[law, 1] += force_t
-    tape.now_state[law] = max(tape.now_state[law], state)
-    row = tape.n_points
-    if row < len(tape.spots):
-        tape.spots[row, 0] = tape.n_instants
-        tape.spots[row, 1] = law
-        tape.spots[row, 2] = place[0]
-        tape.spots[row, 3] = place[1]
-        tape.spots[row, 4] = normal[0]
-        tape.spots[row, 5] = normal[1]
-        tape.spots[row, 6] = force_n
-        tape.spots[row, 7] = force_t
-        tape.spots[row, 8] = state
-        tape.n_points = row + 1
+    """Add one touching point to the instant about to be stored: to its declared contact and to those of the instant."""
+    recorder.now_force[law, 0] += force_n
+    recorder.now_force[law, 1] += force_t
+    recorder.now_state[law] = max(recorder.now_state[law], state)
+    row = recorder.n_points
+    if row < len(recorder.points):
+        recorder.points[row, 0] = recorder.n_instants
+        recorder.points[row, 1] = law
+        recorder.points[row, 2] = place[0]
+        recorder.points[row, 3] = place[1]
+        recorder.points[row, 4] = normal[0]
+        recorder.points[row, 5] = normal[1]
+        recorder.points[row, 6] = force_n
+        recorder.points[row, 7] = force_t
+        recorder.points[row, 8] = state
+        recorder.n_points = row + 1
 
 
 @late_kernel
-def note_compliant(model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, tape: Tape) -> None:
+def note_compliant(
+    model: Model, q: FloatArray, contacts: CompliantContacts, touching: bool, recorder: Recorder
+) -> None:
     """Add the compliant contacts with the forces found at q; ``touching``: those without a force, too."""
     table = contacts.table
     for k in range(contacts.n_contacts):
         if touching or table.gap[k] < 0.0:
             place = contact_point(model, q, table, k)
             state = STICK if contacts.sticks[k] == 1 and (touching or contacts.p[k, 0] > 0.0) else SLIP
-            note_contact(tape, table.law[k], place, table.normal[k], contacts.p[k, 0], contacts.p[k, 1], state)
+            note_contact(recorder, table.law[k], place, table.normal[k], contacts.p[k, 0], contacts.p[k, 1], state)
 
 
 @kernel
-def note_gain(tape: Tape, t: float, work: float) -> None:
+def note_gain(recorder: Recorder, t: float, work: float) -> None:
     """Keep account of contact impulses that together did positive work: no passive contact does."""
     if work > 0.0:
-        tape.counts.gained += work
-        if work > tape.counts.largest_gain:
-            tape.counts.largest_gain = work
-            tape.counts.gain_time = t
+        recorder.counts.gained += work
+        if work > recorder.counts.largest_gain:
+            recorder.counts.largest_gain = work
+            recorder.counts.gain_time = t
 
 
 @kernel
-def note_certificate(work: Workspace, tape: Tape) -> None:
+def note_certificate(work: Workspace, recorder: Recorder) -> None:
     """Keep the worst residuals and size of the contact problems."""
-    tape.counts.worst_residual = max(tape.counts.worst_residual, work.solver.residual)
-    tape.counts.worst_size = max(tape.counts.worst_size, work.solver.size)
-    tape.counts.worst_relative = max(tape.counts.worst_relative, work.solver.strict)
+    recorder.counts.worst_residual = max(recorder.counts.worst_residual, work.solver.residual)
+    recorder.counts.worst_size = max(recorder.counts.worst_size, work.solver.size)
+    recorder.counts.worst_relative = max(recorder.counts.worst_relative, work.solver.strict)
 
 
 @kernel
-def store_contacts(model: Model, q: FloatArray, tape: Tape) -> int:
-    """Smallest gap of each declared contact; returns the entries that the table of the tape must hold.
+def store_contacts(model: Model, q: FloatArray, recorder: Recorder) -> int:
+    """Smallest gap of each declared contact; returns the entries that the table of the recorder must hold.
 
     A rigid contact below zero counts as penetration: a step that ends there may be the last one.
     """
-    row = tape.n_instants
-    for law in range(len(tape.total_impulse)):
-        tape.gap[row, law] = np.nan
-    n = detect(model, q, tape.margin, tape.table)
-    if n > len(tape.table.key):
+    row = recorder.n_instants
+    for law in range(len(recorder.total_impulse)):
+        recorder.gap[row, law] = np.nan
+    n = detect(model, q, recorder.margin, recorder.table)
+    if n > len(recorder.table.key):
         return n
     for k in range(n):
-        law = tape.table.law[k]
-        if not tape.table.gap[k] >= tape.gap[row, law]:
-            tape.gap[row, law] = tape.table.gap[k]
-            if len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED:
-                tape.counts.worst_penetration = max(tape.counts.worst_penetration, -tape.table.gap[k])
+        law = recorder.table.law[k]
+        if not recorder.table.gap[k] >= recorder.gap[row, law]:
+            recorder.gap[row, law] = recorder.table.gap[k]
+            if len(recorder.table.compliant) == 0 or recorder.table.compliant[law] == RIGID:
+                recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.table.gap[k])
     return n
 
 
@@ -213,37 +221,37 @@ def forget_worst(counts: Counts) -> None:
 
 @kernel
 def store_state(
-    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, in_contacts: float, tape: Tape
+    model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, in_contacts: float, recorder: Recorder
 ) -> None:
     """Close the instant: store the state, energies, sums and worst ones, and reset what is counted per instant.
 
     in_contacts: elastic energy of compliant contacts [J].
     """
-    row = tape.n_instants
+    row = recorder.n_instants
     kinetic, elastic, potential = energies(model, q, u, work)
-    tape.times[row] = t
+    recorder.times[row] = t
     for i in range(len(q)):
-        tape.q[row, i] = q[i]
-        tape.u[row, i] = u[i]
-    tape.energies[row, 0] = kinetic
-    tape.energies[row, 1] = elastic + in_contacts
-    tape.energies[row, 2] = potential
-    counts = tape.counts
-    tape.energies[row, 3] = counts.lost_friction
-    tape.energies[row, 4] = counts.lost_impacts
-    tape.energies[row, 5] = counts.lost_damping
-    tape.energies[row, 6] = counts.supplied
-    tape.residual[row] = counts.worst_residual
-    tape.strict[row] = counts.worst_relative
-    tape.penetration[row] = counts.worst_penetration
-    tape.joint_drift[row] = counts.worst_drift
-    tape.size[row] = int(counts.worst_size)
+        recorder.q[row, i] = q[i]
+        recorder.u[row, i] = u[i]
+    recorder.energies[row, 0] = kinetic
+    recorder.energies[row, 1] = elastic + in_contacts
+    recorder.energies[row, 2] = potential
+    counts = recorder.counts
+    recorder.energies[row, 3] = counts.lost_friction
+    recorder.energies[row, 4] = counts.lost_impacts
+    recorder.energies[row, 5] = counts.lost_damping
+    recorder.energies[row, 6] = counts.supplied
+    recorder.residual[row] = counts.worst_residual
+    recorder.strict[row] = counts.worst_relative
+    recorder.penetration[row] = counts.worst_penetration
+    recorder.joint_drift[row] = counts.worst_drift
+    recorder.size[row] = int(counts.worst_size)
     forget_worst(counts)
-    for law in range(len(tape.total_impulse)):
+    for law in range(len(recorder.total_impulse)):
         for i in range(2):
-            tape.impulse[row, law, i] = tape.total_impulse[law, i]
-            tape.force[row, law, i] = tape.now_force[law, i]
-            tape.now_force[law, i] = 0.0
-        tape.state[row, law] = tape.now_state[law]
-        tape.now_state[law] = OPEN
-    tape.n_instants = row + 1
+            recorder.impulse[row, law, i] = recorder.total_impulse[law, i]
+            recorder.force[row, law, i] = recorder.now_force[law, i]
+            recorder.now_force[law, i] = 0.0
+        recorder.state[row, law] = recorder.now_state[law]
+        recorder.now_state[law] = OPEN
+    recorder.n_instants = row + 1

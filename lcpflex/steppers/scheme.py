@@ -25,7 +25,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.leaf import leaf, optional_leaf
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepClock
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = [
     "NEVER",
@@ -44,7 +44,7 @@ NEVER = 2.0  # share of a step
 
 
 @leaf
-def take_step(model: Model, scheme: Any, t: float, work: Workspace, tape: Tape, clock: Any) -> int:
+def take_step(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder, clock: Any) -> int:
     """One step from t, in place; DONE, PART where only a part of it was made, or why not, see ``clock.number``.
 
     What was not finished goes on at the next call.
@@ -53,8 +53,8 @@ def take_step(model: Model, scheme: Any, t: float, work: Workspace, tape: Tape, 
 
 
 @leaf
-def record(model: Model, scheme: Any, t: float, work: Workspace, tape: Tape) -> int:
-    """Store the present instant; returns the entries that the contact table of the tape must hold."""
+def record(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
+    """Store the present instant; returns the entries that the contact table of the recorder must hold."""
     raise NotImplementedError
 
 
@@ -93,7 +93,14 @@ def unmet_share(scheme: Any, limits: Any, clock: StepClock) -> float:
 
 @leaf
 def judge(
-    model: Model, scheme: Any, clock: StepClock, error: float, near: float, work: Workspace, tape: Tape, kept: Any
+    model: Model,
+    scheme: Any,
+    clock: StepClock,
+    error: float,
+    near: float,
+    work: Workspace,
+    recorder: Recorder,
+    kept: Any,
 ) -> tuple[float, float, float, float]:
     """What a step has come to at its end, of ``error`` over its tolerance by doubling, 0 where it was made alone.
 

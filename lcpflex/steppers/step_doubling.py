@@ -25,10 +25,10 @@ from lcpflex.steppers.adaptive import (
     position_tolerance,
     threshold,
 )
-from lcpflex.steppers.backup import Backup, backup, keep_end, put_back, put_by
+from lcpflex.steppers.backup import Backup, backup, keep_end, restore, save
 from lcpflex.steppers.clock import ALONE, FRESH, LONG, SECOND, StepClock
 from lcpflex.steppers.pace import Pace, stopped_note
-from lcpflex.steppers.recorder import Tape, has_room
+from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import (
     begin_part,
     begin_trial,
@@ -48,14 +48,14 @@ __all__ = ["StepDoubling", "advance"]
 
 
 @kernel
-def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work: Workspace, tape: Tape) -> int:
+def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant where that is due; DONE, or why it could not be."""
     ended = clock.time >= limits.duration
     if clock.due <= clock.time or (ended and clock.due < math.inf):
-        if not has_room(work, tape):
+        if not has_room(work, recorder):
             return RunStatus.TAPE_FULL
-        clock.number = record(model, scheme, clock.time, work, tape)
-        if clock.number > len(tape.table.key):
+        clock.number = record(model, scheme, clock.time, work, recorder)
+        if clock.number > len(recorder.table.key):
             return RunStatus.GROW_TAPE
         clock.due = math.inf if ended else clock.time + limits.interval
     return RunStatus.DONE
@@ -63,45 +63,45 @@ def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work:
 
 @kernel
 def begin(
-    model: Model, limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, tape: Tape
+    model: Model, limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, recorder: Recorder
 ) -> None:
     """Choose the length of the next step and keep the state it starts from."""
     clock.tried = next_length(model, limits, clock)
     clock.part = ALONE if clock.tried <= limits.shortest else LONG
     begin_trial(model, scheme, clock.time, limits.duration)
-    put_by(scheme, work, tape, kept)
+    save(scheme, work, recorder, kept)
     set_length(scheme, clock.tried)
     begin_part(scheme, clock.part == ALONE, clock.stopped, threshold(limits, clock), work)
 
 
 @kernel
-def next_part(limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, tape: Tape) -> None:
+def next_part(limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, recorder: Recorder) -> None:
     """From the whole step to its first half, and to its second."""
     if clock.part == LONG:
         keep_end(scheme, kept)
-        put_back(scheme, work, tape, kept)
+        restore(scheme, work, recorder, kept)
         set_length(scheme, 0.5 * clock.tried)
         begin_part(scheme, False, clock.stopped, threshold(limits, clock), work)
     clock.part += 1
 
 
 @kernel
-def undo(clock: StepClock, scheme: Any, kept: Backup, work: Workspace, tape: Tape) -> None:
+def undo(clock: StepClock, scheme: Any, kept: Backup, work: Workspace, recorder: Recorder) -> None:
     """Back to the start of the step."""
-    put_back(scheme, work, tape, kept)
+    restore(scheme, work, recorder, kept)
     clock.part = FRESH
 
 
 @kernel
 def missed_end(
-    model: Model, limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, tape: Tape
+    model: Model, limits: Limits, clock: StepClock, scheme: Any, kept: Backup, work: Workspace, recorder: Recorder
 ) -> int:
     """DONE where no pair has closed unmet in a step of two halves; PART where one has, and the next trial ends there.
 
     GROW_TAPE where that cannot be told.
     """
     h = clock.tried
-    share = first_unmet(model, h, scheme.q, scheme.u, scheme.gap_tolerance, work, tape, kept)
+    share = first_unmet(model, h, scheme.q, scheme.u, scheme.gap_tolerance, work, recorder, kept)
     share = min(share, unmet_share(scheme, limits, clock))
     if share < 0.0:
         clock.number = -share
@@ -120,7 +120,7 @@ def advance(
     scheme: Any,
     kept: Backup,
     work: Workspace,
-    tape: Tape,
+    recorder: Recorder,
     last_step: int,
 ) -> int:
     """Steps until their number reaches ``last_step`` or the duration is reached; DONE, or what is missing.
@@ -129,39 +129,39 @@ def advance(
     """
     while True:
         if clock.part == FRESH:
-            status = store_due(model, limits, clock, scheme, work, tape)
+            status = store_due(model, limits, clock, scheme, work, recorder)
             if status != RunStatus.DONE or clock.time >= limits.duration or clock.steps >= last_step:
                 return status
-            begin(model, limits, clock, scheme, kept, work, tape)
+            begin(model, limits, clock, scheme, kept, work, recorder)
         part, h = clock.part, clock.tried
         now = clock.time + (scheme.step if part == SECOND else 0.0)
-        status = take_step(model, scheme, now, work, tape, clock)
+        status = take_step(model, scheme, now, work, recorder, clock)
         if status == RunStatus.GROW or (part == ALONE and status != RunStatus.DONE):
             return status
         if status == RunStatus.DONE and part < SECOND:
-            next_part(limits, clock, scheme, kept, work, tape)
+            next_part(limits, clock, scheme, kept, work, recorder)
             continue
         error = 0.0 if part == ALONE else math.inf
         if status == RunStatus.DONE and part == SECOND:
             error = doubling_error(limits, scheme.q, scheme.u, kept)
             if error <= 1.0:
-                status = missed_end(model, limits, clock, scheme, kept, work, tape)
+                status = missed_end(model, limits, clock, scheme, kept, work, recorder)
         if status == RunStatus.PART:
-            undo(clock, scheme, kept, work, tape)
+            undo(clock, scheme, kept, work, recorder)
             continue
         if status == RunStatus.GROW_TAPE:
-            undo(clock, scheme, kept, work, tape)
+            undo(clock, scheme, kept, work, recorder)
             return status
         closing = (error, 0.0, 0.0, 0.0)
         if status == RunStatus.DONE:
             near = position_tolerance(limits, scheme.q)
-            closing = judge(model, scheme, clock, error, near, work, tape, kept)
+            closing = judge(model, scheme, clock, error, near, work, recorder, kept)
         if not closing[0] <= 1.0:
-            undo(clock, scheme, kept, work, tape)
+            undo(clock, scheme, kept, work, recorder)
             after_rejection(limits, clock, h, closing[0])
             continue
         if part == SECOND:
-            add_differences(scheme.q, scheme.u, kept, tape)
+            add_differences(scheme.q, scheme.u, kept, recorder)
         accept(limits, clock, h, closing[0], part == ALONE, closing[1])
         go_on(scheme, limits, clock, closing[2], closing[3], work)
         clock.part = FRESH
@@ -200,9 +200,9 @@ class StepDoubling:
         while True:
             status: int = self._advance(
                 stepping.system.model, self._limits, self.clock, stepping.scheme, self._kept, stepping.work,
-                self.records.tape, min(target, self._pace.due),
+                self.records.recorder, min(target, self._pace.due),
             )  # fmt: skip
-            self._pace.look(self.clock)
+            self._pace.update(self.clock)
             if status != RunStatus.DONE or self.clock.steps >= target or self.finished:
                 return status
 

@@ -33,8 +33,8 @@ GOLDEN = 0.6180339887498949
 ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less than that of order 1
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
 UNSTORED = 2**40  # stride between stored steps: none of a sample is
-# of a tape: not written while no instant is stored; never written; written anew in each step, or by error control only
-UNTOUCHED = {*FIELDS, "spots", "pass_thickness", "sway", "table", "before", "after", "free", "local"}
+# of a recorder: not written while no instant is stored; never written; written anew in each step, or by error control
+UNTOUCHED = {*FIELDS, "points", "pass_thickness", "deflection", "table", "before", "after", "free", "local"}
 
 
 class Units:
@@ -158,23 +158,23 @@ class Sampling:
         return ""
 
     def _impulse(self) -> FloatArray:
-        impulse: FloatArray = self._scheme.records.tape.total_impulse[:, 0].copy()
+        impulse: FloatArray = self._scheme.records.recorder.total_impulse[:, 0].copy()
         return impulse
 
     def _struck(self, impulses: list[FloatArray], halves: FloatArray) -> bool:
         """Whether a contact takes much more impulse in the block than in the step before: counted elsewhere."""
         known = np.abs(impulses[1] - impulses[0])
         taken = [impulses[2] - impulses[1], (impulses[3] - impulses[2]) / (BLOCK - 1), (halves - impulses[1]) / BLOCK]
-        return bool((np.abs(taken).max(axis=0) > SUDDEN * known)[self._scheme.records.set_valued].any())
+        return bool((np.abs(taken).max(axis=0) > SUDDEN * known)[self._scheme.records.rigid].any())
 
     def _changed(self) -> list[np.ndarray[Any, Any]]:
         """All arrays that a step may change."""
-        tape, state = self._scheme.records.tape, self._scheme.state()
-        which, known = (tape, *state), self._known[0]
+        recorder, state = self._scheme.records.recorder, self._scheme.state()
+        which, known = (recorder, *state), self._known[0]
         if len(known) != len(which) or any(a is not b for a, b in zip(known, which, strict=True)):
-            running = (part for name, part in parts_of(tape).items() if name not in UNTOUCHED)
+            running = (part for name, part in parts_of(recorder).items() if name not in UNTOUCHED)
             arrays = [part for part in running if not isinstance(part, int | float)]
-            self._known = which, [array for part in (*arrays, numbers_of(tape), *state) for array in _arrays(part)]
+            self._known = which, [array for part in (*arrays, numbers_of(recorder), *state) for array in _arrays(part)]
         return self._known[1]
 
     def _halves(self, time: float) -> tuple[list[list[FloatArray]], FloatArray] | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lcpflex.contact.detection import ALL, SET_VALUED, ContactTable, contact_table
+from lcpflex.contact.detection import ALL, RIGID, ContactTable, contact_table
 from lcpflex.contact.thickness import farthest, pass_thickness
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
@@ -23,11 +23,11 @@ from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
-from lcpflex.steppers.recorder import Tape, tape
+from lcpflex.steppers.recorder import Recorder, recorder
 
 __all__ = ["System"]
 
-RECORD_CAPACITY = 256  # instants a tape holds before the driver empties it
+RECORD_CAPACITY = 256  # instants a recorder holds before the driver empties it
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class System:
         return int(self.model.joints.row[-1])
 
     @property
-    def by_law(self) -> tuple[int, ...]:
+    def is_compliant(self) -> tuple[int, ...]:
         """1 for each declared contact with a continuous force law, 0 for the others; empty if all are others."""
         return tuple(int(law is not None) for law in self.laws) if any(self.laws) else ()
 
@@ -83,9 +83,9 @@ class System:
         """Number of surfaces."""
         return len(self.model.contacts.surface_body)
 
-    def table(self, capacity: int, collects: int = SET_VALUED) -> ContactTable:
+    def table(self, capacity: int, collects: int = RIGID) -> ContactTable:
         """A table for ``capacity`` contacts, for the rigid ones alone."""
-        return contact_table(capacity, self.n_surfaces, self.by_law, collects if self.by_law else ALL)
+        return contact_table(capacity, self.n_surfaces, self.is_compliant, collects if self.is_compliant else ALL)
 
     def compliant(
         self,
@@ -117,28 +117,28 @@ class System:
         given = self.compliant() if compliant is None else compliant
         return workspace(self.n_external, self.n_joint, self.table(capacity), given, solver)
 
-    def tape(self, table_capacity: int, spots: int) -> Tape:
-        """An empty tape."""
+    def recorder(self, table_capacity: int, points: int) -> Recorder:
+        """An empty recorder."""
         # of contacts that give way, too, a depth is no penetration
-        table = contact_table(table_capacity, self.n_surfaces, self.by_law or self.soft, ALL)
+        table = contact_table(table_capacity, self.n_surfaces, self.is_compliant or self.soft, ALL)
         contacts = self.model.contacts
-        return tape(
+        return recorder(
             len(self.q),
             self.n_laws,
             RECORD_CAPACITY,
-            spots,
+            points,
             table,
             self.margin,
             pass_thickness(contacts),
             farthest(contacts, self.model.points),
-            self._sway(),
+            self._deflection(),
         )
 
-    def _sway(self) -> FloatArray:
+    def _deflection(self) -> FloatArray:
         """How far a mode moves the surfaces of each body."""
         contacts = self.model.contacts
-        sway = np.zeros(max(1, len(self.model.bodies.mass)))
-        for body, shapes in zip(contacts.surface_body, contacts.surface_sway, strict=True):
+        deflection = np.zeros(max(1, len(self.model.bodies.mass)))
+        for body, shapes in zip(contacts.surface_body, contacts.surface_deflection, strict=True):
             if body >= 0:
-                sway[body] = max(sway[body], shapes.max(initial=0.0))
-        return sway
+                deflection[body] = max(deflection[body], shapes.max(initial=0.0))
+        return deflection

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import SET_VALUED, ContactTable, detect
-from lcpflex.contact.narrow_phase.feature import foot_margin, refresh, slave_margin
+from lcpflex.contact.detection import RIGID, ContactTable, detect
+from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.rows import gap_rate
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
@@ -19,8 +19,8 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.event_driven.gaps import END
-from lcpflex.steppers.golden_section import LOOKS, begin_section, look, narrow
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.golden_section import LOOKS, begin_section, narrow, next_place
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scheme import NEVER
 
 __all__ = ["closed_pairs", "first_unmet", "unmet"]
@@ -47,11 +47,11 @@ def gap_on_way(
     model: Model, q: FloatArray, u: FloatArray, h: float, share: float, kept: Backup, table: ContactTable, k: int,
     tolerance: float,
 ) -> float:  # fmt: skip
-    """Gap of entry k at a share of the step; positive where the slave is beside its feature: it comes in from there."""
+    """Gap of entry k at a share of the step; positive where the node is beside its feature: it comes in from there."""
     on_way(q, u, h, share, kept)
     refresh(model, kept.at, table, k)
     gap = table.gap[k]
-    if min(foot_margin(model, kept.at, table, k), slave_margin(model, kept.at, table, k)) < -SPAN_TOLERANCE:
+    if min(foot_margin(model, kept.at, table, k), node_margin(model, kept.at, table, k)) < -SPAN_TOLERANCE:
         return abs(gap) + tolerance
     return gap
 
@@ -68,7 +68,7 @@ def lowest(
     section = kept.section
     begin_section(section, low, high)
     for _ in range(LOOKS):
-        share = look(section)
+        share = next_place(section)
         f = sign * gap_on_way(model, q, u, h, share, kept, table, k, tolerance)
         if f < level:
             return share
@@ -132,23 +132,23 @@ def carried(work: Workspace, key: int) -> bool:
 
 @kernel
 def met(work: Workspace, table: ContactTable, k: int, gap: float, dip: float) -> bool:
-    """Whether the slave of entry k carried something no less deep in another feature, or was found as compliant."""
+    """Whether the node of entry k carried something no less deep in another feature, or was found as compliant."""
     for i in range(work.n_contacts):
         if work.p[work.n_joint + i] <= 0.0:
             continue
-        same = work.table.law[i] == table.law[k] and work.table.slave[i] == table.slave[k]
+        same = work.table.law[i] == table.law[k] and work.table.node[i] == table.node[k]
         if same and gap > min(work.table.gap[i], 0.0) - dip:
             return True
     compliant = work.compliant
     if len(compliant.friction) > 0:
         for i in range(compliant.n_contacts):
-            if compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k]:
+            if compliant.table.law[i] == table.law[k] and compliant.table.node[i] == table.node[k]:
                 return True
     return False
 
 
 @kernel
-def fastest(model: Model, u: FloatArray, tape: Tape) -> float:
+def fastest(model: Model, u: FloatArray, recorder: Recorder) -> float:
     """Largest speed of a point of a surface [m/s], at most; infinite where bodies are unknown."""
     largest = math.inf if len(model.bodies.mass) == 0 else 0.0
     for b in range(len(model.bodies.mass)):
@@ -156,7 +156,7 @@ def fastest(model: Model, u: FloatArray, tape: Tape) -> float:
         modal = 0.0
         for m in range(d + N_RIGID, model.bodies.dof[b + 1]):
             modal += abs(u[m])
-        speed = math.hypot(u[d], u[d + 1]) + tape.farthest * abs(u[d + 2]) + tape.sway[b] * modal
+        speed = math.hypot(u[d], u[d + 1]) + recorder.farthest * abs(u[d + 2]) + recorder.deflection[b] * modal
         largest = max(largest, speed)
     return largest
 
@@ -176,14 +176,15 @@ def parts_of(model: Model, h: float, speed: float, u: FloatArray, kept: Backup) 
 
 @kernel
 def first_unmet(
-    model: Model, h: float, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup,
+    model: Model, h: float, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, recorder: Recorder,
+    kept: Backup,
 ) -> float:  # fmt: skip
     """Share of the step from what is kept to (q, u) at which a pair first closes that was not met; above 1: none.
 
-    A negative number: the table of the tape must hold as many entries.
+    A negative number: the table of the recorder must hold as many entries.
     """
-    table = tape.table
-    speed = max(fastest(model, kept.u, tape), fastest(model, u, tape))
+    table = recorder.table
+    speed = max(fastest(model, kept.u, recorder), fastest(model, u, recorder))
     if speed == 0.0 or len(model.contacts.friction) == 0:
         return NEVER
     largest = 0.0
@@ -215,18 +216,18 @@ def first_unmet(
 
 @kernel
 def closed_pairs(
-    model: Model, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, tape: Tape, kept: Backup
+    model: Model, q: FloatArray, u: FloatArray, tolerance: float, work: Workspace, recorder: Recorder, kept: Backup
 ) -> tuple[float, float, float]:
     """Of rigid pairs closed at q: deepest penetration [m], fastest approach of those that the last problem did
     not hold, and by how much the last step changed a gap rate at most [m/s].
     """
-    table = tape.table
+    table = recorder.table
     sunk = 0.0
     approach = 0.0
     pull = 0.0
     n = detect(model, q, tolerance, table)
     for k in range(min(n, len(table.key))):
-        if len(table.by_law) > 0 and table.by_law[table.law[k]] != SET_VALUED:
+        if len(table.compliant) > 0 and table.compliant[table.law[k]] != RIGID:
             continue
         sunk = max(sunk, -table.gap[k])
         rate = gap_rate(model, q, u, table, k)
@@ -248,9 +249,9 @@ def unmet(model: Model, q: FloatArray, compliant: CompliantContacts, table: Cont
     count = detect(model, q, touching, table)
     sunk = 0.0
     for k in range(min(count, len(table.key))):
-        known = table.by_law[table.law[k]] == SET_VALUED
+        known = table.compliant[table.law[k]] == RIGID
         for i in range(compliant.n_contacts):
-            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.slave[i] == table.slave[k])
+            known = known or (compliant.table.law[i] == table.law[k] and compliant.table.node[i] == table.node[k])
         if not known:
             sunk = max(sunk, -table.gap[k])
     return sunk

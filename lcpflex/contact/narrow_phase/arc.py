@@ -60,7 +60,7 @@ def near_arc(model: Model, f: int, x: float, y: float, reach: float) -> bool:
     if R >= 0.0:
         return dx * dx + dy * dy <= (R + reach) * (R + reach)
     depth = math.hypot(dx, dy) + R  # behind the wall of a hole
-    return -reach <= depth <= reach + c.feature_reach[f, 1]
+    return -reach <= depth <= reach + c.feature_depth[f, 1]
 
 
 @late_kernel
@@ -76,7 +76,7 @@ def over_arc(
     dy = y - ay
     D = math.hypot(dx, dy)
     d = sense * D - R
-    if d > highest or d < -c.feature_reach[f, 1]:
+    if d > highest or d < -c.feature_depth[f, 1]:
         return NOWHERE
     if D < COINCIDENT:  # no direction: any will do
         return True, 0.0, d, 0.0, 1.0, abs(d)
@@ -88,14 +88,14 @@ def over_arc(
 @kernel
 def refresh_arc(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
     """Gap and normal of entry k at q. At the very centre there is no direction: the normal stays what it was."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    px, py = point_position(model.bodies, model.points, q, table.node[k])
     ax, ay = point_position(model.bodies, model.points, q, table.a[k])
     D = math.hypot(px - ax, py - ay)
     sense = table.sense[k]
     if D >= COINCIDENT:
         table.normal[k, 0] = sense * (px - ax) / D
         table.normal[k, 1] = sense * (py - ay) / D
-    table.gap[k] = sense * D - table.radius[k] - table.slave_radius[k]
+    table.gap[k] = sense * D - table.radius[k] - table.node_radius[k]
 
 
 @kernel
@@ -110,7 +110,7 @@ def within_arc(angle: float, start: float, extent: float) -> float:
 @kernel
 def arc_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the node of entry k is over its arc [rad]."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    px, py = point_position(model.bodies, model.points, q, table.node[k])
     x, y = point_position(model.bodies, model.points, q, table.a[k])
     angle = math.atan2(py - y, px - x) - point_angle(model.bodies, model.points, q, table.a[k])
     return within_arc(angle, table.span[k, 0], table.span[k, 1])
@@ -143,7 +143,7 @@ def arc_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k:
     ny = table.normal[k, 1]
     tx = ny
     ty = -nx
-    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.slave[k], table.a[k])
+    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.node[k], table.a[k])
     distance = max(math.hypot(dx, dy), COINCIDENT)
     turn = table.sense[k] * (-ny * wx + nx * wy) / distance
     return nx * rx + ny * ry + turn * (-ny * wx + nx * wy), tx * rx + ty * ry + turn * (-ty * wx + tx * wy)

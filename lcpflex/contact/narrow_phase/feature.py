@@ -41,20 +41,20 @@ __all__ = [
     "may_touch",
     "over",
     "refresh",
-    "slave_margin",
+    "node_margin",
 ]
 
 SEGMENT, ARC, VERTEX = range(3)
 
 
 @kernel
-def may_touch(model: Model, f: int, x: float, y: float, reach: float, sway: float) -> bool:
+def may_touch(model: Model, f: int, x: float, y: float, reach: float, deflection: float) -> bool:
     """Whether a node at (x, y), in the frame of feature f, is within ``reach`` of its undeformed shape or below it.
 
-    ``sway``: how far deformation may carry points of the feature's surface [m].
+    ``deflection``: how far deformation may carry points of the feature's surface [m].
     """
     if model.contacts.feature_kind[f] == SEGMENT:
-        return near_segment(model, f, x, y, reach, sway)
+        return near_segment(model, f, x, y, reach, deflection)
     return near_arc(model, f, x, y, reach)
 
 
@@ -122,19 +122,19 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
 
 
 @kernel
-def slave_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
+def node_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside the arc that its node is [rad]."""
-    if table.slave_radius[k] == 0.0:
+    if table.node_radius[k] == 0.0:
         return math.inf
-    span = model.contacts.slave_span[table.key[k] // len(model.contacts.feature_kind)]
+    span = model.contacts.node_span[table.key[k] // len(model.contacts.feature_kind)]
     angle = math.atan2(-table.normal[k, 1], -table.normal[k, 0])
-    return within_arc(angle - point_angle(model.bodies, model.points, q, table.slave[k]), span[0], span[1])
+    return within_arc(angle - point_angle(model.bodies, model.points, q, table.node[k]), span[0], span[1])
 
 
 @kernel
 def depth_of_feature(model: Model, table: ContactTable, k: int) -> float:
     """How deep below its feature the node of entry k is still of it [m]: no deeper than to the centre of a disc."""
-    reach = model.contacts.feature_reach[table.key[k] % len(model.contacts.feature_kind), 1]
+    reach = model.contacts.feature_depth[table.key[k] % len(model.contacts.feature_kind), 1]
     if table.kind[k] != SEGMENT and table.radius[k] >= 0.0:
         reach = min(reach, table.radius[k])
     return reach

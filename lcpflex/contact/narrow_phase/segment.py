@@ -39,7 +39,7 @@ def foot(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> tu
 @kernel
 def deep(model: Model, f: int, s: float) -> float:
     """How deep below s on the segment f a node still belongs to it [m]."""
-    reach = model.contacts.feature_reach
+    reach = model.contacts.feature_depth
     end = reach[f, 0] if s < 0.5 else reach[f, 2]
     middle = reach[f, 1]
     if end == middle:
@@ -49,10 +49,10 @@ def deep(model: Model, f: int, s: float) -> float:
 
 
 @kernel
-def near_segment(model: Model, f: int, x: float, y: float, reach: float, sway: float) -> bool:
+def near_segment(model: Model, f: int, x: float, y: float, reach: float, deflection: float) -> bool:
     """Whether a node at (x, y), in the frame of segment f, is within ``reach`` of it, undeformed, or below it.
 
-    ``sway``, the deformation of the feature's surface, bounds nothing on a half-plane, which goes on for ever.
+    ``deflection``, the deformation of the feature's surface, bounds nothing on a half-plane, which goes on for ever.
     """
     c = model.contacts
     place = model.points.place
@@ -66,9 +66,9 @@ def near_segment(model: Model, f: int, x: float, y: float, reach: float, sway: f
     along = ex * dx + ey * dy
     across = ey * dx - ex * dy
     if across < 0.0:
-        reach += max(c.feature_reach[f, 0], c.feature_reach[f, 1], c.feature_reach[f, 2])
+        reach += max(c.feature_depth[f, 0], c.feature_depth[f, 1], c.feature_depth[f, 2])
     unbounded = c.feature_neighbour[f, 0] < 0 and c.feature_span[f, 1] == math.inf
-    if unbounded and sway > 0.0:
+    if unbounded and deflection > 0.0:
         return True
     if across * across > reach * reach * l2:
         return False
@@ -133,14 +133,14 @@ def over_segment(
 @kernel
 def refresh_segment(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
     """Gap, normal and foot of entry k at q; the foot may leave the segment."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    px, py = point_position(model.bodies, model.points, q, table.node[k])
     ax, ay = point_position(model.bodies, model.points, q, table.a[k])
     bx, by = point_position(model.bodies, model.points, q, table.b[k])
     s, d, nx, ny = foot(ax, ay, bx, by, px, py)
     table.s[k] = s
     table.normal[k, 0] = nx
     table.normal[k, 1] = ny
-    table.gap[k] = d - table.slave_radius[k]
+    table.gap[k] = d - table.node_radius[k]
 
 
 @kernel
@@ -172,7 +172,7 @@ def segment_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     ny = table.normal[k, 1]
     tx = ny
     ty = -nx
-    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.slave[k], table.a[k])
+    dx, dy, wx, wy, rx, ry = motion_between(model.bodies, model.points, q, u, table.node[k], table.a[k])
     ex, ey, fx, fy, bx, by = motion_between(model.bodies, model.points, q, u, table.b[k], table.a[k])
     l2 = ex * ex + ey * ey
     s = table.s[k]

@@ -57,7 +57,7 @@ def over_vertex(
 @kernel
 def vertex_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the node of entry k is inside the wedge of its vertex, in lengths of the segments that meet there."""
-    px, py = point_position(model.bodies, model.points, q, table.slave[k])
+    px, py = point_position(model.bodies, model.points, q, table.node[k])
     x, y = point_position(model.bodies, model.points, q, table.a[k])
     px -= x
     py -= y

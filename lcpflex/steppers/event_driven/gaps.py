@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.contact.detection import ContactTable, detect
-from lcpflex.contact.narrow_phase.feature import foot_margin, refresh, slave_margin
+from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -17,7 +17,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
-from lcpflex.steppers.golden_section import LOOKS, begin_section, look, narrow
+from lcpflex.steppers.golden_section import LOOKS, begin_section, narrow, next_place
 from lcpflex.steppers.runge_kutta import interpolate
 
 __all__ = [
@@ -47,10 +47,10 @@ def maintained(work: Workspace, n: int, key: int) -> bool:
 
 @kernel
 def gap_above(model: Model, settings: EventSettings, seen: ContactTable, k: int, q: FloatArray) -> float:
-    """Gap of entry k of what was seen; positive where the slave is beside its feature: it comes in from there."""
+    """Gap of entry k of what was seen; positive where the node is beside its feature: it comes in from there."""
     refresh(model, q, seen, k)
     gap = seen.gap[k]
-    margin = min(foot_margin(model, q, seen, k), slave_margin(model, q, seen, k))
+    margin = min(foot_margin(model, q, seen, k), node_margin(model, q, seen, k))
     if margin < -SPAN_TOLERANCE:
         return abs(gap) + settings.gap_tolerance
     return gap
@@ -153,7 +153,7 @@ def dip_of(model: Model, settings: EventSettings, memory: EventMemory, k: int, l
     ndof = len(memory.u)
     begin_section(memory.section, low, high)
     for _ in range(LOOKS):
-        share = look(memory.section)
+        share = next_place(memory.section)
         interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.dipping)
         gap = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
         if gap < -settings.gap_tolerance:

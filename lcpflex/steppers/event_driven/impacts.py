@@ -22,7 +22,7 @@ from lcpflex.steppers.event_driven.memory import (
     EventSettings,
     copy_entry,
 )
-from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
+from lcpflex.steppers.recorder import Recorder, note_certificate, note_gain
 
 __all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide"]
 
@@ -42,7 +42,7 @@ CHAIN = 1000  # impacts of single contacts at one instant, after which they are 
 
 
 @kernel
-def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> None:
+def account(work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
     n_joint = work.n_joint
     n = work.n_contacts
@@ -61,7 +61,7 @@ def account(work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray) -> 
         part = 0
         if r < n_joint + n:
             k = r - n_joint
-            tape.counts.lost_impacts -= done
+            recorder.counts.lost_impacts -= done
         else:
             k = work.tangent[r - n_joint - n]
             part = 1
@@ -100,7 +100,7 @@ def note_tie(settings: EventSettings, work: Workspace, memory: EventMemory, k: i
 
 
 @kernel
-def look(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> int:
+def fastest_approach(settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> int:
     """The contact that approaches fastest, to memory.target unless one is jammed; AGAIN if there is an impact.
 
     Contacts of a law that integrates, one by one, must not change the velocity of others that approach.
@@ -167,7 +167,7 @@ def begin(settings: EventSettings, work: Workspace, memory: EventMemory) -> None
 
 
 @kernel
-def end(memory: EventMemory, tape: Tape) -> None:
+def end(memory: EventMemory, recorder: Recorder) -> None:
     """End an impact."""
     memory.stage = LOOKING
     memory.nudging = 0
@@ -175,12 +175,12 @@ def end(memory: EventMemory, tape: Tape) -> None:
         memory.stopping = 2
     else:
         memory.hits = 1
-    note_gain(tape, memory.time, memory.gained)
+    note_gain(recorder, memory.time, memory.gained)
 
 
 @kernel
 def strike_alone(
-    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape, u: FloatArray
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray
 ) -> int:
     """Impact of the only contact laid, by a law that integrates it."""
     restitution = model.contacts.restitution[work.table.law[0]]
@@ -191,7 +191,7 @@ def strike_alone(
     for i in range(count):
         lay_impulse(work, memory.segments[i, 0], memory.segments[i, 1])
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
-        account(work, memory, tape, u)
+        account(work, memory, recorder, u)
         for c in range(len(u)):
             memory.u[c] = u[c]
     return RESOLVED
@@ -217,7 +217,7 @@ def compressed(model: Model, settings: EventSettings, work: Workspace, memory: E
 
 
 @kernel
-def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
+def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
     """One contact problem; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
     ndof = len(memory.u)
     q = memory.y[:ndof]
@@ -229,7 +229,7 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
     lay_rows(model, memory.time, q, u, n, work, memory.sets)
     if looking:
         limit = CHAIN + ROUNDS if settings.sequential or integrates(settings.law) else ROUNDS
-        found = look(settings, work, memory, u)
+        found = fastest_approach(settings, work, memory, u)
         if found == COUPLED:
             return COUPLED
         if found == RESOLVED or memory.round >= limit:
@@ -250,9 +250,9 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
     pose(model, work, memory.reflected, 0.0, threshold)
     memory.number = 0.0
     if integrates(settings.law) and not simple:
-        if strike_alone(model, settings, work, memory, tape, u) != RESOLVED:
+        if strike_alone(model, settings, work, memory, recorder, u) != RESOLVED:
             return UNSOLVED
-        end(memory, tape)
+        end(memory, recorder)
         return AGAIN
     if memory.stage == EXPANDING:
         work.problem.shifted = 1
@@ -263,12 +263,12 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
     memory.number = status
     if status != 0 or not work.solver.residual <= settings.tolerance:
         return UNSOLVED
-    note_certificate(work, tape)
+    note_certificate(work, recorder)
     distribute(work)
     apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
-    account(work, memory, tape, u)
+    account(work, memory, recorder, u)
     if compressed(model, settings, work, memory):
         memory.stage = EXPANDING
     else:
-        end(memory, tape)
+        end(memory, recorder)
     return AGAIN

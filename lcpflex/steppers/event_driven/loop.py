@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import SET_VALUED
+from lcpflex.contact.detection import RIGID
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
 from lcpflex.dynamics.contact_forces import elastic_energy
@@ -25,7 +25,7 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
-from lcpflex.steppers.recorder import Tape, note_compliant, note_contact, store_contacts, store_state
+from lcpflex.steppers.recorder import Recorder, note_compliant, note_contact, store_contacts, store_state
 from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 from lcpflex.steppers.status import RunStatus
 
@@ -41,7 +41,13 @@ MOST_EVENTS = 200  # at one instant
 
 @kernel
 def record(
-    model: Model, settings: EventSettings, t: float, y: FloatArray, work: Workspace, memory: EventMemory, tape: Tape
+    model: Model,
+    settings: EventSettings,
+    t: float,
+    y: FloatArray,
+    work: Workspace,
+    memory: EventMemory,
+    recorder: Recorder,
 ) -> int:
     """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
     ndof = len(memory.u)
@@ -49,23 +55,27 @@ def record(
     u = y[ndof : 2 * ndof]
     slope(model, t, y, work, memory, memory.slope)
     n = memory.n_contacts
-    spots = n + work.compliant.n_contacts
-    if tape.n_instants >= len(tape.times) or (tape.n_points + spots > len(tape.spots) and tape.n_points > 0):
+    points = n + work.compliant.n_contacts
+    if recorder.n_instants >= len(recorder.times) or (
+        recorder.n_points + points > len(recorder.points) and recorder.n_points > 0
+    ):
         return RunStatus.TAPE_FULL
-    needed = store_contacts(model, q, tape)
-    if needed > len(tape.table.key) or spots > len(tape.spots):
-        memory.number = max(needed, spots)
+    needed = store_contacts(model, q, recorder)
+    if needed > len(recorder.table.key) or points > len(recorder.points):
+        memory.number = max(needed, points)
         return RunStatus.GROW_TAPE
     base = 2 * ndof
-    tape.counts.lost_friction = y[base]
-    tape.counts.lost_damping = y[base + 1]
-    tape.counts.supplied = y[base + 2]
-    row = tape.n_instants
-    for law in range(len(tape.total_impulse)):
-        tape.total_impulse[law, 0] = y[base + 3 + 2 * law]
-        tape.total_impulse[law, 1] = y[base + 4 + 2 * law]
-        if tape.gap[row, law] < 0.0 and (len(tape.table.by_law) == 0 or tape.table.by_law[law] == SET_VALUED):
-            tape.counts.worst_penetration = max(tape.counts.worst_penetration, -tape.gap[row, law])
+    recorder.counts.lost_friction = y[base]
+    recorder.counts.lost_damping = y[base + 1]
+    recorder.counts.supplied = y[base + 2]
+    row = recorder.n_instants
+    for law in range(len(recorder.total_impulse)):
+        recorder.total_impulse[law, 0] = y[base + 3 + 2 * law]
+        recorder.total_impulse[law, 1] = y[base + 4 + 2 * law]
+        if recorder.gap[row, law] < 0.0 and (
+            len(recorder.table.compliant) == 0 or recorder.table.compliant[law] == RIGID
+        ):
+            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.gap[row, law])
     for k in range(n):
         r = work.n_joint + k
         force_t = 0.0
@@ -77,10 +87,10 @@ def record(
             if abs(slip) <= settings.slip_threshold:
                 state = STICK
         place = contact_point(model, q, work.table, k)
-        note_contact(tape, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
+        note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
     if work.compliant.n_contacts > 0:
-        note_compliant(model, q, work.compliant, False, tape)
-    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
+        note_compliant(model, q, work.compliant, False, recorder)
+    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
     return RunStatus.DONE
 
 
@@ -164,7 +174,7 @@ def finite(memory: EventMemory) -> bool:
 
 @kernel
 def advance(
-    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape, last_step: int
+    model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder, last_step: int
 ) -> int:
     """Steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing.
 
@@ -186,7 +196,7 @@ def advance(
                 copy_state(memory.y, memory.at)
             more = False
             if t >= 0.0:
-                status = record(model, settings, t, memory.at, work, memory, tape)
+                status = record(model, settings, t, memory.at, work, memory, recorder)
                 if status != RunStatus.DONE:
                     return status
                 if phase == EMITTING:
@@ -211,7 +221,7 @@ def advance(
                 return RunStatus.GROW
             memory.phase = EMITTING
         elif phase == COLLIDING:
-            outcome = collide(model, settings, work, memory, tape)
+            outcome = collide(model, settings, work, memory, recorder)
             if outcome == RESOLVED:
                 memory.phase = CHOOSING
             elif outcome == COUPLED:
@@ -219,20 +229,20 @@ def advance(
             elif outcome != AGAIN:
                 return RunStatus.SOLVER_FAILED
         elif phase == CHOOSING:
-            outcome = choose(model, settings, work, memory, tape)
+            outcome = choose(model, settings, work, memory, recorder)
             if outcome == UNSOLVED:
                 return RunStatus.SOLVER_FAILED
             memory.phase = TRYING if outcome == RESOLVED else COLLIDING
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = memory.n_contacts
             if phase == CLOSING_STEP:
-                add_errors(memory.slopes, memory.share * memory.step_taken, tape.local)
+                add_errors(memory.slopes, memory.share * memory.step_taken, recorder.local)
                 close_step(settings, memory)
             elif phase == SETTLING:
                 note_changes(work, memory)
                 if memory.stored == 0 and memory.hits == 0:  # the state before was no other
-                    tape.n_instants = 0
-                    tape.n_points = 0
+                    recorder.n_instants = 0
+                    recorder.n_points = 0
             else:
                 if memory.n_events >= EVENT_CAPACITY:
                     return RunStatus.EVENTS_FULL
@@ -249,8 +259,8 @@ def advance(
             if phase != GATHERING:
                 count_impulses(work, memory)
             if phase == CLOSING_STEP:
-                tape.counts.worst_penetration = max(tape.counts.worst_penetration, gap_drift)
-                tape.counts.worst_drift = max(tape.counts.worst_drift, joint_drift)
+                recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, gap_drift)
+                recorder.counts.worst_drift = max(recorder.counts.worst_drift, joint_drift)
                 if not update_history(model, memory.time, q, u, 0.0, False, work.compliant.states, work):
                     return RunStatus.OUT_OF_RANGE
             memory.phase = next_phase(memory)

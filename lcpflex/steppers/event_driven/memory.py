@@ -161,8 +161,8 @@ def copy_entry(source: ContactTable, i: int, target: ContactTable, j: int) -> No
     """Entry i of one table becomes entry j of another (or the same)."""
     target.key[j] = source.key[i]
     target.law[j] = source.law[i]
-    target.slave[j] = source.slave[i]
-    target.slave_radius[j] = source.slave_radius[i]
+    target.node[j] = source.node[i]
+    target.node_radius[j] = source.node_radius[i]
     target.kind[j] = source.kind[i]
     target.a[j] = source.a[i]
     target.b[j] = source.b[i]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.narrow_phase.feature import foot_margin, slave_margin
+from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.dynamics.acceleration import STICKING, assemble, fixed_forces, sliding_sign
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
@@ -105,7 +105,7 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         memory.value[CONE, k] = math.inf
         memory.value[SLIDING, k] = math.inf
         memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
-        memory.value[SPAN, k] = min(memory.value[SPAN, k], slave_margin(model, y[:ndof], work.table, k))
+        memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, y[:ndof], work.table, k))
         size = abs(p_n)
         if work.problem.delassus[k, k] > 0.0:
             size = max(size, abs(work.problem.free[k]) / work.problem.delassus[k, k])

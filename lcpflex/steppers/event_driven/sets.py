@@ -45,7 +45,7 @@ from lcpflex.steppers.event_driven.memory import (
     note_event,
 )
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
-from lcpflex.steppers.recorder import Tape, note_certificate
+from lcpflex.steppers.recorder import Recorder, note_certificate
 
 __all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
 
@@ -180,7 +180,7 @@ def still_approach(n: int, settings: EventSettings, work: Workspace, memory: Eve
 
 
 @kernel
-def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, tape: Tape) -> int:
+def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
     """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force.
 
     AGAIN: those let go have to be stopped first.
@@ -199,7 +199,7 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
         memory.number = status
         if status != 0 or not work.solver.residual <= settings.tolerance:
             return UNSOLVED
-        note_certificate(work, tape)
+        note_certificate(work, recorder)
         if memory.stopping == 0 and still_approach(n, settings, work, memory, u):
             memory.stopping = 1
             return AGAIN

@@ -118,7 +118,7 @@ class EventDrivenSteps:
     def loop(self, target: int) -> int:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         status: int = self._advance(
-            self.system.model, self._thresholds.settings, self._work, self.clock, self.records.tape, target
+            self.system.model, self._thresholds.settings, self._work, self.clock, self.records.recorder, target
         )
         return status
 

@@ -10,7 +10,7 @@ from lcpflex.steppers.adaptive import MOST_STRIKES, SETTLE, Limits, resume, thre
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import ALONE, StepClock
 from lcpflex.steppers.generalized_alpha.memory import RESTART, SMOOTH, AlphaScheme
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scheme import NEVER, begin_part, begin_trial, go_on, judge, unmet_share
 from lcpflex.steppers.unmet import closed_pairs
 
@@ -64,11 +64,11 @@ def judge_step(
     error: float,
     near: float,
     work: Workspace,
-    tape: Tape,
+    recorder: Recorder,
     kept: Backup,
 ) -> tuple[float, float, float, float]:
     """An impact in the second half is put at the end by both results: what has sunk by then tells."""
-    sunk = closed_pairs(model, scheme.q, scheme.u, 0.0, work, tape, kept)[0]
+    sunk = closed_pairs(model, scheme.q, scheme.u, 0.0, work, recorder, kept)[0]
     if clock.part != ALONE:
         error = max(error, max(sunk - clock.deepest, scheme.lifted) / near)
     return error, sunk, 0.0, 0.0

@@ -58,7 +58,7 @@ class AlphaScheme:
     w_new: FloatArray = array("ndof")  # iterate of udot at its end
     q_new: FloatArray = array("ndof")  # configuration at its end
     v_new: FloatArray = array("ndof")  # velocity at its end without impulses
-    push: FloatArray = array("ndof")  # a product with M
+    momentum: FloatArray = array("ndof")  # a product with M
     mean: FloatArray = array("ndof")  # velocity over the step
     sets: ContactSets
     resting: Held  # contacts of the smooth motion with their forces [N]
@@ -110,13 +110,13 @@ def larger(system: System, old: AlphaScheme, capacity: int) -> AlphaScheme:
 def match(table: ContactTable, k: int, held: Held) -> int:
     """Which of the held contacts entry k of the table is; -1 for none.
 
-    The same pair of slave and feature, or the same slave where it has passed from one feature of a surface to the next.
+    The same pair of node and feature, or the same node where it has passed from one feature of a surface to the next.
     """
     for i in range(held.count):
         if held.table.key[i] == table.key[k]:
             return i
     for i in range(held.count):
-        if held.table.law[i] == table.law[k] and held.table.slave[i] == table.slave[k]:
+        if held.table.law[i] == table.law[k] and held.table.node[i] == table.node[k]:
             return i
     return -1
 

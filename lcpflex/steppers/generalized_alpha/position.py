@@ -22,8 +22,8 @@ from lcpflex.steppers.generalized_alpha.memory import (
     hold,
     match,
 )
-from lcpflex.steppers.generalized_alpha.smooth import lay
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.generalized_alpha.smooth import assemble_rows
+from lcpflex.steppers.recorder import Recorder
 
 __all__ = ["apply_position", "gather_pressed", "pose_position", "position_error"]
 
@@ -97,7 +97,7 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         return n
     h = scheme.step
     scale = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    lay(model, t, scale / h, scale, n, work, scheme)
+    assemble_rows(model, t, scale / h, scale, n, work, scheme)
     n_joint = work.n_joint
     work.n_tangents = 0
     for r in range(n_joint):
@@ -114,7 +114,7 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
 
 
 @kernel
-def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, tape: Tape) -> None:
+def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
     """Move the configuration; what that does to the energy of bodies that have just met counts as loss by impact."""
     n_joint = work.n_joint
     n = work.n_contacts
@@ -133,7 +133,7 @@ def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, tape: Tap
     for _ in range(2 if meet else 1):
         if meet:
             kinetic, elastic, potential = energies(model, scheme.q_new, scheme.v_new, work)
-            tape.counts.lost_impacts += sign * (kinetic + elastic + potential)
+            recorder.counts.lost_impacts += sign * (kinetic + elastic + potential)
         if sign > 0.0:
             apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, scheme.q_new)
         sign = -1.0

@@ -40,7 +40,7 @@ from lcpflex.steppers.generalized_alpha.memory import (
     hold,
 )
 
-__all__ = ["apply_smooth", "gather_resting", "lay", "pose_smooth", "slip_mode"]
+__all__ = ["apply_smooth", "assemble_rows", "gather_resting", "pose_smooth", "slip_mode"]
 
 MOST_PASSES = 15  # of Newton's method on the smooth motion
 SETTLED = 1e-11  # change of an acceleration, relative to the largest, at which Newton's method has converged
@@ -98,7 +98,9 @@ def slip_mode(slip: float, threshold: float) -> int:
 
 
 @kernel
-def lay(model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Workspace, scheme: AlphaScheme) -> int:
+def assemble_rows(
+    model: Model, t: float, alpha_c: float, alpha_k: float, n: int, work: Workspace, scheme: AlphaScheme
+) -> int:
     """Factorise and lay all rows at the end of the step; returns the tangential ones."""
     q = scheme.q_new
     n_joint = len(work.residual)
@@ -136,13 +138,13 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
     place_end(h, scheme)
     alpha_c = h * scheme.gamma * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     alpha_k = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
-    n_tangent = lay(model, t + h, alpha_c, alpha_k, n, work, scheme)
+    n_tangent = assemble_rows(model, t + h, alpha_c, alpha_k, n, work, scheme)
     n_joint = work.n_joint
     forces(model, t + h, scheme.q_new, scheme.v_new, work)
     contact_biases(model, scheme.q_new, scheme.v_new, n, n_tangent, n_joint, work)
-    multiply(model, scheme.q_new, scheme.w_new, work, scheme.push)
+    multiply(model, scheme.q_new, scheme.w_new, work, scheme.momentum)
     for i in range(len(scheme.q)):
-        work.free_u[i] = work.total[i] - scheme.push[i]
+        work.free_u[i] = work.total[i] - scheme.momentum[i]
     solve_vector(model, work, work.free_u)
     for i in range(len(scheme.q)):
         work.free_u[i] += scheme.w_new[i]

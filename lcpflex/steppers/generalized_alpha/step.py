@@ -34,13 +34,13 @@ from lcpflex.steppers.generalized_alpha.position import (
 )
 from lcpflex.steppers.generalized_alpha.smooth import (
     apply_smooth,
-    lay,
+    assemble_rows,
     pose_smooth,
     slip_mode,
 )
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out_freely
-from lcpflex.steppers.recorder import Tape, note_certificate, note_gain
+from lcpflex.steppers.recorder import Recorder, note_certificate, note_gain
 from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 
@@ -56,7 +56,7 @@ def numerical_damping(model: Model, work: Workspace, scheme: AlphaScheme) -> flo
     h, u = scheme.step, scheme.u
     for i in range(len(u)):
         scheme.mean[i] = 0.5 * (u[i] + scheme.v_new[i])
-    multiply(model, scheme.q_new, scheme.mean, work, scheme.push)
+    multiply(model, scheme.q_new, scheme.mean, work, scheme.momentum)
     gained = 0.0
     for i in range(len(u)):
         a = scheme.a[i]
@@ -64,7 +64,7 @@ def numerical_damping(model: Model, work: Workspace, scheme: AlphaScheme) -> flo
         dv = (1.0 - scheme.gamma) * a + scheme.gamma * a_new - 0.5 * (scheme.w[i] + scheme.w_new[i])
         dq = (0.5 - scheme.beta) * a + scheme.beta * a_new - 0.5 * ((1.0 - scheme.gamma) * a + scheme.gamma * a_new)
         force = 0.5 * (scheme.start.conservative[i] + scheme.end.conservative[i])
-        gained += h * (dv * scheme.push[i] - h * dq * force)
+        gained += h * (dv * scheme.momentum[i] - h * dq * force)
     return -gained
 
 
@@ -76,7 +76,7 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
     its approach is that of a curved surface.
     """
     n, u = scheme.n_found, scheme.u
-    n_tangent = lay(model, t, 0.0, 0.0, n, work, scheme)
+    n_tangent = assemble_rows(model, t, 0.0, 0.0, n, work, scheme)
     scheme.numerical = numerical_damping(model, work, scheme)
     n_joint = work.n_joint
     total = n_joint + n + n_tangent
@@ -118,7 +118,7 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
 
 
 @kernel
-def accrue_impulse(scheme: AlphaScheme, tape: Tape) -> None:
+def accrue_impulse(scheme: AlphaScheme, recorder: Recorder) -> None:
     """Add the impulse of the smooth contact forces, with the weights that they have in the velocity.
 
     So impulses are the change of momentum to rounding, and not to the order of the step.
@@ -130,7 +130,7 @@ def accrue_impulse(scheme: AlphaScheme, tape: Tape) -> None:
             now = scheme.start.contact[law, i]
             old = scheme.recursive[law, i]
             new = ((1.0 - af) * scheme.end.contact[law, i] + af * now - am * old) / (1.0 - am)
-            tape.total_impulse[law, i] += scheme.step * ((1.0 - scheme.gamma) * old + scheme.gamma * new)
+            recorder.total_impulse[law, i] += scheme.step * ((1.0 - scheme.gamma) * old + scheme.gamma * new)
             scheme.recursive[law, i] = new
 
 
@@ -144,8 +144,8 @@ def mean_power(start: FloatArray, end: FloatArray, u: FloatArray, v: FloatArray)
 
 
 @kernel
-def audit(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> None:
-    """Add the step's work by kind and its impulses to the tape: mean forces, or impulses, times mean velocities.
+def audit(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> None:
+    """Add the step's work by kind and its impulses to the recorder: mean forces, or impulses, times mean velocities.
 
     ``work.free_u`` holds u+; ``work.p`` the whole impulses, of which h lambda belong to the smooth motion.
     """
@@ -153,12 +153,12 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> None:
     n = work.n_contacts
     h, u = scheme.step, scheme.u
     start, end = scheme.start, scheme.end
-    tape.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, scheme.v_new)
-    tape.counts.lost_impacts -= 0.25 * h * mean_power(start.normal, end.normal, u, scheme.v_new)
-    tape.counts.lost_damping -= 0.25 * h * mean_power(start.damping, end.damping, u, scheme.v_new)
-    tape.counts.supplied += 0.25 * h * mean_power(start.drive, end.drive, u, scheme.v_new)
-    tape.counts.lost_damping += scheme.numerical
-    accrue_impulse(scheme, tape)
+    recorder.counts.lost_friction -= 0.25 * h * mean_power(start.friction, end.friction, u, scheme.v_new)
+    recorder.counts.lost_impacts -= 0.25 * h * mean_power(start.normal, end.normal, u, scheme.v_new)
+    recorder.counts.lost_damping -= 0.25 * h * mean_power(start.damping, end.damping, u, scheme.v_new)
+    recorder.counts.supplied += 0.25 * h * mean_power(start.drive, end.drive, u, scheme.v_new)
+    recorder.counts.lost_damping += scheme.numerical
+    accrue_impulse(scheme, recorder)
     gained = 0.0
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
@@ -176,13 +176,13 @@ def audit(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> None:
         if k >= 0:
             gained += done
             if part == 0:
-                tape.counts.lost_friction -= done
+                recorder.counts.lost_friction -= done
             else:
-                tape.counts.lost_impacts -= done
-            tape.total_impulse[work.table.law[k], 1 - part] += p
+                recorder.counts.lost_impacts -= done
+            recorder.total_impulse[work.table.law[k], 1 - part] += p
         elif work.rate[r] != 0.0:
-            tape.counts.supplied += done
-    note_gain(tape, t, gained)
+            recorder.counts.supplied += done
+    note_gain(recorder, t, gained)
 
 
 @kernel
@@ -210,7 +210,7 @@ def broken(work: Workspace, scheme: AlphaScheme) -> bool:
 
 
 @kernel
-def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> bool:
+def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> bool:
     """The state at the end of the step, in place. False where it is not finite."""
     q, u = scheme.q, scheme.u
     keep_doubtful(work, t)
@@ -218,11 +218,11 @@ def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -
     n_joint = work.n_joint
     total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
-    audit(t, work, scheme, tape)
+    audit(t, work, scheme, recorder)
     for r in range(n_joint):
-        tape.counts.worst_drift = max(tape.counts.worst_drift, abs(work.residual[r]))
+        recorder.counts.worst_drift = max(recorder.counts.worst_drift, abs(work.residual[r]))
     for k in range(work.n_contacts):
-        tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
+        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
     jumps = broken(work, scheme)
     finite = True
     for i in range(len(q)):
@@ -253,14 +253,14 @@ def predict(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> int
 
 
 @kernel
-def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, tape: Tape) -> int:
+def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> int:
     """Apply the solution of the problem posed: PART where the step has more of them, DONE or NOT_FINITE."""
-    note_certificate(work, tape)
+    note_certificate(work, recorder)
     if scheme.phase <= SMOOTH:
         apply_smooth(scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
     elif scheme.phase == POSITION:
-        apply_position(model, work, scheme, tape)
-    elif apply_velocity(t, work, scheme, tape):
+        apply_position(model, work, scheme, recorder)
+    elif apply_velocity(t, work, scheme, recorder):
         return RunStatus.DONE
     else:
         return RunStatus.NOT_FINITE
@@ -280,10 +280,10 @@ def give_up_smooth(scheme: AlphaScheme) -> bool:
 @take_step.of(AlphaScheme)
 @kernel
 def alpha_step(
-    model: Model, scheme: AlphaScheme, t: float, work: Workspace, tape: Tape, clock: StepCount | StepClock
+    model: Model, scheme: AlphaScheme, t: float, work: Workspace, recorder: Recorder, clock: StepCount | StepClock
 ) -> int:
     """The problems of a step, one after the other."""
-    set_out_freely(model, scheme.q, scheme.u, scheme.step, tape)
+    set_out_freely(model, scheme.q, scheme.u, scheme.step, recorder)
     while True:
         clock.number = predict(model, t, work, scheme)
         if clock.number > len(work.table.key):
@@ -297,7 +297,7 @@ def alpha_step(
             return RunStatus.SOLVER_FAILED
         if scheme.phase == VELOCITY:
             remember_basis(work.problem, work.solver)
-        status = correct(model, t, work, scheme, tape)
+        status = correct(model, t, work, scheme, recorder)
         if status != RunStatus.PART:
             return status
 

@@ -68,7 +68,7 @@ def expected_compliance(system: System, compliance: ContactCompliance) -> FloatA
         if compliance.soft[law] == 0:
             continue
         energy = 0.0
-        for surface in (contacts.pass_slave[w], contacts.pass_feature[w]):
+        for surface in (contacts.pass_node[w], contacts.pass_feature[w]):
             b = int(contacts.surface_body[surface])
             if b >= 0:
                 own = slice(model.bodies.dof[b], model.bodies.dof[b + 1])

@@ -28,7 +28,7 @@ from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_joints
-from lcpflex.steppers.recorder import Tape, note_certificate, note_contact, store_contacts, store_state
+from lcpflex.steppers.recorder import Recorder, note_certificate, note_contact, store_contacts, store_state
 from lcpflex.steppers.scheme import record, take_step
 from lcpflex.steppers.status import RunStatus
 
@@ -42,7 +42,7 @@ MOST_PARTS = 1000.0  # of a step; beyond, the contacts are all but rigid
 
 
 @kernel
-def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, tape: Tape) -> int:
+def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, recorder: Recorder) -> int:
     """q+ in ``work.middle`` and u_h in ``work.free_u``, at time t = end of the step; returns the contacts near."""
     q, u = scheme.q, scheme.u
     largest = 0.0
@@ -54,12 +54,12 @@ def predict(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     if h > 0.0 and len(work.residual) > 0:
         for i in range(len(q)):
             work.ahead[i] = work.middle[i]
-        project_joints(model, t, work.middle, work.free_u, work, tape, 1e-12 * (1.0 + largest))
+        project_joints(model, t, work.middle, work.free_u, work, recorder, 1e-12 * (1.0 + largest))
         difference(model, work.ahead, work.middle, work.ahead)
         for i in range(len(u)):
             work.free_u[i] += work.ahead[i] / h
-    sway = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.middle)
-    return detect(model, work.middle, scheme.gap_tolerance + sway, work.table)
+    deflection = static_sway(model, scheme.flexibility, q) + static_sway(model, scheme.flexibility, work.middle)
+    return detect(model, work.middle, scheme.gap_tolerance + deflection, work.table)
 
 
 @kernel
@@ -120,8 +120,8 @@ def accelerate(model: Model, t: float, h: float, scheme: BoundaryScheme, work: W
 
 
 @kernel
-def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, tape: Tape) -> None:
-    """Add the step's work by kind, and its impulses, to the tape; trapezoidal in time, as Verlet's own balance is.
+def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, recorder: Recorder) -> None:
+    """Add the step's work by kind, and its impulses, to the recorder; trapezoidal in time, as Verlet's own balance is.
 
     Friction: the mean of the forces at both ends times the slip, which is exact for the contact compliance.
     """
@@ -130,13 +130,13 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, tape
     for i in range(len(u)):
         lost -= work.dissipative[i] * u[i]
         drives += work.driving[i] * u[i]
-    tape.counts.lost_damping += 0.5 * h * (scheme.power[0] + lost)
-    tape.counts.supplied += 0.5 * h * (scheme.power[1] + drives)
+    recorder.counts.lost_damping += 0.5 * h * (scheme.power[0] + lost)
+    recorder.counts.supplied += 0.5 * h * (scheme.power[1] + drives)
     scheme.power[0] = lost
     scheme.power[1] = drives
     for law in range(len(scheme.force)):
         for i in range(2):
-            tape.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
+            recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
             scheme.force[law, i] = 0.0
     n = work.n_contacts
     for k in range(n):
@@ -153,15 +153,15 @@ def audit(h: float, drives: float, scheme: BoundaryScheme, work: Workspace, tape
         work.held_key[1, j] = work.table.key[k]
         work.held_gap[1, j] = work.tangential[j]
         if h > 0.0 and (before != 0.0 or work.tangential[j] != 0.0):
-            tape.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work.solver, n + j) * length
+            recorder.counts.lost_friction -= 0.5 * (before + work.tangential[j]) * slip_of(work.solver, n + j) * length
     work.n_held = work.n_tangents
     for j in range(work.n_tangents):
         work.held_key[0, j] = work.held_key[1, j]
         work.held_gap[0, j] = work.held_gap[1, j]
     for law in range(len(scheme.force)):
         for i in range(2):
-            tape.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
-    note_certificate(work, tape)
+            recorder.total_impulse[law, i] += 0.5 * h * scheme.force[law, i]
+    note_certificate(work, recorder)
 
 
 @kernel
@@ -175,7 +175,7 @@ def closed(work: Workspace) -> int:
 
 
 @kernel
-def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, tape: Tape) -> bool:
+def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Workspace, recorder: Recorder) -> bool:
     """Forces, accelerations and the state at the end t of the step, in place. False where they are not finite."""
     q, u = scheme.q, scheme.u
     # rows of the deformed surfaces: with others, forces do work that is not stored
@@ -184,7 +184,7 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
     everywhere = scheme.compliance.some[0] == ALL  # all that there is to tell is indentation, then
     for k in range(work.n_contacts):
         if everywhere or soft[work.table.law[k]] == 0:  # an elastic law asks for its indentation
-            tape.counts.worst_penetration = max(tape.counts.worst_penetration, -work.table.gap[k])
+            recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
     scheme.n_closed = closed(work)
     drives = accelerate(model, t, h, scheme, work)
     finite = True
@@ -195,17 +195,17 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
         q[i] = work.middle[i]
         u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])
-    audit(h, drives, scheme, work, tape)
+    audit(h, drives, scheme, work, recorder)
     return finite
 
 
 @record.of(BoundaryScheme)
 @kernel
-def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspace, tape: Tape) -> int:
+def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant with its contact forces."""
     q, u = scheme.q, scheme.u
-    needed = store_contacts(model, q, tape)
-    if needed > len(tape.table.key):
+    needed = store_contacts(model, q, recorder)
+    if needed > len(recorder.table.key):
         return needed
     n = work.n_contacts
     tangent = 0
@@ -219,8 +219,8 @@ def record_forces(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
         if work.normal[k] > 0.0:
             state = STICK if abs(slip) <= STICKING else SLIP
             place = contact_point(model, q, work.table, k)
-            note_contact(tape, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
-    store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), tape)
+            note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.normal[k], force_t, state)
+    store_state(model, t, q, u, work, compliance_energy(scheme.compliance, work), recorder)
     return needed
 
 
@@ -316,12 +316,14 @@ def solve_contact_forces(
 
 @take_step.of(BoundaryScheme)
 @kernel
-def boundary_step(model: Model, scheme: BoundaryScheme, t: float, work: Workspace, tape: Tape, clock: StepCount) -> int:
+def boundary_step(
+    model: Model, scheme: BoundaryScheme, t: float, work: Workspace, recorder: Recorder, clock: StepCount
+) -> int:
     """The next part of a step; before the first step, the forces of the start."""
-    set_out(scheme.q, tape)
+    set_out(scheme.q, recorder)
     while True:
         h = part_length(scheme, clock)
-        clock.number = predict(model, scheme, t + h, h, work, tape)
+        clock.number = predict(model, scheme, t + h, h, work, recorder)
         if clock.number > len(work.table.key):
             return RunStatus.GROW
         status = solve_contact_forces(model, scheme, h, int(clock.number), work, clock)
@@ -336,7 +338,7 @@ def boundary_step(model: Model, scheme: BoundaryScheme, t: float, work: Workspac
     if ends:
         divide_less(model, scheme, work)
     clock.step_taken = scheme.step / scheme.parts
-    if not correct(model, scheme, t + h, h, work, tape):
+    if not correct(model, scheme, t + h, h, work, recorder):
         return RunStatus.NOT_FINITE
     if h == 0.0:
         clock.begun = 1

@@ -220,7 +220,7 @@ class MasslessBoundary:
             impulsive=False,
         )
         stepping = TimeStepping(system, scheme, self.solver, support)
-        stepping.records.by_law = tuple(name for name in system.names if name in self.compliance)
+        stepping.records.compliant = tuple(name for name in system.names if name in self.compliance)
         scheme.q[:], scheme.u[:] = _consistent(system, stepping.work)
         return Run(FixedSteps(stepping, duration, interval, (0.5, 0.5), begun=False))
 

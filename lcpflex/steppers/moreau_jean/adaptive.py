@@ -9,7 +9,7 @@ from lcpflex.steppers.adaptive import Limits, after_impact
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import ALONE, StepClock
 from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.scheme import begin_part, go_on, judge
 from lcpflex.steppers.unmet import closed_pairs, unmet
 
@@ -33,15 +33,15 @@ def judge_step(
     error: float,
     near: float,
     work: Workspace,
-    tape: Tape,
+    recorder: Recorder,
     kept: Backup,
 ) -> tuple[float, float, float, float]:
     """One that has gone far beyond what it closed with was not controlled by the difference of states."""
     if not error <= 1.0:
         return error, 0.0, 0.0, 0.0
-    sunk, approach, pull = closed_pairs(model, scheme.q, scheme.u, scheme.gap_tolerance, work, tape, kept)
+    sunk, approach, pull = closed_pairs(model, scheme.q, scheme.u, scheme.gap_tolerance, work, recorder, kept)
     if clock.part != ALONE:
-        late = max(sunk - clock.deepest, unmet(model, scheme.q, work.compliant, tape.table))
+        late = max(sunk - clock.deepest, unmet(model, scheme.q, work.compliant, recorder.table))
         error = max(error, late / near)
     return error, sunk, approach, pull
 

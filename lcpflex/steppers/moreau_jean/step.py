@@ -40,7 +40,7 @@ from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
-    Tape,
+    Recorder,
     note_certificate,
     note_compliant,
     note_contact,
@@ -122,8 +122,8 @@ def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> Non
 
 
 @kernel
-def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape) -> None:
-    """Add the step's work by kind, with the mean velocity (u + u+)/2, and its impulses to the tape.
+def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder) -> None:
+    """Add the step's work by kind, with the mean velocity (u + u+)/2, and its impulses to the recorder.
 
     ``work.free_u`` holds u+. Work of an impulse p on a row: p (w . u + w . u+)/2.
     """
@@ -134,16 +134,16 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tap
     gained = 0.0
     for i in range(len(u)):
         both = u[i] + work.free_u[i]
-        tape.counts.lost_damping -= half * work.dissipative[i] * both
-        tape.counts.supplied += half * work.driving[i] * both
+        recorder.counts.lost_damping -= half * work.dissipative[i] * both
+        recorder.counts.supplied += half * work.driving[i] * both
     contacts = work.compliant
     for i in range(len(contacts.friction)):
         lost = half * contacts.friction[i] * (u[i] + work.free_u[i])
-        tape.counts.lost_friction -= lost
-        tape.counts.lost_damping += lost
+        recorder.counts.lost_friction -= lost
+        recorder.counts.lost_damping += lost
     for k in range(contacts.n_contacts):
         for c in range(2):
-            tape.total_impulse[contacts.table.law[k], c] += scheme.step * contacts.p[k, c]
+            recorder.total_impulse[contacts.table.law[k], c] += scheme.step * contacts.p[k, c]
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
@@ -153,21 +153,21 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tap
         done = 0.5 * p * (before + after)
         if r < n_joint:
             if work.rate[r] != 0.0:
-                tape.counts.supplied += done
+                recorder.counts.supplied += done
         elif r < n_joint + n:
             gained += done
-            tape.counts.lost_impacts -= done
-            tape.total_impulse[work.table.law[r - n_joint], 0] += p
+            recorder.counts.lost_impacts -= done
+            recorder.total_impulse[work.table.law[r - n_joint], 0] += p
         else:
             gained += done
-            tape.counts.lost_friction -= done
-            tape.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
-    note_gain(tape, t, gained)
-    note_certificate(work, tape)
+            recorder.counts.lost_friction -= done
+            recorder.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
+    note_gain(recorder, t, gained)
+    note_certificate(work, recorder)
 
 
 @kernel
-def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape) -> bool:
+def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder) -> bool:
     """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
     q, u, h = scheme.q, scheme.u, scheme.step
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
@@ -175,7 +175,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, t
     distribute(work)
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
-    audit(model, scheme, t, work, tape)
+    audit(model, scheme, t, work, recorder)
     compare_friction(work.free_u, h, work)
     largest = 0.0
     for i in range(len(u)):
@@ -187,20 +187,20 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, t
         if not math.isfinite(q[i] + u[i]):
             return False
     tolerance = 1e-12 * (1.0 + largest)
-    project_joints(model, t + h, q, u, work, tape, tolerance)
-    if project_contacts(model, h, scheme.gap_tolerance, scheme.projection == 1, q, work, tape):
-        project_joints(model, t + h, q, u, work, tape, tolerance)
+    project_joints(model, t + h, q, u, work, recorder, tolerance)
+    if project_contacts(model, h, scheme.gap_tolerance, scheme.projection == 1, q, work, recorder):
+        project_joints(model, t + h, q, u, work, recorder, tolerance)
     return True
 
 
 @record.of(MoreauJeanScheme)
 @kernel
-def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, tape: Tape) -> int:
+def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
     least_forces(work.problem, work.solver, work.p[work.n_joint :])
-    needed = store_contacts(model, q, tape)
-    if needed > len(tape.table.key):
+    needed = store_contacts(model, q, recorder)
+    if needed > len(recorder.table.key):
         return needed
     n_joint = work.n_joint
     n = work.n_contacts
@@ -217,21 +217,21 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, tape: 
         if p_n > 0.0:
             state = STICK if abs(slip) <= STICKING_SPEED else SLIP
             place = contact_point(model, q, work.table, k)
-            note_contact(tape, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
+            note_contact(recorder, work.table.law[k], place, work.table.normal[k], p_n / step, p_t / step, state)
     if len(work.compliant.friction) > 0:
         forces_after(model, q, u, work)
-        note_compliant(model, q, work.compliant, False, tape)
-    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), tape)
+        note_compliant(model, q, work.compliant, False, recorder)
+    store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
     return needed
 
 
 @take_step.of(MoreauJeanScheme)
 @kernel
 def moreau_jean_step(
-    model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, tape: Tape, clock: StepCount | StepClock
+    model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder, clock: StepCount | StepClock
 ) -> int:
     """Predict, detect and pose, solve, correct."""
-    set_out(scheme.q, tape)
+    set_out(scheme.q, recorder)
     clock.number = predict(model, scheme, t, work)
     if clock.number > len(work.table.key):
         return RunStatus.GROW
@@ -240,7 +240,7 @@ def moreau_jean_step(
     if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
         return RunStatus.SOLVER_FAILED
     remember_basis(work.problem, work.solver)
-    if not correct(model, scheme, t, work, tape):
+    if not correct(model, scheme, t, work, recorder):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE
 

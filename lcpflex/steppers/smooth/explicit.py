@@ -17,7 +17,7 @@ from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import may_pass, set_out
-from lcpflex.steppers.recorder import Tape
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.runge_kutta import (
     STAGES,
     C,
@@ -172,7 +172,9 @@ def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
 
 
 @kernel
-def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
+def close_step(
+    model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder
+) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
     ndof = len(work.free_u)
     copy_state(memory.end, memory.y)
@@ -186,7 +188,7 @@ def close_step(model: Model, settings: SmoothSettings, work: Workspace, memory: 
         u = memory.y[ndof : 2 * ndof]
         none = int(np.int64(0))  # a literal would have the kernel compiled once more
         drift = project(model, memory.time, q, u, none, True, work, memory.sets)
-        tape.counts.worst_drift = max(tape.counts.worst_drift, drift[0])
+        recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift[0])
     total = 0.0
     for i in range(2 * ndof):
         total += abs(memory.y[i])
@@ -210,7 +212,7 @@ def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
 
 @kernel
 def advance(
-    model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape, last_step: int
+    model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder, last_step: int
 ) -> int:
     """Runge-Kutta steps until their number is ``last_step`` or the duration is reached; DONE, or what is missing."""
     while True:
@@ -222,8 +224,8 @@ def advance(
             status = step(model, settings, work, memory)
             memory.phase = EMITTING if status == RunStatus.DONE else STEPPING
         elif phase == CLOSING:
-            add_errors(memory.slopes, memory.step_taken, tape.local)
-            status = close_step(model, settings, work, memory, tape)
+            add_errors(memory.slopes, memory.step_taken, recorder.local)
+            status = close_step(model, settings, work, memory, recorder)
             memory.phase = NOTING
         elif phase in (NOTING, BEFORE):
             status = renew_history(model, work, memory)
@@ -232,7 +234,7 @@ def advance(
         else:
             t = due(settings, memory)
             if t >= 0.0:
-                status = record(model, t, memory.at, work, memory, tape)
+                status = record(model, t, memory.at, work, memory, recorder)
                 if status == RunStatus.DONE:
                     memory.stored += 1
                     if t >= settings.duration * (1.0 - SAME):
@@ -309,7 +311,7 @@ def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: 
 
 @kernel
 def advance_fixed(
-    model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, tape: Tape, last_step: int
+    model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder, last_step: int
 ) -> int:
     """Steps of Verlet's method until their number is ``last_step`` or the duration is reached; returns as ``advance``.
 
@@ -323,18 +325,18 @@ def advance_fixed(
             memory.phase = STEPPING
         ended = memory.time >= settings.duration
         if memory.stored != memory.steps + 1 and (ended or memory.steps % settings.stride == 0):
-            status = record(model, memory.time, memory.y, work, memory, tape)
+            status = record(model, memory.time, memory.y, work, memory, recorder)
             if status != RunStatus.DONE:
                 return status
             memory.stored = memory.steps + 1
         if ended or memory.steps >= last_step:
             return RunStatus.DONE
-        set_out(memory.y[: len(work.free_u)], tape)
+        set_out(memory.y[: len(work.free_u)], recorder)
         status = step_fixed(model, settings, work, memory)
         if status == RunStatus.DONE:
-            status = close_step(model, settings, work, memory, tape)
+            status = close_step(model, settings, work, memory, recorder)
             memory.phase = NOTING
-            if status == RunStatus.DONE and may_pass(model, memory.y[: len(work.free_u)], tape):
+            if status == RunStatus.DONE and may_pass(model, memory.y[: len(work.free_u)], recorder):
                 return RunStatus.PASSED
         if status != RunStatus.DONE:
             return status

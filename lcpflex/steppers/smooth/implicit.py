@@ -142,7 +142,7 @@ class ImplicitSteps:
         if between is None:
             return RunStatus.STEP_TOO_SHORT
         tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self._system.q)])
-        self._steps.records.tape.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
+        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)
@@ -256,7 +256,9 @@ class ImplicitSteps:
         memory = self._clock
         while True:
             memory.at[:] = y
-            status = self._record(self._system.model, t, memory.at, self._steps.work, memory, self._steps.records.tape)
+            status = self._record(
+                self._system.model, t, memory.at, self._steps.work, memory, self._steps.records.recorder
+            )
             if status == RunStatus.DONE:
                 memory.stored += 1
                 return
@@ -273,7 +275,7 @@ class ImplicitSteps:
         drift, _ = self._project(
             self._system.model, self._clock.time, moved[:n], moved[n : 2 * n], 0, True, self._steps.work, memory.sets
         )
-        counts = self._steps.records.tape.counts
+        counts = self._steps.records.recorder.counts
         counts.worst_drift = max(counts.worst_drift, drift)
         off = np.abs(moved[: 2 * n] - memory.y[: 2 * n])
         if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()):

@@ -57,7 +57,7 @@ class SmoothSteps:
     ) -> None:
         self.system, self.fixed_step = system, fixed_step
         self.records = Records(system)
-        self.records.by_law, self.records.laws = system.names, list(laws)
+        self.records.compliant, self.records.laws = system.names, list(laws)
         self.duration = settings.duration
         self.settings = settings
         self._laws = laws
@@ -107,7 +107,9 @@ class SmoothSteps:
         """Steps until there are ``target`` of them or the duration is reached; what the loop returned."""
         if self._implicit is not None:
             return self._implicit.loop(target)
-        status: int = self._advance(self.system.model, self.settings, self.work, self.clock, self.records.tape, target)
+        status: int = self._advance(
+            self.system.model, self.settings, self.work, self.clock, self.records.recorder, target
+        )
         return status
 
     def make_room(self, contacts: int) -> None:
@@ -145,7 +147,7 @@ class SmoothSteps:
         self.work.span[:] *= 0.5
         try:
             while True:
-                status = self._advance(self.system.model, halved, self.work, self.clock, self.records.tape, target)
+                status = self._advance(self.system.model, halved, self.work, self.clock, self.records.recorder, target)
                 if status != RunStatus.PASSED:
                     return int(status)
         finally:

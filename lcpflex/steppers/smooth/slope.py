@@ -36,7 +36,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import cholesky
-from lcpflex.steppers.recorder import Tape, note_compliant, store_contacts, store_state
+from lcpflex.steppers.recorder import Recorder, note_compliant, store_contacts, store_state
 from lcpflex.steppers.short_steps import travel_time
 from lcpflex.steppers.smooth.memory import (
     CONTACT_DAMPING,
@@ -162,33 +162,33 @@ def horizon(
 
 
 @kernel
-def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, tape: Tape) -> int:
+def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, recorder: Recorder) -> int:
     """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
     ndof = len(work.free_u)
     q = y[:ndof]
     u = y[ndof : 2 * ndof]
-    if tape.n_instants >= len(tape.times):
+    if recorder.n_instants >= len(recorder.times):
         return RunStatus.TAPE_FULL
-    needed = store_contacts(model, q, tape)
+    needed = store_contacts(model, q, recorder)
     if not slope(model, t, y, work, memory, memory.slope):
         return RunStatus.GROW
     contacts = work.compliant
     n = contacts.n_contacts
-    if tape.n_points + n > len(tape.spots) and tape.n_points > 0:
+    if recorder.n_points + n > len(recorder.points) and recorder.n_points > 0:
         return RunStatus.TAPE_FULL
-    if needed > len(tape.table.key) or n > len(tape.spots):
+    if needed > len(recorder.table.key) or n > len(recorder.points):
         memory.number = max(needed, n)
         return RunStatus.GROW_TAPE
     base = 2 * ndof
-    tape.counts.lost_friction = y[base + FRICTION]
-    tape.counts.lost_impacts = y[base + CONTACT_DAMPING]
-    tape.counts.lost_damping = y[base + DAMPING]
-    tape.counts.supplied = y[base + WORK]
-    for law in range(len(tape.total_impulse)):
+    recorder.counts.lost_friction = y[base + FRICTION]
+    recorder.counts.lost_impacts = y[base + CONTACT_DAMPING]
+    recorder.counts.lost_damping = y[base + DAMPING]
+    recorder.counts.supplied = y[base + WORK]
+    for law in range(len(recorder.total_impulse)):
         for c in range(2):
-            tape.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
+            recorder.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
     for k in range(n):
-        tape.counts.worst_penetration = max(tape.counts.worst_penetration, -contacts.table.gap[k])
-    note_compliant(model, q, contacts, True, tape)
-    store_state(model, t, q, u, work, elastic_energy(model, contacts), tape)
+        recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
+    note_compliant(model, q, contacts, True, recorder)
+    store_state(model, t, q, u, work, elastic_energy(model, contacts), recorder)
     return RunStatus.DONE

@@ -164,16 +164,16 @@ def test_fewer_than_nine_pairs_are_said(nodes, warned):
         assert f"{9 / nodes:.2g} times as fine" in texts[0]
 
 
-@pytest.mark.parametrize("slave", [False, True])
-def test_a_disc_on_a_coarse_mesh_is_said(slave):
-    """The disc is the slave where nothing is chosen; a half-plane on the mesh has nothing that could be finer."""
+@pytest.mark.parametrize("node", [False, True])
+def test_a_disc_on_a_coarse_mesh_is_said(node):
+    """The disc is the node side where nothing is chosen; a half-plane on the mesh has nothing that could be finer."""
     scene = pressed(11)
     disc = scene.add(lf.Disc(radius=0.02, mass=0.1), "disc", position=(0.0205, 0.04), velocity=(0.0, -0.2))
     top = scene.body("block").surface("top")
-    scene.contact(disc.surface(), top, name="disc", node_side=top if slave else None)
+    scene.contact(disc.surface(), top, name="disc", node_side=top if node else None)
     (text,) = (text for text in run(scene).warnings if "'disc'" in text and "at least 9" in text)
     assert "make the elements of 'block'" in text
-    assert ("choose that surface as the node side" in text) is not slave
+    assert ("choose that surface as the node side" in text) is not node
     flat = pressed(11)
     disc = flat.add(lf.Disc(radius=0.02, mass=0.1), "disc", position=(0.0205, 0.04), velocity=(0.0, -0.2))
     flat.contact(disc.surface(), flat.body("block").half_plane((0.02, 0.02), (0.0, 1.0)), name="disc")

@@ -268,8 +268,8 @@ def test_nodes_of_one_outline_find_the_boundary_of_another(tools):
     met = outside = 0
     for _ in range(40):
         own, other = kinds[rng.integers(4)](rng) * rng.choice([0.3, 1.0]), kinds[rng.integers(4)](rng)
-        slave, master = (shapes.chain([tools.place(*c) for c in xy], closed=True) for xy in (own, other))
-        model = tools.pair(slave, master, 0, 1, (0, 0))
+        node, master = (shapes.chain([tools.place(*c) for c in xy], closed=True) for xy in (own, other))
+        model = tools.pair(node, master, 0, 1, (0, 0))
         table = tools.table_of(model, 1024)
         features = len(model.contacts.feature_kind)
         along = np.roll(own, -1, axis=0) - own
@@ -339,7 +339,7 @@ def test_a_meshed_u_on_rough_ground_touches_what_is_there(wall_height, bent):
             n = detect(model, q, 0.0, table)
             assert n <= 512
             for k in range(n):
-                p = table.slave[k]
+                p = table.node[k]
                 if table.body[k, 0] >= 0:
                     met[0] += 1
                     x, y = turn @ outline[corners.index(p)] + q[:2]

@@ -11,9 +11,9 @@ from lcpflex.contact.detection import load_entry
 from lcpflex.contact.narrow_phase.feature import contact_bias, refresh
 from lcpflex.contact.rows import contact_point, contact_rows
 
-SLAVE_RADII = (0.0, 0.15)
+NODE_RADII = (0.0, 0.15)
 FEATURES = ("segment", "half-plane", "circle", "hole", "vertex")
-SIDES = ((0, 1), (1, 0), (0, -1), (-1, 1), (2, 0), (2, 3))  # bodies of slave and feature
+SIDES = ((0, 1), (1, 0), (0, -1), (-1, 1), (2, 0), (2, 3))  # bodies of node and feature
 MODES = (3, 2, 0, 0)
 
 
@@ -36,13 +36,13 @@ class Case:
     """A pair on a motion q(t) = q0 + u t + a t^2 / 2, with point kinematics written anew in numpy."""
 
     def __init__(self, tools, kind, radius, sides):
-        seed = FEATURES.index(kind) * 100 + SIDES.index(sides) * 10 + SLAVE_RADII.index(radius)
+        seed = FEATURES.index(kind) * 100 + SIDES.index(sides) * 10 + NODE_RADII.index(radius)
         rng = np.random.default_rng(seed)
         count = [0 if b < 0 else MODES[b] for b in sides]
         point = flexible(rng, 0.3, -0.4, count[0])
-        slave = shapes.node(point, radius)
+        node = shapes.node(point, radius)
         feature = feature_surface(rng, kind, count[1])
-        self.model = tools.assemble(MODES, [(sides[0], slave), (sides[1], feature)])
+        self.model = tools.assemble(MODES, [(sides[0], node), (sides[1], feature)])
         self.dof = np.asarray(self.model.bodies.dof)
         self.q0, self.u, self.a = rng.normal(size=(3, self.dof[-1]))
         self.kind, self.radius, self.sides = kind, radius, sides
@@ -70,7 +70,7 @@ class Case:
     def geometry(self, q):
         """Gap, normal, foot."""
         table = self.table
-        p, a, b = (self.point(int(i[0]), q)[0] for i in (table.slave, table.a, table.b))
+        p, a, b = (self.point(int(i[0]), q)[0] for i in (table.node, table.a, table.b))
         if self.kind in ("segment", "half-plane"):
             e = b - a
             n = np.array([e[1], -e[0]]) / np.hypot(*e)
@@ -90,7 +90,7 @@ class Case:
             c, si = np.cos(end[1] - start[1]), np.sin(end[1] - start[1])
             return end[0] + np.array([[c, -si], [si, c]]) @ arm
 
-        own = carried(int(table.slave[0]), -self.radius * n)
+        own = carried(int(table.node[0]), -self.radius * n)
         if self.kind in ("segment", "half-plane"):
             a, b = (self.point(int(i[0]), self.q(t))[0] for i in (table.a, table.b))
             other = (1.0 - s) * a + s * b
@@ -129,7 +129,7 @@ def kind(request):
     return request.param
 
 
-@pytest.fixture(params=SLAVE_RADII, ids=["node", "disc"])
+@pytest.fixture(params=NODE_RADII, ids=["node", "disc"])
 def radius(request):
     return request.param
 
@@ -144,7 +144,7 @@ def test_gap_normal_and_foot(case):
     np.testing.assert_allclose(case.table.gap[0], gap, atol=1e-14)
     np.testing.assert_allclose(case.table.normal[0], normal, atol=1e-14)
     np.testing.assert_allclose(case.table.s[0], s, atol=1e-14)
-    p = case.point(int(case.table.slave[0]), case.q0)[0]
+    p = case.point(int(case.table.node[0]), case.q0)[0]
     np.testing.assert_allclose(contact_point(case.model, case.q0, case.table, 0), p - case.radius * normal, atol=1e-14)
 
 

@@ -16,7 +16,7 @@ STEEL = {"density": 7800.0, "youngs_modulus": 2.1e11}
 
 
 def found(scene, margin=1e-3, q=None):
-    """(body of the slave, normal, gap) of each contact of a scene at its start, or at q."""
+    """(body of the node, normal, gap) of each contact of a scene at its start, or at q."""
     compiled = scene.compiled()
     q = compiled.q.copy() if q is None else np.array(q, dtype=float)
     table = contact_table(256, len(compiled.model.contacts.surface_body))
@@ -102,8 +102,8 @@ def test_a_small_bump_meets_a_beam_between_its_nodes(x):
     scene = lf.Scene()
     beam = scene.add(thin_beam(), position=(0.0, 0.0125))
     scene.contact(beam.surface("bottom"), scene.ground.arc((x, 0.0), 0.01, start=0.0, extent=math.pi))
-    ((slave, normal, gap),) = found(scene)
-    assert slave == -1
+    ((node, normal, gap),) = found(scene)
+    assert node == -1
     np.testing.assert_allclose(normal, (0.0, -1.0), atol=1e-14)
     assert abs(gap) < 1e-15
 
@@ -130,8 +130,8 @@ def test_two_thin_beams_face_to_face_meet_at_all_nodes_and_nowhere_else():
     contacts = found(scene, margin=1e-6)
     over = 14 + 14  # of the 21 nodes of each face; 0.31 / 0.05 = 6.2
     assert len(contacts) == over
-    for slave, normal, gap in contacts:
-        np.testing.assert_allclose(normal, (0.0, 1.0 if slave == 1 else -1.0), atol=1e-15)
+    for node, normal, gap in contacts:
+        np.testing.assert_allclose(normal, (0.0, 1.0 if node == 1 else -1.0), atol=1e-15)
         assert abs(gap) < 1e-15
 
 
@@ -154,9 +154,9 @@ def test_corners_that_meet_diagonally_have_one_direction_each():
     a, b = scene.add(box), scene.add(box, position=(3.0, 0.0))
     scene.contact(a.surface(), b.surface())
     contacts = found(scene, q=[0.0, 0.0, 0.0, 0.999, 0.998, 0.0])
-    assert [slave for slave, _, _ in contacts] == [0, 1]
-    for slave, normal, gap in contacts:
-        np.testing.assert_array_equal(normal, (1.0 if slave == 1 else -1.0, 0.0))
+    assert [node for node, _, _ in contacts] == [0, 1]
+    for node, normal, gap in contacts:
+        np.testing.assert_array_equal(normal, (1.0 if node == 1 else -1.0, 0.0))
         assert abs(gap + 0.001) < 1e-12
     assert not found(scene, q=[0.0, 0.0, 0.0, 1.0001, 1.0001, 0.0])
 

@@ -343,7 +343,7 @@ def test_a_full_table_keeps_all_entries_and_a_small_one_says_how_many_it_lacks(t
     q = np.array([0.0, 0.0025, 0.0])
     exact = tools.table_of(model, 41)
     assert detect(model, q, 0.01, exact) == 41
-    np.testing.assert_array_equal(np.unique(exact.slave), np.arange(41))
+    np.testing.assert_array_equal(np.unique(exact.node), np.arange(41))
     np.testing.assert_allclose(exact.gap, 0.0, atol=1e-15)
     for capacity in (0, 1, 40):
         assert detect(model, q, 0.01, tools.table_of(model, capacity)) == 41

@@ -1,4 +1,4 @@
-"""Surfaces as flat arrays: who is the slave, outward normals, reach, bounds, refusals."""
+"""Surfaces as flat arrays: which is the node side, outward normals, reach, bounds, refusals."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def kinds(tools):
 
 
 @pytest.mark.parametrize(
-    ("slave", "feature"),
+    ("node", "feature"),
     [
         *(("node", other) for other in ("disc", "circle", "chain", "arc", "hole", "half-plane")),
         *(("circle", other) for other in ("chain", "arc", "hole", "half-plane")),
@@ -39,16 +39,16 @@ def kinds(tools):
         *(("chain", other) for other in ("hole", "half-plane")),
     ],
 )
-def test_the_slave_of_a_pair_does_not_depend_on_the_order(tools, slave, feature):
+def test_the_slave_of_a_pair_does_not_depend_on_the_order(tools, node, feature):
     made = kinds(tools)
     for order in ((0, 1), (1, 0)):
-        contacts = tools.assemble((0,), [(0, made[slave]), (-1, made[feature])], [(*order, 0, 0, 0)]).contacts
-        assert list(zip(contacts.pass_slave, contacts.pass_feature, strict=True)) == [(0, 1)]
+        contacts = tools.assemble((0,), [(0, made[node]), (-1, made[feature])], [(*order, 0, 0, 0)]).contacts
+        assert list(zip(contacts.pass_node, contacts.pass_feature, strict=True)) == [(0, 1)]
 
 
 def test_two_chains_are_slaves_of_each_other(tools):
     contacts = tools.assemble((0,), [(0, square(tools)), (-1, square(tools))], [(0, 1, 0.1, 0.2, 0.3)]).contacts
-    assert list(zip(contacts.pass_slave, contacts.pass_feature, strict=True)) == [(0, 1), (1, 0)]
+    assert list(zip(contacts.pass_node, contacts.pass_feature, strict=True)) == [(0, 1), (1, 0)]
     np.testing.assert_array_equal(contacts.pass_law, [0, 0])
     assert (contacts.friction[0], contacts.restitution[0], contacts.tangential_restitution[0]) == (0.1, 0.2, 0.3)
 
@@ -77,8 +77,8 @@ def test_coinciding_nodes_are_refused(tools):
 def test_normals_and_reach_of_a_rectangle(tools):
     contacts = tools.assemble((0,), [(0, square(tools))]).contacts
     h = math.sqrt(0.5)
-    np.testing.assert_allclose(contacts.slave_normal, [(-h, -h), (h, -h), (h, h), (-h, h)])
-    np.testing.assert_allclose(contacts.feature_reach[:4], 0.5, rtol=0.011)  # largest inscribed circle
+    np.testing.assert_allclose(contacts.node_normal, [(-h, -h), (h, -h), (h, h), (-h, h)])
+    np.testing.assert_allclose(contacts.feature_depth[:4], 0.5, rtol=0.011)  # largest inscribed circle
     np.testing.assert_array_equal(contacts.feature_kind, [SEGMENT] * 4 + [VERTEX] * 4)
     np.testing.assert_array_equal(contacts.feature_neighbour[:4], [(3, 1), (0, 2), (1, 3), (2, 0)])
     np.testing.assert_array_equal(contacts.feature_neighbour[4:], [(3, 0), (0, 1), (1, 2), (2, 3)])
@@ -87,7 +87,7 @@ def test_normals_and_reach_of_a_rectangle(tools):
 def test_a_rectangular_hole_has_no_vertices_and_holds_as_deep_as_it_is_large(tools):
     contacts = tools.assemble((0,), [(0, square(tools, clockwise=True))]).contacts
     np.testing.assert_array_equal(contacts.feature_kind, [0] * 4)
-    np.testing.assert_allclose(contacts.feature_reach, 0.5 * math.hypot(2.0, 1.0))
+    np.testing.assert_allclose(contacts.feature_depth, 0.5 * math.hypot(2.0, 1.0))
     np.testing.assert_array_equal(contacts.feature_span, [(-math.inf, math.inf)] * 4)  # no foot leaves over a corner
     np.testing.assert_array_equal(contacts.feature_neighbour, [(3, 1), (0, 2), (1, 3), (2, 0)])
 
@@ -97,10 +97,10 @@ def test_bounds_hold_every_point_of_the_moving_surface(tools):
     points = [tools.place(*xy, rng.normal(size=(2, 2)), rng.normal(size=2)) for xy in rng.normal(size=(6, 2))]
     contacts = tools.assemble((2,), [(0, shapes.chain(points))]).contacts
     for modal in rng.normal(size=(20, 2)):
-        sway = np.abs(modal) @ contacts.surface_sway[0]
+        deflection = np.abs(modal) @ contacts.surface_deflection[0]
         for point in points:
             apart = np.hypot(*(point.place + modal @ point.phi - contacts.surface_center[0]))
-            assert apart <= contacts.surface_extent[0] + sway + 1e-12
+            assert apart <= contacts.surface_extent[0] + deflection + 1e-12
 
 
 def test_a_half_plane_is_carried_by_the_material_at_its_point(tools):
@@ -119,17 +119,17 @@ def test_an_open_chain_reaches_half_way_through_the_outline_of_its_body(tools):
     """The lower side of a triangle of legs 4 and 3: half the height above its beginning, middle and end."""
     side = shapes.chain([tools.place(0.0, 0.0), tools.place(4.0, 0.0)])
     bounded = shapes.on_body(side, outline((0.0, 0.0), (4.0, 0.0), (0.0, 3.0)))
-    reach = tools.assemble((0,), [(0, bounded)]).contacts.feature_reach[0]
+    reach = tools.assemble((0,), [(0, bounded)]).contacts.feature_depth[0]
     np.testing.assert_allclose(reach, (1.5, 0.75, 0.0), atol=1e-5)
-    alone = tools.assemble((0,), [(0, side)]).contacts.feature_reach[0]
+    alone = tools.assemble((0,), [(0, side)]).contacts.feature_depth[0]
     np.testing.assert_allclose(alone, 2.0)  # half the size of the chain
 
 
 def test_a_hole_reaches_half_way_to_the_outline_of_its_body(tools):
     hole = shapes.hole(tools.place(1.0, 0.0), 0.5)
     square = outline((-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0))
-    assert tools.assemble((0,), [(0, shapes.on_body(hole, square))]).contacts.feature_reach[0, 1] == 0.25
-    assert tools.assemble((0,), [(0, hole)]).contacts.feature_reach[0, 1] == 0.5
+    assert tools.assemble((0,), [(0, shapes.on_body(hole, square))]).contacts.feature_depth[0, 1] == 0.25
+    assert tools.assemble((0,), [(0, hole)]).contacts.feature_depth[0, 1] == 0.5
 
 
 def test_slaves_and_features_are_all_in_a_block_that_holds_them(tools):

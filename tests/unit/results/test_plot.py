@@ -157,12 +157,12 @@ def test_ground_that_is_near_is_shown() -> None:
 
 def with_impact(result: Result, times: float) -> Result:
     """``result`` with one contact force that is larger than the others."""
-    spots = result.contact_points
-    force = spots.force.copy()
+    touching = result.contact_points
+    force = touching.force.copy()
     force[0] *= times
     shown = result.force.copy()
     shown[0] *= times
-    return replace(result, contact_points=replace(spots, force=force), force=shown)
+    return replace(result, contact_points=replace(touching, force=force), force=shown)
 
 
 def test_arrows_have_one_scale_for_a_run_and_end_in_the_picture(swing: Result) -> None:

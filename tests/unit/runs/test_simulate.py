@@ -71,10 +71,10 @@ def test_forces_impulses_and_states_of_a_resting_ball() -> None:
     assert floor.impulse[-1, 0] == pytest.approx(0.6 * 10.0, rel=1e-6)  # all that gravity gave
     assert floor.state[0] == 0
     assert floor.state[-1] != 0
-    spots = result.contact_points
-    last = spots.record == len(result.times) - 1
-    np.testing.assert_allclose(spots.place[last], [[0.0, 0.0]], atol=1e-2)
-    np.testing.assert_allclose(spots.normal[last], [[0.0, 1.0]], atol=1e-12)
+    touching = result.contact_points
+    last = touching.record == len(result.times) - 1
+    np.testing.assert_allclose(touching.place[last], [[0.0, 0.0]], atol=1e-2)
+    np.testing.assert_allclose(touching.normal[last], [[0.0, 1.0]], atol=1e-12)
 
 
 def test_energies_balance_over_an_inelastic_landing() -> None:

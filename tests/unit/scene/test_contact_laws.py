@@ -40,7 +40,7 @@ def test_kernels_serve_scenes_with_and_without_laws_alike(soft):
     ours, theirs = (made.compiled().system() for made in (scene, plain))
     assert ours.workspace(4)._type == theirs.workspace(4)._type
     assert ours.model._type == theirs.model._type
-    assert ours.tape(4, 4)._type == theirs.tape(4, 4)._type
+    assert ours.recorder(4, 4)._type == theirs.recorder(4, 4)._type
 
 
 def test_rules_carry_laws_and_declared_contacts_go_before_them():

@@ -235,7 +235,7 @@ def free_pendulum(modes: int) -> lf.Scene:
 
 
 def test_automatic_step_knows_the_compliance_of_masters() -> None:
-    """A rigid stop is the slave, and only the beam gives way: its modes alone would admit a step 5 times as long."""
+    """A rigid stop is the node side, only the beam gives way: its modes alone would admit a step 5 times as long."""
     result = lf.simulate(free_pendulum(12), 0.45, MasslessBoundary(), record=1e-3)
     assert result.energies.relative_remainder < 0.002
 

@@ -22,7 +22,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out
-from lcpflex.steppers.recorder import Tape, note_certificate
+from lcpflex.steppers.recorder import Recorder, note_certificate
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.scheme import record, take_step
@@ -47,12 +47,12 @@ record.of(EulerScheme)(record_impulses)
 
 @take_step.of(EulerScheme)
 @kernel
-def euler_step(model: Model, scheme: EulerScheme, t: float, work: Workspace, tape: Tape, clock: Any) -> int:
+def euler_step(model: Model, scheme: EulerScheme, t: float, work: Workspace, recorder: Recorder, clock: Any) -> int:
     """u+ = u + M^-1 (h f + W p), q+ = q + h u+, without joints."""
     q, u, h = scheme.q, scheme.u, scheme.step
     if t >= scheme.fails_at:
         return RunStatus.STIFF
-    set_out(q, tape)
+    set_out(q, recorder)
     n = detect(model, q, scheme.gap_tolerance, work.table)
     clock.number = n
     if n > len(work.table.key):
@@ -76,7 +76,7 @@ def euler_step(model: Model, scheme: EulerScheme, t: float, work: Workspace, tap
     remember_basis(work.problem, work.solver)
     distribute(work)
     apply_impulses(work.solved, work.row_body, 0, n + work.n_tangents, work.p, work.dof, work.free_u)
-    note_certificate(work, tape)
+    note_certificate(work, recorder)
     for i in range(len(q)):
         u[i] = work.free_u[i]
     advance(model, q, u, h, q)

@@ -1,4 +1,4 @@
-"""Contact between two boundaries that both deform: two passes, or one with a stated choice of slave and master."""
+"""Contact between two boundaries that both deform: two passes, or one with a stated choice of the node side."""
 
 from __future__ import annotations
 
@@ -58,17 +58,17 @@ def momentum(compiled, q, u):
 # ---- which passes there are
 
 
-@pytest.mark.parametrize(("choice", "slaves"), [("both", {0, 1}), ("upper", {1}), ("lower", {0})])
-def test_slaves_are_of_the_body_that_was_chosen(choice, slaves):
+@pytest.mark.parametrize(("choice", "nodes"), [("both", {0, 1}), ("upper", {1}), ("lower", {0})])
+def test_slaves_are_of_the_body_that_was_chosen(choice, nodes):
     compiled = two_beams(choice, gap=0.0).compiled()
     table, n = table_of(pack(compiled.model), compiled.q.copy(), 1e-9)
-    assert set(table.body[:n, 0].tolist()) == slaves
+    assert set(table.body[:n, 0].tolist()) == nodes
     over = {0: [k / 20 for k in range(11) if k / 20 >= 0.07], 1: [k / 14 for k in range(8) if 0.07 + k / 14 <= 0.5]}
-    assert n == sum(len(over[b]) for b in slaves)
+    assert n == sum(len(over[b]) for b in nodes)
 
 
 def test_a_choice_among_kinds():
-    """The nodes of a chain can be made the slaves of a disc, whose own choice is the other way about."""
+    """The nodes of a chain can be made the node side of a disc, whose own choice is the other way about."""
     for choice in ("ball", "beam"):
         scene = lf.Scene()
         ball = scene.add(lf.Disc(radius=0.05, mass=1.0), position=(0.25, 0.06))
@@ -154,7 +154,7 @@ def test_rows_and_biases_of_two_deforming_chains(choice):
 
 
 def test_contact_forces_of_both_sides_cancel():
-    """The weights of master nodes add up to the slave's: no force is left over, and the moment of the gap alone."""
+    """Weights of the other nodes add up to the node's: no force is left over, and the moment of the gap alone."""
     compiled = two_beams("upper").compiled()
     model = pack(compiled.model)
     q = compiled.q + 1e-3 * np.random.default_rng(6).normal(size=len(compiled.q))
@@ -254,7 +254,7 @@ def settled(across, choice):
         ((5, 8), "both", 0.0, 1e-8),
         ((6, 6), "both", 0.0, 1e-8),
         ((6, 6), "upper", 0.0, 1e-8),  # so does one where the nodes meet
-        ((5, 8), "lower", 1e-4, 1e-3),  # one pass does not where they do not; least so with the finer mesh as slave
+        ((5, 8), "lower", 1e-4, 1e-3),  # one pass does not where they do not; least so with the finer mesh as node side
         ((5, 8), "upper", 1e-3, 2e-2),
     ],
 )
