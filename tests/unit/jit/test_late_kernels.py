@@ -129,6 +129,8 @@ else:
 def test_ctrl_c(sources: Path, tmp_path: Path) -> None:
     """It takes effect when the kernel that was asked for is there."""
     interrupted = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # jobs in the background ignore it
 known, left = late._address, [2]
 def broken(call):
     left[0] -= 1
