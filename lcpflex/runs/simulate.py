@@ -253,7 +253,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
     place_error, speed_error = stated_errors(system.model, run.records, data, run.steps, controlled)
-    touching = data["touching"]
+    touching = data["points"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
     laws = run.records.laws

@@ -174,7 +174,7 @@ class Scene:
         check_own(self, "load", load.P)
         self._loads.append(load)
 
-    @renamed_keyword(node="node_side")
+    @renamed_keyword(slave="node_side")
     def contact(
         self,
         a: PlacedSurface,

@@ -93,7 +93,7 @@ def test_the_argument_of_contacts() -> None:
         old = declared(slave=True)
     assert t[0].filename == __file__
     new = declared(node_side=True)
-    assert old.pass_slave.tolist() == new.pass_slave.tolist() == [1]
+    assert old.pass_node.tolist() == new.pass_node.tolist() == [1]
     with pytest.raises(lf.ModelError, match="slave: it was given beside node_side"):
         declared(slave=True, node_side=True)
 

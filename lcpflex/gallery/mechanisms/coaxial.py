@@ -68,7 +68,7 @@ def meshed_sphere_on_rod(finest: float = 5e-5, speed: float = 0.3, modes: int = 
     """The impact of :func:`sphere_on_rod` with two elastic meshes, ``finest`` [m] where they touch.
 
     Each body keeps its ``modes`` lowest modes; the others are the compliance of its contact nodes, exactly with
-    ``MasslessBoundary(dynamic_modes=modes)``. The nodes of the ball are the nodes of the face of the rod.
+    ``MasslessBoundary(dynamic_modes=modes)``. The ball is the node side of its contact with the rod.
     """
     scene = Scene(gravity=(0.0, 0.0))
     rod = scene.add(meshed_rod(finest, modes=modes), "rod")

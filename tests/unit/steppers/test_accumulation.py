@@ -71,15 +71,15 @@ def test_a_threshold_below_zero_is_refused() -> None:
 def test_a_run_that_comes_down_to_its_shortest_steps_says_so_while_it_runs(capsys: pytest.CaptureFixture[str]) -> None:
     pace = Pace(1e-9)
     clock = allocate(StepClock, {}, time=4.0637, steps=100_000, n_shortest=30)
-    pace.look(clock)
+    pace.update(clock)
     assert pace.warnings(clock) == []
     assert capsys.readouterr().err == ""
     clock.time, clock.steps, clock.n_shortest = 4.063701, 101_000, 980
-    pace.look(clock)
+    pace.update(clock)
     said = capsys.readouterr().err
     assert "from t = 4.0637 s on, most steps were as short as allowed, 1e-09 s" in said
     assert pace.warnings(clock)[0] in said
-    pace.look(clock)
+    pace.update(clock)
     assert capsys.readouterr().err == ""  # once
 
 
