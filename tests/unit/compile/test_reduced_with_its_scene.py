@@ -15,18 +15,10 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.reduction.interface import Interface
 from lcpflex.studies import small_vibrations
 from tests.scenes import floor_of
+from tests.unit.compile.bodies import BEAM, PLATE, RHO, E
 
-E, RHO = 7e10, 2700.0
-BEAM = lf.Beam(1.0, 0.02, 0.005, RHO, E)
 BENDING = lf.Beam(1.0, 0.02, 0.005, RHO, E, axial=False)
 SOFT = E * 0.02 * 0.005**3 / 12.0  # E I
-PLATE = lf.Continuum(
-    lf.meshes.quadratic(lf.meshes.bar(0.3, 0.02, 15)),
-    density=RHO,
-    youngs_modulus=E,
-    poissons_ratio=0.33,
-    thickness=0.02,
-)
 
 
 def matrices() -> lf.Matrices:

@@ -9,16 +9,7 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-
-E, RHO = 7e10, 2700.0
-BEAM = lf.Beam(1.0, 0.02, 0.005, RHO, E)
-PLATE = lf.Continuum(
-    lf.meshes.quadratic(lf.meshes.bar(0.3, 0.02, 15)),
-    density=RHO,
-    youngs_modulus=E,
-    poissons_ratio=0.33,
-    thickness=0.02,
-)
+from tests.unit.compile.bodies import BEAM, PLATE, RHO, E
 
 
 def test_initial_deformation_is_that_of_the_free_modes() -> None:
