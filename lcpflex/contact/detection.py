@@ -39,7 +39,7 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
     c = model.contacts
     dof = model.bodies.dof
     out = table.bound
-    sway_of = c.surface_deflection
+    deflection_of = c.surface_deflection
     last = -1
     cos = 1.0
     sin = 0.0
@@ -59,7 +59,7 @@ def bound(model: Model, q: FloatArray, table: ContactTable) -> None:
                 last = b
             x, y = q[d] + cos * x - sin * y, q[d + 1] + sin * x + cos * y
             for m in range(dof[b + 1] - d - N_RIGID):
-                deflection += abs(q[d + N_RIGID + m]) * sway_of[s, m]
+                deflection += abs(q[d + N_RIGID + m]) * deflection_of[s, m]
             out[s, 3] = cos
             out[s, 4] = sin
         out[s, 0] = x
