@@ -1,14 +1,9 @@
-"""Files that are written beside their final name and put in its place when they are whole; what others raise."""
+"""Files that are written beside their final name and put in its place when they are whole."""
 
 from __future__ import annotations
 
 import csv
-import lzma
 import os
-import struct
-import tokenize
-import zipfile
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -16,13 +11,7 @@ from typing import Any
 
 from lcpflex.errors import ModelError, writable_path
 
-__all__ = ["DAMAGED", "whole_file", "write_rows"]
-
-# What numpy, zipfile, its codecs and json raise of bytes that are not those once written.
-DAMAGED: tuple[type[Exception], ...] = (
-    OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, EOFError, ImportError, MemoryError,
-    RuntimeError, SyntaxError, struct.error, tokenize.TokenError, lzma.LZMAError, zipfile.BadZipFile, zlib.error,
-)  # fmt: skip
+__all__ = ["whole_file", "write_rows"]
 
 
 @contextmanager

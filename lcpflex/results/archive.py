@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.whole_file import DAMAGED, whole_file
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.results.first_format import CHANGED
 
@@ -74,7 +74,7 @@ def read(path: str | os.PathLike[str]) -> Any:
     except OSError as error:
         words = f"cannot read {str(target)!r}: {error.strerror or error}"
         raise ModelError(f"path: {words}, {EXPECTED}") from error
-    except DAMAGED as error:
+    except Exception as error:  # whatever zipfile, its codecs, numpy and json stumble over
         raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error}), {EXPECTED}") from error
 
 

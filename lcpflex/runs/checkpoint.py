@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics.whole_file import DAMAGED, whole_file
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, in_range, shown, writable_path
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze, thaw
 from lcpflex.runs.stamp import described
@@ -73,7 +73,7 @@ class Checkpoint:
         """An entry of the structure."""
         try:
             return thaw(self.structure[name], self.arrays, live, name, {})
-        except DAMAGED as error:
+        except Exception as error:  # entries of a damaged file may be anything
             raise self.damaged(error) from error
 
     def restore(self, setup: Setup, run: Run) -> tuple[float, float]:
@@ -126,7 +126,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     except OSError as error:
         words = f"cannot read {shown(str(path))} ({error.strerror or error})"
         raise ModelError(f"path: {words}, expected a file that simulate(..., checkpoint=path) wrote") from error
-    except DAMAGED as error:
+    except Exception as error:  # whatever zipfile, its codecs, numpy and json stumble over
         if isinstance(error, TypeError) and not isinstance(path, str | os.PathLike):
             raise ModelError(f"path: {shown(path)} was given, expected the name of a file") from None
         raise _no_checkpoint(str(path), error) from error

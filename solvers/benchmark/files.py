@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import SHOWN, lines_of, sequence_of, text
-from lcpflex.basics.whole_file import DAMAGED, whole_file
+from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.benchmark.stored import MARKS, AnyProblem, arrays_of, problem_of
@@ -75,7 +75,7 @@ def load_problems(path: str | os.PathLike[str]) -> list[Recorded]:
             if not hasattr(stored, "files"):
                 raise ModelError(f"{name}: holds a single array; expected an npz file with keys M_0, q_0, ...")
             arrays = {key: stored[key] for key in stored.files}
-    except DAMAGED as error:
+    except Exception as error:  # whatever zipfile, its codecs, numpy and json stumble over
         raise ModelError(f"{name}: cannot be read ({error}); expected an npz file with keys M_0, q_0, ...") from error
     records: list[Recorded] = []
     while any(f"{key}_{len(records)}" in arrays for key in MARKS):
