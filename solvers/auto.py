@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -20,14 +21,16 @@ import numpy.typing as npt
 from lcpflex.errors import ModelError, SolverError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.arguments import check_guess, check_solver, posed
-from lcpflex.solvers.clock import expired, out_of_time
+from lcpflex.solvers.clock import check_time_limit, expired, out_of_time, within
 from lcpflex.solvers.contact.block_gauss_seidel import SWEPT, BlockGaussSeidel
 from lcpflex.solvers.contact.lcp_forms import from_copositive
+from lcpflex.solvers.contact.many import FACTORS, Search
+from lcpflex.solvers.contact.parts import solved_by_parts
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.guard import ENDED, FAILED, guarded, joined
 from lcpflex.solvers.lcp.enumeration import LARGEST, Enumeration
 from lcpflex.solvers.lcp.farkas import candidate
-from lcpflex.solvers.lcp.lemke import Lemke, lemke
+from lcpflex.solvers.lcp.lemke import Lemke, lemke, pivot_budget
 from lcpflex.solvers.lcp.newton import MinMapNewton
 from lcpflex.solvers.lcp.perturbed import PERTURBED, TRIALS, perturbed_newton
 from lcpflex.solvers.lcp.pivoting import block_pivots
@@ -42,8 +45,11 @@ __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
 
 FLIPS = 5  # exchanges after which a basis from elsewhere was no help
 TARGET = 1e-10  # residual of a solution
-MANY = 900  # unknowns from which Gauss-Seidel on the contacts is tried first
-TOO_MANY = 3000  # unknowns from which a dense matrix is not formed
+SMALL = 60  # unknowns up to which parts are looked for only where the whole is not solved at once
+PIVOTED = 300  # unknowns up to which Lemke's method is cheaper than what else is done for many contacts
+MANY = 900  # unknowns up to which it is the last word: ten seconds
+NEAR = 1e-3  # residual below which a problem is not suspected of having no solution
+TOO_MANY = 3000  # unknowns from which no dense matrix is tried
 PROGRAM = "linear program of Farkas"
 EXACT = "search in whole numbers"
 SEARCH = 5e5  # entries that it may compute: a third of a second
@@ -77,7 +83,7 @@ def auto(
         done, residual = block_pivots(M, q, n, z, table, basis, FLIPS)
         if done > 0 and residual <= TARGET:
             return SOLVED, done
-    status, pivots = lemke(M, q, n, z, table, basis, 1000 + 50 * n)
+    status, pivots = lemke(M, q, n, z, table, basis, pivot_budget(n))
     return status, max(done, 0) + pivots
 
 
@@ -90,7 +96,10 @@ def auto_workspace(capacity: int) -> tuple[FloatArray, IntArray]:
 class Auto:
     """The default solver, for every problem.
 
-    tolerance: largest accepted residual [-]. Raises ModelError for a tolerance that makes no sense.
+    tolerance: largest accepted residual [-]. budget: seconds that one solve may take, None for no limit of time (then
+    answers do not depend on the machine's speed); factors: sparse factorisations that a contact problem of more than 60
+    unknowns may take. What does not reach the tolerance within them is returned as the best point, with its residual.
+    Raises ModelError for numbers that make no sense.
 
     Guaranteed for positive (semi)definite and P-matrices and for planar friction posed as a :class:`ContactProblem`,
     as far as rounding allows. For other matrices all that can be tried is tried; without a solution the status is
@@ -99,9 +108,12 @@ class Auto:
     """
 
     tolerance: float = 1e-10
+    budget: float | None = None
+    factors: int = FACTORS
 
     def __post_init__(self) -> None:
-        keep_settings(self)
+        keep_settings(self, "factors", needed=True)
+        object.__setattr__(self, "budget", check_time_limit("budget", self.budget))
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Empty: it takes every problem."""
@@ -112,7 +124,10 @@ class Auto:
 
         guess: the solution of a similar problem; its basis is tried first, matched by contact where problems have keys.
         """
-        return self.attempt(problem, guess, TRIALS)
+        if self.budget is None:
+            return self.attempt(problem, guess, TRIALS)
+        with within(self.budget):
+            return self.attempt(problem, guess, TRIALS)
 
     def attempt(self, problem: Lcp | PosedProblem, guess: Solution | None, trials: int) -> Solution:
         """The same with at most so many trials on perturbed data: a run has no seconds for each of its steps.
@@ -136,7 +151,7 @@ class Auto:
     def _first(self, problem: Lcp, guess: Solution | None) -> Solution:
         """By the basis of the guess, else by principal pivoting where M is symmetric, and by Lemke."""
         if not problem.symmetric:
-            return Lemke(self.tolerance).solve(problem, guess)
+            return _lemke(self.tolerance).solve(problem, guess)
         found = PrincipalPivoting(self.tolerance).solve(problem, guess)
         if found.settled:
             return found
@@ -144,38 +159,100 @@ class Auto:
         return _descend(problem, found, steps, self.tolerance)
 
     def _contact(self, problem: ContactProblem, guess: Solution | None, trials: int) -> Solution:
-        """Contact with friction: by contacts if there are many, else as one LCP and its copositive form."""
+        """Contact with friction: as a whole where that is cheap, else part by part."""
         keys = problem.unknown_keys
+        guess = aligned(guess, keys)
+        if problem.size <= SMALL:
+            return replace(self._few(problem, guess, trials, whole=True), keys=keys)
+        search = Search(problem, guess, self.tolerance, self.factors)
+        if search.run(search.swept):
+            return replace(search.solution(), keys=keys)
+        swept = search.solution()
+        found = self._by_parts(problem, swept, replace(swept, keys=keys), trials)
+        return replace(self._many(search, trials) if found is None else found, keys=keys)
+
+    def _few(self, problem: ContactProblem, guess: Solution | None, trials: int, whole: bool) -> Solution:
+        """A few contacts, as one LCP. whole: whether they may fall into parts."""
         swept = None
-        if problem.delassus is None or problem.size > MANY:
+        if problem.delassus is None:
             swept = BlockGaussSeidel(self.tolerance).solve(problem, guess)
-            if swept.solved or problem.size > TOO_MANY or out_of_time():
+            if swept.solved or out_of_time():
                 return swept if swept.solved else replace(swept, route=joined(swept))
-        lcp = problem.lcp()
-        found = self._first(lcp, aligned(guess, keys))
+        found = self._first(problem.lcp(), guess)
         if not found.settled:
-            steps: list[Step] = []
-            if len(problem.tangent):
-                steps.append(("lemke on the copositive form", lambda: self._copositive(problem, lcp)))
-            if swept is None:
-                steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem, guess)))
-            steps += self._last_steps(lcp)
-            steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance, trials)))
-            found = _descend(lcp, found, steps, self.tolerance)
+            apart = self._by_parts(problem, found, guess, trials) if whole else None
+            found = self._dense(problem, found, trials) if apart is None else apart
+        found = self._told(problem, found)
+        return found if swept is None else _after(swept, found)
+
+    def _by_parts(
+        self, problem: ContactProblem, first: Solution, guess: Solution | None, trials: int
+    ) -> Solution | None:
+        """After a first attempt at the whole, each of its parts by itself; None if there is but one."""
+        apart = solved_by_parts(problem, guess, self.tolerance, lambda part, its: self._part(part, its, trials))
+        if apart is None:
+            return None
+        route, iterations = f"{joined(first)} > {apart.route}", first.iterations + apart.iterations
+        return replace(apart, route=route, iterations=iterations)
+
+    def _part(self, part: ContactProblem, guess: Solution | None, trials: int) -> Solution:
+        """Contacts that do not fall into parts."""
+        if part.size > SMALL:
+            search = Search(part, guess, self.tolerance, self.factors)
+            return search.solution() if search.run(search.swept) else self._many(search, trials)
+        return self._few(part, guess, trials, whole=False)
+
+    def _many(self, search: Search, trials: int) -> Solution:
+        """Many contacts on which a few sweeps did not settle; by pivoting too where they are not too many for it."""
+        problem, pivoted = search.problem, None
+        search.run(search.finished)
+        if not search.done and problem.size <= PIVOTED and not out_of_time():
+            pivoted = self._first(problem.lcp(), None)
+            if pivoted.settled:
+                return self._told(problem, _after(search.solution(), pivoted))
+        search.run(search.swept_on, search.relaxed, search.finished, search.newton)
+        found = search.solution() if pivoted is None else _after(pivoted, search.solution())
+        if search.done or problem.size > TOO_MANY or out_of_time():
+            return found
+        return self._told(problem, self._last_word(problem, found, pivoted, trials))
+
+    def _last_word(self, problem: ContactProblem, first: Solution, pivoted: Solution | None, trials: int) -> Solution:
+        """Where all else failed: dense pivoting up to MANY unknowns, beyond the proof that there is no solution."""
+        if problem.size > MANY:
+            if first.residual < NEAR:
+                return first
+            steps: list[Step] = [(PROGRAM, lambda: self._infeasible(problem.lcp()))]
+            return _descend(problem.lcp(), first, steps, self.tolerance)
+        if pivoted is None:
+            pivoted = self._first(problem.lcp(), None)
+        found = pivoted if pivoted.settled else self._dense(problem, pivoted, trials)
+        better = found.settled or found.residual <= first.residual
+        return _after(first, found) if better else replace(first, status=found.status, route=_after(first, found).route)
+
+    def _dense(self, problem: ContactProblem, first: Solution, trials: int) -> Solution:
+        """After a first attempt at the LCP, all that can be tried on it."""
+        lcp = problem.lcp()
+        steps: list[Step] = []
+        if len(problem.tangent):
+            steps.append(("lemke on the copositive form", lambda: self._copositive(problem, lcp)))
+        if problem.size <= SMALL:
+            steps.append((SWEPT, lambda: BlockGaussSeidel(self.tolerance).solve(problem)))
+        steps += self._last_steps(lcp)
+        steps.append((PERTURBED, lambda: perturbed_newton(lcp, problem.unknown_units.d, self.tolerance, trials)))
+        return _descend(lcp, first, steps, self.tolerance)
+
+    def _told(self, problem: ContactProblem, found: Solution) -> Solution:
+        """What was found for the LCP, said of the contacts."""
         if found.status is Status.NOT_UNIQUE:
-            found = problem.told_apart(lcp, found, self.tolerance)
-        found = confirmed(problem, found)
-        if swept is not None:
-            iterations = swept.iterations + found.iterations
-            found = replace(found, route=f"{joined(swept)} > {found.route}", iterations=iterations)
-        return replace(found, keys=keys)
+            found = problem.told_apart(problem.lcp(), found, self.tolerance)
+        return confirmed(problem, found)
 
     def _copositive(self, problem: ContactProblem, lcp: Lcp) -> Solution:
         """Lemke on the form of friction for which its path ends in a solution whenever theory knows one."""
         tangent, normals = problem.tangent, len(problem.friction)
         found = Lemke(self.tolerance).solve(problem.copositive_lcp())
         z = np.zeros(lcp.size)
-        from_copositive(found.z, *lcp.data, problem.friction, tangent, normals, len(tangent), z)
+        from_copositive(found.z, *lcp.data, problem.data[2], tangent, normals, len(tangent), z)
         return accept(
             lcp,
             z,
@@ -209,6 +286,9 @@ class Auto:
         return accept(problem, np.zeros(problem.size), tolerance=self.tolerance, route=PROGRAM, certificate=u)
 
 
+_lemke = lru_cache(Lemke)  # its settings checked once
+
+
 def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: float) -> Solution:
     """One step after the other until one settles the problem; else the best point, and why the first method failed."""
     best, tried = first, [first]
@@ -232,6 +312,12 @@ def _descend(problem: Problem, first: Solution, steps: list[Step], tolerance: fl
         reasons.append(NEARLY)
     message = "; ".join(dict.fromkeys(reasons))
     return replace(best, status=first.status, route=route, iterations=iterations, message=message)
+
+
+def _after(first: Solution, found: Solution) -> Solution:
+    """The second, with the route and the iterations of both."""
+    route = f"{joined(first)} > {joined(found)}"
+    return replace(found, route=route, iterations=first.iterations + found.iterations)
 
 
 def _words(status: Status) -> str:

@@ -288,7 +288,7 @@ def restored(problem: Problem, found: Solution, units: Units, tolerance: float) 
         certificate=None if found.certificate is None else found.certificate * units.d,
         proof=exact_solution(problem)[0] if found.status is Status.NO_SOLUTION else None,
     )
-    return replace(told, keys=found.keys)
+    return told if found.keys is None else replace(told, keys=found.keys)
 
 
 def _judged(problem: Problem, point: FloatArray) -> tuple[FloatArray, float, float]:

@@ -24,7 +24,8 @@ from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 __all__ = ["load_fclib", "save_fclib"]
 
-LARGEST = 8000  # rows of a matrix, which becomes a dense one
+LARGEST = 8000  # rows of a matrix that becomes a dense one
+MOST = 1_000_000  # rows of any, and a hundred times as many entries
 SHOWN = 120  # characters of a message of HDF5, and of a path
 LOCAL = "/fclib_local with W, vectors/q, vectors/mu, spacedim"
 GLOBAL = "/fclib_global with M, H, vectors/f, vectors/w, vectors/mu, spacedim"
@@ -35,7 +36,8 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
 
     Of a global problem the motion of the bodies, with their joints, is eliminated by a dense factorisation. Needs h5py.
     Raises ModelError without it, for a damaged file, for bodies whose equations are singular, for rolling friction, and
-    for matrices of more than 8000 rows.
+    for matrices of more than a million rows, of global and of spatial ones of more than 8000 and 4000. The W of a
+    planar local problem stays sparse.
 
     path: of the file.
     """
@@ -92,7 +94,7 @@ def _h5py() -> Any:
         raise ModelError("FCLIB files need h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
 
 
-def _local(group: Any) -> tuple[FloatArray, FloatArray, FloatArray, int]:
+def _local(group: Any) -> tuple[Any, FloatArray, FloatArray, int]:
     """W, q, mu and the dimension."""
     W = _matrix(group, "W")
     return W, _vector(group, "q"), _vector(group, "mu"), _whole(group, "spacedim")
@@ -100,7 +102,7 @@ def _local(group: Any) -> tuple[FloatArray, FloatArray, FloatArray, int]:
 
 def _global(group: Any) -> tuple[FloatArray, FloatArray, FloatArray, int]:
     """The same of a global problem, its bodies eliminated."""
-    M, H = _matrix(group, "M"), _matrix(group, "H")
+    M, H = _dense(group, "M"), _dense(group, "H")
     f, w, mu = (_vector(group, key) for key in ("f", "w", "mu"))
     n, m = len(M), H.shape[1]
     if M.shape != (n, n) or H.shape != (n, m) or f.shape != (n,) or w.shape != (m,):
@@ -109,7 +111,7 @@ def _global(group: Any) -> tuple[FloatArray, FloatArray, FloatArray, int]:
         )
     G = b = None
     if "G" in group:
-        G, b = _matrix(group, "G"), _vector(group, "b")
+        G, b = _dense(group, "G"), _vector(group, "b")
         if G.shape != (n, len(b)):
             raise ModelError(f"G has shape {G.shape} and b {b.shape}: expected ({n}, p) and (p,)")
     for key, values in (("M", M), ("H", H), ("f", f), ("w", w), ("G", G), ("b", b)):
@@ -128,22 +130,33 @@ def _whole(group: Any, key: str) -> int:
 
 def _vector(group: Any, key: str) -> FloatArray:
     values = group[f"vectors/{key}"]
-    if values.size > LARGEST:
-        raise ModelError(f"vectors/{key} has {values.size} numbers: expected at most {LARGEST}")
+    if values.size > MOST:
+        raise ModelError(f"vectors/{key} has {values.size} numbers: expected at most {MOST}")
     return np.asarray(values, dtype=float).ravel()
 
 
-def _matrix(owner: Any, name: str) -> FloatArray:
-    """A matrix from its CSparse arrays: nz >= 0 triplets (columns in p), -1 compressed columns, -2 compressed rows."""
+def _dense(owner: Any, name: str) -> FloatArray:
+    """A matrix of at most LARGEST rows as an array."""
+    matrix = _matrix(owner, name)
+    if max(matrix.shape) > LARGEST:
+        rows, columns = matrix.shape
+        raise ModelError(
+            f"{name} has {rows} rows and {columns} columns: expected at most {LARGEST}, as it becomes dense"
+        )
+    return np.asarray(matrix.toarray())
+
+
+def _matrix(owner: Any, name: str) -> Any:
+    """A CSR array from its CSparse arrays: nz >= 0 triplets (columns in p), -1 compressed columns, -2 rows."""
     group = owner[name]
     m, n, nz = (_whole(group, key) for key in ("m", "n", "nz"))
-    if not (0 <= m <= LARGEST and 0 <= n <= LARGEST):
-        raise ModelError(f"{name} has {m} rows and {n} columns: expected at most {LARGEST}, for it becomes dense")
-    if any(group[key].size > 4 * LARGEST**2 for key in ("p", "i", "x")):
-        raise ModelError(f"{name} has more entries than a matrix of {LARGEST} rows: expected fewer")
+    if not (0 <= m <= MOST and 0 <= n <= MOST):
+        raise ModelError(f"{name} has {m} rows and {n} columns: expected at most {MOST}")
+    if any(group[key].size > 100 * MOST for key in ("p", "i", "x")):
+        raise ModelError(f"{name} has more than {100 * MOST} entries: expected fewer")
     p, i, x = (np.asarray(group[key]).ravel() for key in ("p", "i", "x"))
     if nz >= 0:
-        return np.asarray(scipy.sparse.coo_array((x[:nz], (i[:nz], p[:nz])), shape=(m, n)).toarray(), dtype=float)
+        return scipy.sparse.csr_array((x[:nz].astype(float), (i[:nz], p[:nz])), shape=(m, n))
     if nz not in (-1, -2):
         raise ModelError(f"{name}/nz is {nz}: expected >= 0 (triplets), -1 (columns) or -2 (rows)")
     lines, places = (n, m) if nz == -1 else (m, n)
@@ -153,10 +166,10 @@ def _matrix(owner: Any, name: str) -> FloatArray:
     if used and not (int(i[:used].min()) >= 0 and int(i[:used].max()) < places):
         raise ModelError(f"{name}/i holds {int(i[:used].max())}: expected places from 0 to {places - 1}")
     kind = scipy.sparse.csc_array if nz == -1 else scipy.sparse.csr_array
-    return np.asarray(kind((x[:used], i[:used], p), shape=(m, n)).toarray(), dtype=float)
+    return scipy.sparse.csr_array(kind((x[:used].astype(float), i[:used], p), shape=(m, n)))
 
 
-def _write(group: Any, W: FloatArray) -> None:
+def _write(group: Any, W: Any) -> None:
     """A matrix by compressed columns."""
     stored = scipy.sparse.csc_array(W)
     sizes = {"nzmax": stored.nnz, "m": W.shape[0], "n": W.shape[1], "nz": -1}

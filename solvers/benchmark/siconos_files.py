@@ -18,13 +18,16 @@ from __future__ import annotations
 
 import os
 import re
+from typing import Any
 
 import numpy as np
+import scipy.sparse
 
 from lcpflex.basics.arguments import SHOWN, lines_of
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.solvers.contact.condensation import condensed, contact_problem
+from lcpflex.solvers.contact.condensation import condensed, condensed_sparse, contact_problem
+from lcpflex.solvers.contact.matrices import as_dense
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 from lcpflex.solvers.mixed.problems import MixedLcp
@@ -32,7 +35,8 @@ from lcpflex.solvers.problem import Lcp
 
 __all__ = ["load_siconos", "load_siconos_contacts", "load_siconos_lcp", "load_siconos_mlcp"]
 
-LARGEST = 8000  # rows of a matrix, which becomes a dense one
+LARGEST = 8000  # rows of a matrix that becomes a dense one
+MOST = 1_000_000  # rows of any
 DENSE, BLOCKS, SPARSE = 0, 1, 2
 _HEADING = re.compile(r"(?:(triplet|csr):\s*)?(\d+)-by-(\d+),\s*nzmax:\s*\d+\s+nnz:\s*(\d+)")
 
@@ -66,7 +70,7 @@ class _Reader:
         self._look(expected)
         return self._rest.pop()
 
-    def whole(self, expected: str, most: int = LARGEST) -> int:
+    def whole(self, expected: str, most: int = MOST) -> int:
         """The next word as a number from 0 to ``most``."""
         word = self.word(expected)
         if not word.isdecimal() or len(word) > 9 or int(word) > most:
@@ -99,46 +103,58 @@ class _Reader:
         self._rest = []
         return text
 
-    def matrix(self, name: str) -> FloatArray:
-        """The next matrix, in whichever way it is stored."""
+    def dense(self, name: str) -> FloatArray:
+        """The next matrix as an array."""
+        matrix = self.matrix(name)
+        if max(matrix.shape) > LARGEST:
+            raise self.fail(f"{name} is {matrix.shape[0]} x {matrix.shape[1]}", f"at most {LARGEST}, it becomes dense")
+        return as_dense(matrix)
+
+    def matrix(self, name: str) -> Any:
+        """The next matrix, an array where it is stored so, else sparse."""
         storage = self.whole(f"the storage of {name}: 0 (dense), 1 (blocks) or 2 (sparse)", SPARSE)
         shape = self.whole(f"the rows of {name}"), self.whole(f"the columns of {name}")
         if storage == DENSE:
+            if max(shape) > LARGEST:
+                raise self.fail(f"{name} is {shape[0]} x {shape[1]}", f"at most {LARGEST} where it is stored densely")
             again = self.whole(f"the rows of {name} again"), self.whole(f"the columns of {name} again")
             if again != shape:
                 raise self.fail(f"{name} is {again[0]} x {again[1]}", f"{shape[0]} x {shape[1]} as before")
             return self.numbers(shape[0] * shape[1], f"entries of {name}").reshape(shape[::-1]).T.copy()
         return self._blocks(name, shape) if storage == BLOCKS else self._sparse(name, shape)
 
-    def _blocks(self, name: str, shape: tuple[int, int]) -> FloatArray:
-        count = self.whole(f"the number of blocks of {name}", LARGEST**2)
+    def _blocks(self, name: str, shape: tuple[int, int]) -> Any:
+        count = self.whole(f"the number of blocks of {name}", MOST**2)
         rows, columns = self.whole("rows of blocks"), self.whole("columns of blocks")
-        ends = [self.wholes(k, "ends of blocks", LARGEST) for k in (rows, columns)]
+        ends = [self.wholes(k, "ends of blocks", MOST) for k in (rows, columns)]
         for end, size in zip(ends, shape, strict=True):
             if (np.diff(end, prepend=0) <= 0).any() or (size and (not len(end) or end[-1] != size)):
                 raise self.fail(f"blocks of {name} end at {end[:8]}", f"increasing numbers, the last of them {size}")
-        lengths = self.whole("the length of the first index"), self.whole("that of the second", LARGEST**2)
+        lengths = self.whole("the length of the first index"), self.whole("that of the second", MOST**2)
         if lengths != (rows + 1, count):
             raise self.fail(f"indices have lengths {lengths}", f"{(rows + 1, count)}")
         first = self.wholes(lengths[0], "the first index", count)
         second = self.wholes(lengths[1], "the second index, columns of blocks", max(columns - 1, 0))
         if first[0] != 0 or first[-1] != count or (np.diff(first) < 0).any():
             raise self.fail(f"the first index is {first[:8]}", f"numbers that rise from 0 to {count}")
-        found = np.zeros(shape)
+        found: list[tuple[IntArray, IntArray, FloatArray]] = []
         starts = [np.concatenate([[0], end[:-1]]) for end in ends]
         for i in range(rows):
             for k in range(first[i], first[i + 1]):
-                number = self.whole(f"the number {k} of a block", LARGEST**2)
+                number = self.whole(f"the number {k} of a block", MOST**2)
                 if number != k:
                     raise self.fail(f"block {number}", f"block {k}")
                 j = second[k]
-                here = slice(starts[0][i], ends[0][i]), slice(starts[1][j], ends[1][j])
-                block = found[here]
-                numbers = self.numbers(block.size, f"entries of block {k}")
-                found[here] = numbers.reshape(block.shape[::-1]).T
-        return found
+                down, right = np.meshgrid(
+                    np.arange(starts[0][i], ends[0][i]), np.arange(starts[1][j], ends[1][j])
+                )  # columns of the block one after the other, as its entries are
+                entries = self.numbers(down.size, f"entries of block {k}")
+                found.append((down.ravel(), right.ravel(), entries))
+        places = [np.concatenate([part[k] for part in found]) if found else np.zeros(0, dtype=np.int64) for k in (0, 1)]
+        values = np.concatenate([part[2] for part in found]) if found else np.zeros(0)
+        return scipy.sparse.csr_array((values, tuple(places)), shape=shape)
 
-    def _sparse(self, name: str, shape: tuple[int, int]) -> FloatArray:
+    def _sparse(self, name: str, shape: tuple[int, int]) -> Any:
         self.whole("where the sparse matrix is from", 10)
         self.line("a line of CSparse")
         text = self.line("the heading of a sparse matrix")
@@ -148,7 +164,9 @@ class _Reader:
         kind, rows, columns, count = heading.group(1), *(int(word[:9]) for word in heading.groups()[1:])
         if (rows, columns) != shape:
             raise self.fail(f"{name} is {rows} x {columns}", f"{shape[0]} x {shape[1]} as before")
-        found, done, j = np.zeros(shape), 0, 0
+        places: list[tuple[int, int]] = []
+        values: list[float] = []
+        done, j = 0, 0
         lines = 0 if kind == "triplet" else rows if kind == "csr" else columns  # each has a heading, empty ones too
         while done < count or lines:
             place = self.word("a column or an entry")
@@ -166,10 +184,11 @@ class _Reader:
             colon = self.word("a colon")
             if colon != ":":
                 raise self.fail(f"found {colon[:30]!r}", "a colon between place and entry")
-            value = self.number("an entry")
-            found[(j, i) if kind == "csr" else (i, j)] += value
+            values.append(self.number("an entry"))
+            places.append((j, i) if kind == "csr" else (i, j))
             done += 1
-        return found
+        down, right = np.array(places, dtype=np.int64).reshape(-1, 2).T
+        return scipy.sparse.csr_array((np.array(values), (down, right)), shape=shape)
 
     def _index(self, word: str, size: int) -> int:
         if not word.isdecimal() or len(word) > 9 or int(word) >= size:
@@ -213,7 +232,7 @@ def load_siconos_lcp(path: str | os.PathLike[str]) -> Lcp:
     """
     file = _Reader(path)
     n = file.whole("the number of unknowns")
-    M = _square(file, file.matrix("M"), n)
+    M = _square(file, file.dense("M"), n)
     return Lcp(M, file.numbers(n, "q"))
 
 
@@ -236,14 +255,15 @@ def load_siconos_contacts(path: str | os.PathLike[str]) -> ContactProblem | Spat
     file._rest.append(begins)
     if first.shape == (rows, rows) and not _is_matrix(file, rows):
         return contact_problem(first, file.numbers(rows, "q"), file.numbers(contacts, "mu"), dimension)
-    M = _square(file, first, len(first))
+    M = _square(file, first, first.shape[0])
     H = file.matrix("H")
-    if H.shape != (len(M), rows):
-        raise file.fail(f"H is {H.shape[0]} x {H.shape[1]}", f"{len(M)} x {rows}")
-    f, b = file.numbers(len(M), "q"), file.numbers(rows, "b")
+    n = M.shape[0]
+    if H.shape != (n, rows):
+        raise file.fail(f"H is {H.shape[0]} x {H.shape[1]}", f"{n} x {rows}")
+    f, b = file.numbers(n, "q"), file.numbers(rows, "b")
     mu = file.numbers(contacts, "mu")
     try:
-        W, q = condensed(M, H, f, b)
+        W, q = condensed(as_dense(M), as_dense(H), f, b) if n <= LARGEST else condensed_sparse(M, H, f, b)
     except ModelError as error:
         raise ModelError(f"{file._name}: {error}") from error
     return contact_problem(W, q, mu, dimension)
@@ -278,7 +298,7 @@ def load_siconos_mlcp(path: str | os.PathLike[str]) -> MixedLcp:
         free = np.repeat(complementary == 0, np.diff(ends))
         if int(free.sum()) != n:
             raise file.fail(f"blocks have {int(free.sum())} free unknowns", f"{n} of them")
-        M = _square(file, file.matrix("M"), n + m)
+        M = _square(file, file.dense("M"), n + m)
         return MixedLcp(M, file.numbers(n + m, "q"), free)
     parts = [file.numbers(r * c, name).reshape(r, c) for name, r, c in (("A", n, n), ("B", m, m), ("C", n, m),
                                                                       ("D", m, n))]  # fmt: skip
@@ -287,7 +307,7 @@ def load_siconos_mlcp(path: str | os.PathLike[str]) -> MixedLcp:
     return MixedLcp(np.block([[A, C], [D, B]]) if n + m else np.zeros((0, 0)), q, np.arange(n + m) < n)
 
 
-def _square(file: _Reader, M: FloatArray, n: int) -> FloatArray:
+def _square(file: _Reader, M: Any, n: int) -> Any:
     if M.shape != (n, n):
         raise file.fail(f"M is {M.shape[0]} x {M.shape[1]}", f"{n} x {n}, as many equations as unknowns")
     return M

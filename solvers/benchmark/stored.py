@@ -11,8 +11,9 @@ SpatialContactProblem  kind, A, b, mu, keys
 ====================== ===================================================================================
 
 A dense factor is ``factor``; a sparse one ``factor_data``, ``factor_indices``, ``factor_indptr`` and ``factor_shape``
-(compressed rows). ``M`` and ``q``, where they are, mean the LCP w = M z + q, so that other programs need not know of
-contact; mixed and boxed problems have none, for read as LCPs they would be wrong.
+(compressed rows), and so is a sparse A, beside which M and q are left out. ``M`` and ``q``, where they are, mean the
+LCP w = M z + q, so that other programs need not know of contact; mixed and boxed problems have none, for read as LCPs
+they would be wrong.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import numpy as np
 import scipy.sparse
 
 from lcpflex.errors import ModelError, shown
+from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
@@ -46,20 +48,20 @@ NEEDED = {
 }
 _BY_PARTS: dict[str, type[MixedLcp | BoxedLcp]] = {"mixed": MixedLcp, "boxed": BoxedLcp}
 LARGE = 3000  # unknowns from which the matrix of an LCP is not written beside the factor it is made of
-_SPARSE = ("factor_data", "factor_indices", "factor_indptr", "factor_shape")
+_SPARSE = ("data", "indices", "indptr", "shape")
 
 
 def arrays_of(problem: AnyProblem) -> dict[str, Any]:
     """The arrays of a problem by name. Raises ModelError for anything else, and for keys that JSON does not hold."""
     if isinstance(problem, Lcp):
-        return {"M": problem.M, "q": problem.q, **_factor(problem.factor)}
+        return {"M": problem.M, "q": problem.q, **_matrix("factor", problem.factor)}
     for name, kind in _BY_PARTS.items():
         if isinstance(problem, kind):
             parts = {"matrix": problem.M, "vector": problem.q}
             return {"kind": np.array(name), **parts, **{key: getattr(problem, key) for key in NEEDED[name][2:]}}
     if isinstance(problem, ContactProblem):
         arrays = _contact(problem)
-        if problem.delassus is not None or problem.size <= LARGE:
+        if problem.size <= LARGE and not is_sparse(problem.delassus):
             lcp = problem.lcp()
             arrays |= {"M": lcp.M, "q": lcp.q}
         return arrays
@@ -79,12 +81,12 @@ def problem_of(arrays: Mapping[str, Any], end: str = "") -> AnyProblem:
         kind = "contact" if any(key in arrays for key in ("A", "b", "mu")) else "lcp"
     if kind not in NEEDED:
         raise ModelError(f"kind is {shown(kind)}: expected one of {', '.join(NEEDED)}")
-    factor = _read_factor(arrays)
+    factor, delassus = _read_matrix("factor", arrays), _read_matrix("A", arrays)
     needed = NEEDED[kind]
     if kind in ("contact", "relaxed") and factor is not None:
         needed = needed[1:]
     for key in needed:
-        if key not in arrays:
+        if key not in arrays and not (key == "A" and delassus is not None):
             raise ModelError(f"key {key}{end} is missing; expected {', '.join(name + end for name in needed)}")
     if kind in _BY_PARTS:
         return _BY_PARTS[kind](*(arrays[key] for key in needed))
@@ -92,39 +94,40 @@ def problem_of(arrays: Mapping[str, Any], end: str = "") -> AnyProblem:
         return Lcp(arrays["M"], arrays["q"], factor)
     keys = _keys(arrays.get("keys"))
     if kind == "spatial":
-        return SpatialContactProblem(arrays["A"], arrays["b"], arrays["mu"], keys)
-    contact = ContactProblem(arrays.get("A"), arrays["b"], arrays["mu"], keys=keys, factor=factor)
+        return SpatialContactProblem(as_dense(delassus), arrays["b"], arrays["mu"], keys)
+    contact = ContactProblem(delassus, arrays["b"], arrays["mu"], keys=keys, factor=factor)
     return ConvexContactProblem(contact) if kind == "relaxed" else contact
 
 
 def _contact(problem: ContactProblem) -> dict[str, Any]:
-    known = {} if problem.delassus is None else {"A": problem.delassus}
-    known |= {"b": problem.free, "mu": problem.friction, "keys": _json(problem.keys)}
-    return {**known, **_factor(problem.factor)}
+    known = {"b": problem.free, "mu": problem.friction, "keys": _json(problem.keys)}
+    return {**_matrix("A", problem.delassus), **known, **_matrix("factor", problem.factor)}
 
 
-def _factor(factor: Any) -> dict[str, Any]:
-    if factor is None:
+def _matrix(name: str, matrix: Any) -> dict[str, Any]:
+    """A dense matrix under its name, a sparse one as its parts; nothing of None."""
+    if matrix is None:
         return {}
-    if not hasattr(factor, "tocsr"):
-        return {"factor": factor}
-    rows = factor.tocsr()
-    return dict(zip(_SPARSE, (rows.data, rows.indices, rows.indptr, np.array(rows.shape)), strict=True))
+    if not is_sparse(matrix):
+        return {name: matrix}
+    parts = (matrix.data, matrix.indices, matrix.indptr, np.array(matrix.shape))
+    return {f"{name}_{part}": value for part, value in zip(_SPARSE, parts, strict=True)}
 
 
-def _read_factor(arrays: Mapping[str, Any]) -> Any:
-    """The factor, dense or sparse; None if there is none."""
-    if not any(key in arrays for key in _SPARSE):
-        return arrays.get("factor")
-    for key in _SPARSE:
+def _read_matrix(name: str, arrays: Mapping[str, Any]) -> Any:
+    """The matrix of that name, dense or sparse; None if there is none."""
+    names = [f"{name}_{part}" for part in _SPARSE]
+    if not any(key in arrays for key in names):
+        return arrays.get(name)
+    for key in names:
         if key not in arrays:
-            raise ModelError(f"key {key} is missing; expected {', '.join(_SPARSE)}")
-    data, indices, indptr, shape = (arrays[key] for key in _SPARSE)
+            raise ModelError(f"key {key} is missing; expected {', '.join(names)}")
+    data, indices, indptr, shape = (arrays[key] for key in names)
     try:
         rows = scipy.sparse.csr_array((data, indices, indptr), shape=(int(shape[0]), int(shape[1])))
         rows.check_format(full_check=True)
     except (ValueError, TypeError, IndexError) as error:
-        raise ModelError(f"factor: {shown(str(error))}; expected the arrays of compressed rows") from error
+        raise ModelError(f"{name}: {shown(str(error))}; expected the arrays of compressed rows") from error
     return rows
 
 

@@ -21,19 +21,17 @@ import scipy.sparse
 import scipy.sparse.linalg
 
 from lcpflex.errors import ModelError
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import grown, remaining
+from lcpflex.solvers.contact.active_set import free_forces, in_cones, on_active_set, own_blocks
 from lcpflex.solvers.contact.problem import ContactProblem, aligned
 from lcpflex.solvers.contact.sweeps import (
-    BACK,
     FIRST_LOOK,
-    FORTH,
     LAST_DIGIT,
-    OPEN,
     RUNAWAY,
-    STICKING,
     block_gauss_seidel,
+    sweep_blocks,
     sweep_delassus,
     sweep_factor,
 )
@@ -46,8 +44,6 @@ from lcpflex.solvers.status import ITERATION_LIMIT, Status
 __all__ = ["BlockGaussSeidel"]
 
 PIVOTING = 900  # unknowns up to which the attempt is made with dense matrices
-CORRECTIONS = 6  # of the forces on fixed states
-REGULAR = 1e-9  # of their equations, relative to the diagonal: redundant contacts make them singular
 SWEPT = "block Gauss-Seidel"
 FINISHED = ", finished on its active set"
 FAR = 1e3  # residual of a guess from which to start would only be to carry its rounding along
@@ -63,29 +59,32 @@ class _Iteration:
         self.tangent_of[problem.tangent] = n + np.arange(len(problem.tangent))
         self.states = np.zeros(n, dtype=np.int64)
         self.forces = np.zeros(len(problem.free))
-        self.dense = problem.delassus
-        self.lcp = lcp
-        if lcp is None and problem.delassus is not None and problem.size <= PIVOTING:
-            self.lcp = problem.lcp()
+        dense = isinstance(problem.delassus, np.ndarray)
+        self.lcp = problem.lcp() if lcp is None and dense and problem.size <= PIVOTING else lcp
+        self.blocks = problem.coupling if problem.delassus is not None and self.lcp is None else None
+        self.dense = problem.data[0] if problem.delassus is not None and self.blocks is None else None
         self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
         start = None if guess is None else aligned(guess, problem.unknown_keys)
         if start is not None and start.z.shape == (problem.size,):
             z = np.maximum(start.z, 0.0)
             if self.judge.residual(z) <= FAR:
                 self.forces = np.concatenate(problem.forces(z))
-        if self.dense is None:
+        if problem.delassus is None:
             J = scipy.sparse.csr_array(problem.factor)
             self.J: Any = J
             self.rows = (J.indptr.astype(np.int64), J.indices.astype(np.int64), np.ascontiguousarray(J.data))
-            self.block = _own_blocks(J, self.tangent_of)
+            self.block = own_blocks(J, self.tangent_of)
             self.u = np.asarray(J.T @ self.forces)
 
     def sweep(self, sweeps: int, target: float) -> tuple[int, float]:
         """Up to so many sweeps; how many were made, and the largest change of a velocity in the last one."""
         problem = self.problem
-        common = (problem.free, problem.friction, self.tangent_of)
+        common = (*problem.data[1:3], self.tangent_of)
         if self.dense is not None:
             return sweep_delassus(self.dense, *common, self.forces, self.states, sweeps, target)
+        if self.blocks is not None:
+            rows = (self.blocks.first, self.blocks.other, self.blocks.block, self.blocks.own)
+            return sweep_blocks(*rows, *common, self.forces, self.states, sweeps, target)
         return sweep_factor(*self.rows, self.block, *common, self.u, self.forces, self.states, sweeps, target)
 
     def point(self) -> FloatArray:
@@ -95,59 +94,16 @@ class _Iteration:
     def corrected(self) -> FloatArray:
         """z from the equations of the states, v_N = 0 where pressed and v_T = 0 where sticking; the shortest change."""
         problem, n = self.problem, len(self.problem.friction)
-        pressed = np.flatnonzero(self.states != OPEN)
-        sticking = pressed[(self.states[pressed] == STICKING) & (self.tangent_of[pressed] >= 0)]
-        unknown = np.concatenate([pressed, self.tangent_of[sticking]])
-        sign = np.select([self.states == FORTH, self.states == BACK], [-1.0, 1.0], 0.0) * problem.friction
-        sliding = pressed[sign[pressed] != 0.0]
-        entries = np.concatenate([np.ones(len(unknown)), sign[sliding]])
-        rows = np.concatenate([unknown, self.tangent_of[sliding]])
-        columns = np.concatenate([np.arange(len(unknown)), np.searchsorted(pressed, sliding)])
-        spread = scipy.sparse.csr_array((entries, (rows, columns)), shape=(len(problem.free), len(unknown)))
-        x = self.forces[unknown]
-        if len(unknown):
-            x = self._on_rows(unknown, spread, x)
-        forces = spread @ x
-        forces[:n] = np.maximum(forces[:n], 0.0)
-        edge = (problem.friction * forces[:n])[problem.tangent]
-        forces[n:] = np.clip(forces[n:], -edge, edge)
-        return problem.unknowns(*np.split(forces, [n]))
-
-    def _on_rows(self, unknown: IntArray, spread: Any, x: FloatArray) -> FloatArray:
-        """x with (G spread x + free) = 0 on the rows ``unknown``, from a nearby x."""
-        free = self.problem.free[unknown]
-        if self.dense is not None:
-            matrix = self.dense[unknown] @ spread
-            for _ in range(2):  # the second takes out the rounding of the first
+        if self.dense is None:
+            forces = on_active_set(problem, self.states, self.forces)
+        else:
+            unknown, spread = free_forces(problem, self.states)
+            x = self.forces[unknown]
+            matrix, free = self.dense[unknown] @ spread, problem.free[unknown]
+            for _ in range(2 if len(unknown) else 0):  # the second takes out the rounding of the first
                 x = x - np.linalg.lstsq(matrix, matrix @ x + free, rcond=1e-12)[0]
-            return np.asarray(x)
-        J, Jx = self.J[unknown], self.J.T @ spread
-        squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
-        weight = REGULAR * np.where(squares > 0.0, squares, 1.0)  # a contact of two fixed bodies has no equation at all
-        k = self.J.shape[1]
-        matrix = scipy.sparse.block_array(
-            [[-scipy.sparse.eye_array(k), Jx], [J, scipy.sparse.diags_array(weight)]], format="csc"
-        )
-        try:
-            solve = scipy.sparse.linalg.splu(matrix).solve
-        except RuntimeError:  # exactly singular: go on sweeping
-            return x
-        for _ in range(CORRECTIONS):  # each takes out what the regularisation left in
-            x = x + solve(np.concatenate([np.zeros(k), -(J @ (Jx @ x) + free)]))[k:]
-        return np.asarray(x)
-
-
-def _own_blocks(J: Any, tangent_of: IntArray) -> FloatArray:
-    """G_NN, G_NT, G_TT of each contact by itself, (n, 3)."""
-    n = len(tangent_of)
-    squares = np.asarray(J.multiply(J).sum(axis=1)).ravel()
-    block = np.zeros((n, 3))
-    block[:, 0] = squares[:n]
-    with_friction = np.flatnonzero(tangent_of >= 0)
-    rows = tangent_of[with_friction]
-    block[with_friction, 1] = np.asarray(J[with_friction].multiply(J[rows]).sum(axis=1)).ravel()
-    block[with_friction, 2] = squares[rows]
-    return block
+            forces = in_cones(problem, np.asarray(spread @ x))
+        return problem.unknowns(*np.split(forces, [n]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,13 +165,13 @@ class BlockGaussSeidel:
     def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
         problem, n = run.problem, lcp.size
         z, (table, basis) = np.empty(n), lemke_workspace(n)
-        assert problem.delassus is not None
-        delassus, work, start = problem.delassus, np.empty(n), (run.forces.copy(), run.states.copy())
+        delassus, free, friction, _ = problem.data
+        work, start = np.empty(n), (run.forces.copy(), run.states.copy())
 
         def swept(most: int) -> tuple[int, int, int]:
             run.forces[:], run.states[:] = start
             return block_gauss_seidel(
-                delassus, problem.free, problem.friction, run.tangent_of, *lcp.data, run.forces, run.states,
+                delassus, free, friction, run.tangent_of, *lcp.data, run.forces, run.states,
                 z, work, table, basis, self.tolerance, most,
             )  # fmt: skip
 

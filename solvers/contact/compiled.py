@@ -27,8 +27,6 @@ __all__ = [
     "pose_lcp",
     "motion_of",
     "read_forces",
-    "recall_basis",
-    "remember_basis",
     "row_forces",
     "slip_of",
     "solve_contacts",
@@ -169,54 +167,6 @@ def row_forces(data: ContactData, memory: SolverMemory, z: FloatArray, p: FloatA
         else:
             p[n + j] = z[n + stuck] - data.friction[k] * z[k]
             stuck += 1
-
-
-@kernel
-def recall_basis(data: ContactData, memory: SolverMemory) -> None:
-    """Start the present problem from the basis of the last one, contact by contact; a contact that is new starts open.
-
-    Not from which forces were positive: the basic unknowns of a degenerate contact may be zero. For problems without
-    sliding contacts on index sets.
-    """
-    n, n_tangent = data.n_contacts, data.n_tangents
-    count = memory.n_remembered
-    if memory.known >= SOLUTION_KNOWN:
-        return
-    for i in range(n + 2 * n_tangent):
-        memory.basis[i] = 0
-    j = 0
-    place = 0
-    for k in range(n):
-        frictional = j < n_tangent and data.tangent[j] == k
-        for _ in range(count):  # contacts keep their order: the next one is nearly always the one looked for
-            if memory.last_key[place] == data.key[k]:
-                memory.basis[k] = memory.last_basis[place, 0]
-                if frictional:
-                    memory.basis[n + j] = memory.last_basis[place, 1]
-                    memory.basis[n + n_tangent + j] = memory.last_basis[place, 2]
-                place = (place + 1) % count
-                break
-            place = (place + 1) % count
-        if frictional:
-            j += 1
-    memory.known = BASIS_KNOWN
-
-
-@kernel
-def remember_basis(data: ContactData, memory: SolverMemory) -> None:
-    """Keep the basis of the problem just solved, for :func:`recall_basis`."""
-    n, n_tangent = data.n_contacts, data.n_tangents
-    j = 0
-    for k in range(n):
-        memory.last_key[k] = data.key[k]
-        memory.last_basis[k, 0] = memory.basis[k]
-        memory.last_basis[k, 1] = 0
-        memory.last_basis[k, 2] = 0
-        if j < n_tangent and data.tangent[j] == k:
-            memory.last_basis[k, 1] = memory.basis[n + j]
-            memory.last_basis[k, 2] = memory.basis[n + n_tangent + j]
-            j += 1
-    memory.n_remembered = n
 
 
 @kernel

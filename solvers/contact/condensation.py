@@ -10,14 +10,20 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+import scipy.sparse
+import scipy.sparse.linalg
 
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.contact.coupling import MOST_BLOCKS
+from lcpflex.solvers.contact.matrices import as_dense, check_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
-__all__ = ["condensed", "contact_problem", "planar_rows"]
+__all__ = ["condensed", "condensed_sparse", "contact_problem", "planar_rows"]
 
+COLUMNS = 64  # of the solves with sparse equations that are dense at a time
+SMALL = 200  # rows up to which a sparse matrix saves nothing
 CONDITION = 1e-14  # reciprocal condition number below which the equations of the bodies are singular
 
 
@@ -56,6 +62,22 @@ def condensed(
     return W, H.T @ v[:n, -1] + w
 
 
+def condensed_sparse(M: Any, H: Any, f: FloatArray, w: FloatArray) -> tuple[Any, FloatArray]:
+    """The same of sparse M and H, without joints, where M couples few coordinates: W is sparse too.
+
+    Raises ModelError for singular equations.
+    """
+    M, H = scipy.sparse.csc_array(M), scipy.sparse.csc_array(H)
+    try:
+        factor = scipy.sparse.linalg.splu(M)
+        caused = [factor.solve(H[:, first : first + COLUMNS].toarray()) for first in range(0, H.shape[1], COLUMNS)]
+    except RuntimeError:
+        raise ModelError("M is singular: expected bodies whose motion can be eliminated") from None
+    moved = scipy.sparse.hstack([scipy.sparse.csc_array(part) for part in caused], format="csc")
+    W = H.T @ moved
+    return scipy.sparse.csr_array(W), H.T @ factor.solve(f) + w
+
+
 def _rcond(factor: FloatArray, norm: float) -> float:
     """The reciprocal condition number of an LU factorisation."""
     if not np.isfinite(factor).all():
@@ -64,12 +86,11 @@ def _rcond(factor: FloatArray, norm: float) -> float:
     return float(estimate(factor, norm)[0])
 
 
-def contact_problem(
-    W: FloatArray, q: FloatArray, mu: FloatArray, dimension: int
-) -> ContactProblem | SpatialContactProblem:
+def contact_problem(W: Any, q: FloatArray, mu: FloatArray, dimension: int) -> ContactProblem | SpatialContactProblem:
     """Of W, q with rows (n, t) or (n, t1, t2) of each contact in turn; in the plane tangents without friction go.
 
-    Raises ModelError for sizes that do not fit.
+    W: dense or scipy sparse, which stays so in the plane beyond 200 rows; in space it becomes dense. Raises ModelError
+    for sizes that do not fit.
     """
     rows = dimension * len(mu)
     if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
@@ -78,15 +99,27 @@ def contact_problem(
             "expected 2 or 3 rows for each coefficient"
         )
     if dimension == 3:
-        return SpatialContactProblem(W, q, mu)
+        check_dense("W of contacts in space", rows)
+        return SpatialContactProblem(as_dense(W), q, mu)
     order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
-    return ContactProblem(W[np.ix_(order, order)], q[order], mu)
+    if is_sparse(W) and rows <= SMALL:
+        W = W.toarray()
+    chosen = W.tocsr()[order][:, order] if is_sparse(W) else W[np.ix_(order, order)]
+    return ContactProblem(chosen, q[order], mu)
 
 
-def planar_rows(problem: ContactProblem) -> tuple[FloatArray, FloatArray]:
-    """W (2 k, 2 k) and q (2 k,) with rows (n, t) of each contact in turn, zero for tangents without friction."""
-    normals = len(problem.friction)
-    order = np.concatenate([np.arange(0, 2 * normals, 2), 2 * problem.tangent + 1])
-    W, q = np.zeros((2 * normals, 2 * normals)), np.zeros(2 * normals)
-    W[np.ix_(order, order)], q[order] = problem.dense(), problem.free
-    return W, q
+def planar_rows(problem: ContactProblem) -> tuple[Any, FloatArray]:
+    """W (2 k, 2 k) and q (2 k,) with rows (n, t) of each contact in turn, zero for tangents without friction.
+
+    W is a CSR array. Raises ModelError where only the factor is known and bodies touch too many contacts to multiply it
+    out.
+    """
+    rows = 2 * len(problem.friction)
+    order = np.concatenate([np.arange(0, rows, 2), 2 * problem.tangent + 1])
+    matrix = problem.sparse_delassus()
+    if matrix is None:
+        raise ModelError(f"factor @ factor.T has more than {4 * MOST_BLOCKS} entries: expected fewer, or delassus")
+    entries, q = scipy.sparse.coo_array(matrix), np.zeros(rows)
+    q[order] = problem.free
+    places = order[entries.row], order[entries.col]
+    return scipy.sparse.csr_array((entries.data, places), shape=(rows, rows)), q

@@ -27,6 +27,7 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess
 from lcpflex.solvers.clock import limited, out_of_time, remaining
+from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from lcpflex.solvers.guard import guarded, words_of
@@ -35,7 +36,7 @@ from lcpflex.solvers.lcp.proofs import infeasibility
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
 
-__all__ = ["ConvexFriction"]
+__all__ = ["ConvexFriction", "relaxed_forces"]
 
 LARGEST = 2000  # force components beyond which the dense matrix that polishing needs is not formed
 SUCCESS = ("Solved", "AlmostSolved")
@@ -166,7 +167,7 @@ class _Program:
         load = float(np.abs(c).max())
         P = B = None
         if contact.factor is None and contact.delassus is not None:
-            P = (contact.delassus[np.ix_(order, order)] * unit[:, None]) * unit
+            P = _in_order(contact.delassus, order, unit)
         else:
             B = scipy.sparse.diags_array(unit) @ scipy.sparse.csr_array(contact.factor)[order]
         return cls(order, unit, load, len(smooth), P, B, c / load)
@@ -174,7 +175,8 @@ class _Program:
     @property
     def finite(self) -> bool:
         """Whether no number overflowed."""
-        matrix = self.P if self.B is None else self.B.data
+        matrix = self.B if self.P is None else self.P
+        matrix = matrix.data if is_sparse(matrix) else matrix
         return bool(np.isfinite(matrix).all() and np.isfinite(self.c).all() and self.load > 0.0)
 
     def clarabel(self) -> tuple[FloatArray, int, str]:
@@ -188,7 +190,8 @@ class _Program:
         if limited():
             settings.time_limit = max(remaining(), 1e-6)
         if self.B is None:
-            P, A = scipy.sparse.csc_matrix(np.triu(self.P)), -scipy.sparse.identity(m, format="csc")
+            P = scipy.sparse.triu(scipy.sparse.csc_matrix(self.P), format="csc")
+            A = -scipy.sparse.identity(m, format="csc")
             objective, bound = self.c, np.zeros(m)
         else:
             P, A = scipy.sparse.identity(self.B.shape[1], format="csc"), -scipy.sparse.csc_matrix(self.B)
@@ -214,7 +217,7 @@ class _Program:
 
     def matrix(self) -> FloatArray:
         """P (m, m), multiplied out if only its factor is known."""
-        return np.asarray(self.P if self.B is None else (self.B @ self.B.T).toarray())
+        return as_dense(self.P if self.B is None else self.B @ self.B.T)
 
     def on_edges(self, M: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The relaxed law as an LCP: its unknowns are the forces along the edges, which are all >= 0."""
@@ -247,6 +250,27 @@ class _Program:
         z = np.zeros(len(x))
         z[self.order] = self.load * (self.unit * self.turned(np.maximum(self.turned(x), 0.0)))
         return z
+
+
+def relaxed_forces(contact: ContactProblem) -> FloatArray | None:
+    """Forces (m,) of the relaxed law as Clarabel finds them, not judged, for others to begin from; None if it fails.
+
+    contact: with a symmetric Delassus operator and free velocities that are not all zero.
+    """
+    with np.errstate(all="ignore"):
+        program = _Program.of(contact)
+        if not program.finite:
+            return None
+        forces = program.forces(program.clarabel()[0])
+    return forces if np.isfinite(forces).all() else None
+
+
+def _in_order(matrix: Any, order: IntArray, unit: FloatArray) -> Any:
+    """Rows and columns in this order, times their units; dense or sparse as it was."""
+    if is_sparse(matrix):
+        scale = scipy.sparse.diags_array(unit)
+        return scale @ matrix[order][:, order] @ scale
+    return (matrix[np.ix_(order, order)] * unit[:, None]) * unit
 
 
 def _force_keys(contact: ContactProblem) -> tuple[Hashable, ...]:

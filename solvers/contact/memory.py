@@ -21,6 +21,7 @@ __all__ = [
     "SOLUTION_KNOWN",
     "WEDGED_KNOWN",
     "ContactData",
+    "Remembered",
     "SolverMemory",
     "contact_data",
     "carried_over",
@@ -76,9 +77,19 @@ class SolverMemory:
     first: IntArray = array("lcp")  # of least forces: row of each unknown
     second: IntArray = array("lcp")  # row that it has a part in by sliding friction
     ratio: FloatArray = array("lcp")  # that part
-    n_remembered: int  # contacts of the last problem that counts
-    last_key: IntArray = array("contacts")
-    last_basis: IntArray = array("contacts", 3)  # whether their lambda_N, lambda_R, xi_L were basic
+
+
+@struct
+class Remembered:
+    """What is kept of all contacts of a step, for the next one; see :mod:`lcpflex.solvers.contact.recollection`."""
+
+    now: int  # row of the last step; the other one is that of the present step
+    n: int  # contacts of the last step that counts
+    n_next: int  # of the present one, so far
+    key: IntArray = array(2, "contacts")  # of the last step and of the present one, see ``now``
+    basis: IntArray = array(2, "contacts", 3)  # whether their lambda_N, lambda_R, xi_L were basic
+    force: FloatArray = array(2, "contacts", 2)  # lambda_N, lambda_T
+    slot: IntArray = array("slots")  # 1 + place in ``key`` by the remainder of the key, or of what was in its way
 
 
 def contact_data(capacity: int) -> ContactData:
@@ -86,9 +97,9 @@ def contact_data(capacity: int) -> ContactData:
     return allocate(ContactData, {"contacts": capacity, "pairs": 2 * capacity})
 
 
-def carried_over(memory: SolverMemory) -> tuple[npt.NDArray[Any], ...]:
+def carried_over(memory: SolverMemory, known: Remembered) -> tuple[npt.NDArray[Any], ...]:
     """What a solve may take over from the one before, as arrays that are written to; all else is written anew."""
-    return memory.last_key, memory.last_basis, numbers_of(memory)
+    return known.key, known.basis, known.force, known.slot, numbers_of(known), numbers_of(memory)
 
 
 def prepare(capacity: int, before: SolverMemory | None = None) -> SolverMemory:
@@ -96,7 +107,5 @@ def prepare(capacity: int, before: SolverMemory | None = None) -> SolverMemory:
     tableau, basis = auto_workspace(3 * capacity)
     memory = allocate(SolverMemory, {"contacts": capacity, "lcp": 3 * capacity}, tableau=tableau, basis=basis)
     if before is not None:
-        memory.method, memory.known, memory.n_remembered = before.method, before.known, before.n_remembered
-        memory.last_key[: len(before.last_key)] = before.last_key
-        memory.last_basis[: len(before.last_basis)] = before.last_basis
+        memory.method, memory.known = before.method, before.known
     return memory

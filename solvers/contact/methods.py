@@ -10,7 +10,7 @@ from __future__ import annotations
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.auto import Auto, auto
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
-from lcpflex.solvers.lcp.lemke import Lemke, lemke
+from lcpflex.solvers.lcp.lemke import Lemke, lemke, pivot_budget
 
 __all__ = ["AUTO", "LEMKE", "METHODS", "find"]
 
@@ -25,4 +25,4 @@ def find(data: ContactData, memory: SolverMemory, warm: bool) -> tuple[int, int]
     if memory.method == AUTO:
         symmetric = data.n_tangents == 0
         return auto(memory.alike, memory.load, m, memory.z, memory.tableau, memory.basis, symmetric, warm)
-    return lemke(memory.alike, memory.load, m, memory.z, memory.tableau, memory.basis, 1000 + 50 * m)
+    return lemke(memory.alike, memory.load, m, memory.z, memory.tableau, memory.basis, pivot_budget(m))

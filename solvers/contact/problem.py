@@ -15,17 +15,29 @@ import numpy.typing as npt
 import scipy.sparse
 
 from lcpflex.basics.arguments import flag, point_of
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.solvers.arguments import check_guess, check_solver
-from lcpflex.solvers.arrays import as_array, check_finite, finite_array
+from lcpflex.solvers.arrays import finite_array
 from lcpflex.solvers.balance import Units, contact_units, unknown_units
 from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.contact.coupling import MOST_BLOCKS, Coupling, coupling_of
 from lcpflex.solvers.contact.lcp_forms import (
     assemble_copositive_lcp,
     assemble_friction_lcp,
     split_friction_solution,
 )
+from lcpflex.solvers.contact.matrices import (
+    as_dense,
+    check_dense,
+    coefficients,
+    is_sparse,
+    keys_of,
+    read_delassus,
+    read_factor,
+    shown_only,
+)
+from lcpflex.solvers.contact.row_sizes import row_sizes
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, contact_rows
 from lcpflex.solvers.problem import Lcp, LcpSolver, Solution, Status, accept, confirmed
 
@@ -38,6 +50,7 @@ __all__ = [
 ]
 
 APART = 1e-6  # relative distance of two solutions
+KEPT = 300  # unknowns up to which the LCP is made only once, 1.5 MB
 BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
 
 
@@ -48,7 +61,10 @@ class ContactProblem:
     Attributes
     ----------
     delassus
-        G (m, m) [1/kg], or None where only its factor is known.
+        G (m, m) [1/kg], dense or scipy sparse, or None where only its factor is known. Kept as a CSR array where it is
+        sparse, and where it has more than 4000 rows (``matrices.DENSE_LARGEST``): beyond that size no dense matrix is
+        made of a contact problem, and :meth:`dense`, :meth:`lcp`, :meth:`copositive_lcp` and the methods that need them
+        raise ModelError.
     free
         (m,) velocity [m/s] or acceleration [m/s^2] without contact forces. Rows are ordered [normals of all contacts;
         tangents of the frictional ones], m = n_N + n_H.
@@ -67,22 +83,21 @@ class ContactProblem:
         For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
     """
 
-    delassus: FloatArray | None
+    delassus: Any
     free: FloatArray
     friction: FloatArray
     keys: tuple[Hashable, ...] = ()
     factor: Any = None
-    _units: list[FloatArray] = field(default_factory=list, init=False, repr=False, compare=False)  # once asked for
+    # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
+    data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False, compare=False)
+    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)  # once asked for
 
     def __post_init__(self) -> None:
         friction = coefficients(self.friction)
         free = finite_array("free", self.free, 1)
         n_normal, m = len(friction), len(friction) + int(np.count_nonzero(friction))
-        delassus = self.delassus
-        if delassus is not None:
-            delassus = as_array("delassus", delassus, 2) if n_normal else np.zeros((0, 0))
-            check_finite("delassus", delassus)
-        factor = _read_factor(self.factor)
+        delassus = read_delassus(self.delassus, m)
+        factor = read_factor(self.factor)
         if delassus is None and factor is None:
             raise ModelError("delassus is None: expected a matrix, or else its factor")
         shape = (m, m) if delassus is None else delassus.shape
@@ -93,20 +108,23 @@ class ContactProblem:
                 f"{m - n_normal} of them with friction"
             )
         keys = keys_of(self.keys, n_normal)
-        given_values = {"delassus": delassus, "free": free, "friction": friction, "keys": keys, "factor": factor}
-        for name, value in given_values.items():
-            object.__setattr__(self, name, value)
+        object.__setattr__(self, "data", (delassus, free, friction, factor))
+        for name, value in zip(("delassus", "free", "friction", "factor"), self.data, strict=True):
+            object.__setattr__(self, name, shown_only(value))
+        object.__setattr__(self, "keys", keys)
 
     @property
     def tangent(self) -> IntArray:
         """(n_H,) the contact to which each tangential row belongs."""
-        return np.flatnonzero(self.friction).astype(np.int64)
+        if "tangent" not in self._kept:
+            self._kept["tangent"] = np.flatnonzero(self.friction)
+        return self._kept["tangent"]  # type: ignore[no-any-return]
 
     @property
     def diagonal(self) -> FloatArray:
         """(m,) that of the Delassus operator."""
         if self.delassus is not None:
-            return np.diag(self.delassus)
+            return np.asarray(self.delassus.diagonal())
         squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
         return np.asarray(squares.sum(axis=1)).ravel()
 
@@ -119,15 +137,15 @@ class ContactProblem:
     @property
     def units(self) -> FloatArray:
         """(n_N,) d_k = 1 / sqrt(max(G_NN, G_TT)) of each contact: see :mod:`lcpflex.solvers.balance`."""
-        if not self._units:
+        if "units" not in self._kept:
             tangent, normals = self.tangent, len(self.friction)
             diagonal = self.diagonal
             own = np.array(diagonal[:normals])
             own[tangent] = np.maximum(own[tangent], diagonal[normals:])
             own = np.maximum(own, 0.0)
             contact_units(own, normals)
-            self._units.append(own)
-        return self._units[0]
+            self._kept["units"] = own
+        return self._kept["units"]  # type: ignore[no-any-return]
 
     @property
     def row_units(self) -> FloatArray:
@@ -137,23 +155,50 @@ class ContactProblem:
     @property
     def unknown_units(self) -> Units:
         """The units of the unknowns of :meth:`lcp`, those of force for a force, their inverse for a slip."""
-        d, tangent = np.empty(self.size), self.tangent
-        unknown_units(self.units, tangent, len(self.friction), len(tangent), d)
-        return Units.of(d, self.free)
+        if "unknown units" not in self._kept:
+            d, tangent = np.empty(self.size), self.tangent
+            unknown_units(self.units, tangent, len(self.friction), len(tangent), d)
+            self._kept["unknown units"] = Units.of(d, self.free)
+        return self._kept["unknown units"]  # type: ignore[no-any-return]
 
     def balanced(self) -> ContactProblem:
         """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
 
         With D the diagonal matrix of :attr:`row_units`: D G D and D free, friction as it is.
         """
+        if "balanced" in self._kept:
+            return self._kept["balanced"]  # type: ignore[no-any-return]
         d, load = self.row_units, self.unknown_units.load
-        factor = self.factor
+        delassus, _, _, factor = self.data
         if factor is not None:
-            factor = scipy.sparse.diags_array(d) @ factor if hasattr(factor, "tocsr") else factor * d[:, None]
-        delassus = None if self.delassus is None else self.delassus * np.outer(d, d)
+            factor = scipy.sparse.diags_array(d) @ factor if is_sparse(factor) else factor * d[:, None]
+        if is_sparse(delassus):
+            delassus = scipy.sparse.diags_array(d) @ delassus @ scipy.sparse.diags_array(d)
+        elif delassus is not None:
+            delassus = delassus * np.outer(d, d)
         alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
-        alike._units[:] = [np.ones(len(self.friction))]
+        alike._kept["units"] = np.ones(len(self.friction))
+        if self._kept.get("coupling") is not None:
+            alike._kept["coupling"] = self._kept["coupling"]
+        self._kept["balanced"] = alike
         return alike
+
+    @property
+    def coupling(self) -> Coupling | None:
+        """The operator of :meth:`balanced` in blocks of two contacts; None where a factor couples thousands."""
+        if "coupling" not in self._kept:
+            matrix, units = self.sparse_delassus(), self.units
+            free = self.free / self.unknown_units.load * self.row_units
+            self._kept["coupling"] = None if matrix is None else coupling_of(matrix, free, self.data[2], units)
+        return self._kept["coupling"]  # type: ignore[no-any-return]
+
+    def sparse_delassus(self) -> Any:
+        """The Delassus operator, multiplied out sparsely if only its factor is known; None if that has many entries."""
+        if self.delassus is not None:
+            return self.data[0]
+        factor = scipy.sparse.csr_array(self.factor)
+        touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
+        return factor @ factor.T if (touched**2).sum() <= 4 * MOST_BLOCKS else None
 
     @property
     def size(self) -> int:
@@ -163,26 +208,40 @@ class ContactProblem:
     @property
     def unknown_keys(self) -> tuple[Hashable, ...]:
         """Name of each unknown of :meth:`lcp`: the contact's key with "N", "R" or "L"."""
-        frictional = [self.keys[i] for i in self.tangent]
-        return (
-            *((key, "N") for key in self.keys),
-            *((key, "R") for key in frictional),
-            *((key, "L") for key in frictional),
-        )
+        if "keys" not in self._kept:
+            rubbing = [self.keys[i] for i in self.tangent]
+            sides = (("N", self.keys), ("R", rubbing), ("L", rubbing))
+            self._kept["keys"] = tuple([(key, side) for side, keys in sides for key in keys])
+        return self._kept["keys"]  # type: ignore[no-any-return]
 
     def dense(self) -> FloatArray:
-        """The Delassus matrix (m, m), multiplied out if only its factor is known."""
-        if self.delassus is not None:
+        """The Delassus matrix (m, m) as an array, multiplied out if only its factor is known.
+
+        Raises ModelError beyond 4000 rows.
+        """
+        if isinstance(self.delassus, np.ndarray):
             return self.delassus
-        return np.ascontiguousarray(as_dense(self.factor @ self.factor.T))
+        check_dense("the Delassus matrix", len(self.free))
+        matrix = self.factor @ self.factor.T if self.delassus is None else self.delassus
+        return np.ascontiguousarray(as_dense(matrix))
 
     def lcp(self) -> Lcp:
-        """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`."""
+        """Unknowns [lambda_N (n_N), lambda_R (n_H), xi_L (n_H)]: see :func:`assemble_friction_lcp`.
+
+        Raises ModelError beyond 4000 unknowns.
+        """
+        if "lcp" in self._kept:
+            return self._kept["lcp"]  # type: ignore[no-any-return]
         tangent, normals, n = self.tangent, len(self.friction), self.size
+        check_dense("the LCP of the contacts", n)
         M, q = np.zeros((n, n)), np.zeros(n)
-        assemble_friction_lcp(self.dense(), self.free, self.friction, tangent, normals, len(tangent), M, q)
+        delassus = self.data[0] if isinstance(self.delassus, np.ndarray) else self.dense()
+        assemble_friction_lcp(delassus, *self.data[1:3], tangent, normals, len(tangent), M, q)
         factor = None if len(tangent) or self.factor is None else as_dense(self.factor)
-        return Lcp(M, q, factor).measured_in(self.unknown_units.d)
+        lcp = Lcp(M, q, factor).measured_in(self.unknown_units.d)
+        if n <= KEPT:
+            self._kept["lcp"] = lcp
+        return lcp
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The solution of :meth:`lcp` by ``solver``; a guess may be of a problem with other contacts."""
@@ -212,12 +271,16 @@ class ContactProblem:
         return replace(told, active=found.active, iterations=found.iterations) if told.solved else found
 
     def copositive_lcp(self) -> Lcp:
-        """Unknowns [lambda_N (n_N), beta_+, beta_-, sigma (n_H each)]: see :func:`assemble_copositive_lcp`."""
+        """Unknowns [lambda_N (n_N), beta_+, beta_-, sigma (n_H each)]: see :func:`assemble_copositive_lcp`.
+
+        Raises ModelError beyond 4000 unknowns.
+        """
         tangent, normals = self.tangent, len(self.friction)
-        M, q = self.lcp().data
         n = normals + 3 * len(tangent)
+        check_dense("the copositive LCP of the contacts", n)
+        M, q = self.lcp().data
         M4, q4 = np.zeros((n, n)), np.zeros(n)
-        assemble_copositive_lcp(M, q, self.friction, tangent, normals, len(tangent), M4, q4)
+        assemble_copositive_lcp(M, q, self.data[2], tangent, normals, len(tangent), M4, q4)
         forces, slip = np.split(self.unknown_units.d, [len(self.free)])
         return Lcp(M4, q4).measured_in(np.concatenate([forces, forces[normals:], slip]))
 
@@ -226,7 +289,7 @@ class ContactProblem:
         tangent, normals = self.tangent, len(self.friction)
         point = self._point(z)
         out = np.zeros(normals), np.zeros(len(tangent))
-        split_friction_solution(point, self.friction, tangent, normals, len(tangent), *out)
+        split_friction_solution(point, self.data[2], tangent, normals, len(tangent), *out)
         return out
 
     def unknowns(self, lambda_normal: npt.ArrayLike, lambda_tangent: npt.ArrayLike) -> FloatArray:
@@ -266,7 +329,7 @@ class ContactProblem:
         """
         if flag("scaled", scaled):
             return self.residuals(z)[0]
-        worst, _, _ = self._residual_parts(self._point(z))
+        worst, _, _ = self.residual_parts(self._point(z))
         return worst
 
     def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
@@ -274,44 +337,37 @@ class ContactProblem:
 
         Of :meth:`balanced`: relative to the terms that cancel in the velocities, and to the free velocity alone.
         """
-        point = self._point(z)
-        worst, size, load = self.balanced()._residual_parts(self.unknown_units.inward(point))
+        point = self.unknown_units.inward(self._point(z))
+        coupling = self.coupling
+        alike = self.balanced() if coupling is None else coupling
+        worst, size, load = alike.residual_parts(point)
         return float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
 
-    def _residual_parts(self, point: FloatArray) -> tuple[float, float, float]:
-        """Absolute residual, size of its terms, max |free|; no more than BLOCK rows of the matrix at a time."""
+    def judged(self, z: FloatArray) -> tuple[FloatArray, float, float]:
+        """w of z (n,), and its residual in the two sizes of a :class:`Solution`."""
+        coupling, units = self.coupling, self.unknown_units
+        if coupling is None:
+            return self.slack(z), *self.residuals(z)
+        w = np.empty(self.size)
+        worst, size, load = coupling.weighed(units.inward(self._point(z)), w)
+        with np.errstate(all="ignore"):
+            w *= units.load / units.d
+        return w, float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def residual_parts(self, point: FloatArray) -> tuple[float, float, float]:
+        """Absolute residual, size of its terms, max |free|, all in the units of ``free``.
+
+        point (n,): unknowns of :meth:`lcp`. No more than BLOCK rows of the matrix exist at a time.
+        """
         if not np.isfinite(point).all():
             return np.inf, np.inf, np.inf
         with np.errstate(all="ignore"):
             w = self.slack(point)
-            largest, terms = self._row_sizes(point)
+            largest, terms = row_sizes(self, point)
             worst = float(np.abs(np.minimum(largest * point, w)).max(initial=0.0))
             size = float(terms.max(initial=0.0))
             parts = (worst, size, float(np.abs(self.free).max(initial=0.0)))
         return parts if np.isfinite(parts).all() else (np.inf, np.inf, np.inf)
-
-    def _row_sizes(self, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """max_j |M_ij| and |q_i| + sum_j |M_ij z_j| of every row of :meth:`lcp`."""
-        tangent, normals, m = self.tangent, len(self.friction), len(self.free)
-        count = len(tangent)
-        edge = scipy.sparse.csr_array((self.friction[tangent], (np.arange(count), tangent)), shape=(count, normals))
-        columns = scipy.sparse.block_array(
-            [[scipy.sparse.eye_array(normals), None], [-edge, scipy.sparse.eye_array(count)]], format="csr"
-        )
-        largest, terms = np.zeros(self.size), np.zeros(self.size)
-        size = np.abs(z)
-        for rows, block in self.row_blocks():
-            block = abs(block @ columns)
-            largest[rows] = as_dense(block.max(axis=1)).ravel()
-            terms[rows] = block @ size[:m]
-        terms[:m] += np.abs(self.free)
-        largest[normals:m] = np.maximum(largest[normals:m], 1.0)
-        terms[normals:m] += size[m:]
-        mu = self.friction[tangent]
-        largest[m:] = np.maximum(2.0 * mu, 1.0)
-        terms[m:] = 2.0 * mu * size[tangent] + size[normals:m]
-        largest[largest == 0.0] = 1.0
-        return largest, terms
 
     def _point(self, z: npt.ArrayLike) -> FloatArray:
         return point_of("z", z, self.size)
@@ -329,50 +385,3 @@ def aligned(guess: Solution | None, keys: tuple[Hashable, ...]) -> Solution | No
     if guess.active is not None:
         active = np.where(known, guess.active[found], 0) if len(guess.z) else np.zeros(len(keys), dtype=np.int64)
     return replace(guess, z=z, w=np.zeros(len(keys)), active=active, keys=keys)
-
-
-def as_dense(matrix: Any) -> FloatArray:
-    """A matrix of numpy or of scipy.sparse as an array."""
-    return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
-
-
-def is_sparse(value: Any) -> bool:
-    """Whether it is a matrix of scipy.sparse."""
-    return bool(scipy.sparse.issparse(value))
-
-
-def coefficients(value: Any) -> FloatArray:
-    """Friction coefficients; raises ModelError for what is none."""
-    friction = finite_array("friction", value, 1)
-    if (friction < 0.0).any():
-        raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
-    return friction
-
-
-def keys_of(value: Any, n: int) -> tuple[Hashable, ...]:
-    """Names of n contacts, their numbers where none are given; raises ModelError for what is no sequence of names."""
-    try:
-        keys = tuple(value) if not isinstance(value, str | bytes | set | dict) and hasattr(value, "__len__") else None
-        hash(keys)
-    except Exception:  # names without a hash, and sequences that are none
-        keys = None
-    if keys is None:
-        raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
-    keys = keys or tuple(range(n))
-    if len(keys) != n or len(set(keys)) != n:
-        raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n}, one each")
-    return keys
-
-
-def _read_factor(value: Any) -> Any:
-    """A factor as a contiguous array or a CSR array of finite numbers; None stays None."""
-    if value is None:
-        return None
-    if is_sparse(value):
-        if value.dtype.kind not in "iuf" or value.ndim != 2:
-            raise ModelError(f"factor is {shown(value)}: expected a matrix of real numbers")
-        sparse = scipy.sparse.csr_array(value, dtype=float, copy=True)
-        sparse.sum_duplicates()
-        check_finite("factor.data", sparse.data)
-        return sparse
-    return finite_array("factor", value, 2)

@@ -18,7 +18,8 @@ from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.certificate import guarded_residual
-from lcpflex.solvers.contact.problem import ContactProblem, as_dense
+from lcpflex.solvers.contact.matrices import as_dense, check_dense
+from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.lcp.exact_systems import ExactSystem, relaxed_rows
 from lcpflex.solvers.problem import PROVED, Lcp, LcpSolver, Solution, brought_back, confirmed
 
@@ -85,12 +86,16 @@ class ConvexContactProblem:
         return float(self.slack(point)[:normals][pressed].max(initial=0.0))
 
     def lcp(self) -> Lcp:
-        """The law in the unknowns of :meth:`on_edges`: symmetric and semidefinite, as G is."""
+        """The law in the unknowns of :meth:`on_edges`: symmetric and semidefinite, as G is.
+
+        Raises ModelError beyond 4000 unknowns.
+        """
         edges, contact = self._edges(), self.contact
+        check_dense("the LCP of the relaxed contacts", edges.shape[1])
         if contact.delassus is None:
             factor = np.ascontiguousarray(as_dense(edges.T @ contact.factor))
             return Lcp(factor @ factor.T, edges.T @ contact.free, factor)
-        return Lcp(edges.T @ (edges.T @ contact.delassus.T).T, edges.T @ contact.free)
+        return Lcp(as_dense(edges.T @ (edges.T @ contact.delassus.T).T), edges.T @ contact.free)
 
     def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
         """The forces by way of :meth:`lcp`; ``active`` and ``certificate`` then are those of the LCP."""

@@ -16,7 +16,7 @@ from lcpflex.basics.arguments import point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.contact.problem import coefficients, keys_of
+from lcpflex.solvers.contact.matrices import coefficients, keys_of
 
 __all__ = ["SpatialContactProblem"]
 

@@ -17,7 +17,7 @@ from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.semidefinite import dot
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED
 
-__all__ = ["block_gauss_seidel", "solve_contact", "sweep_delassus", "sweep_factor"]
+__all__ = ["block_gauss_seidel", "solve_contact", "sweep_blocks", "sweep_delassus", "sweep_factor", "take_basis"]
 
 OPEN, STICKING, FORTH, BACK = 0, 1, 2, 3  # state of a contact
 ROUND = 1e-14  # how far a sign may be off, relative to its terms
@@ -173,6 +173,53 @@ def sweep_factor(
 
 
 @kernel
+def sweep_blocks(
+    first: IntArray,
+    other: IntArray,
+    block: FloatArray,
+    own: FloatArray,
+    free: FloatArray,
+    friction: FloatArray,
+    tangent_of: IntArray,
+    forces: FloatArray,
+    states: IntArray,
+    sweeps: int,
+    target: float,
+) -> tuple[int, float]:
+    """As :func:`sweep_delassus`, on the blocks of a :class:`lcpflex.solvers.contact.coupling.Coupling`."""
+    n, change = len(friction), np.inf
+    made = 0
+    while made < sweeps and change > target:
+        change = 0.0
+        for k in range(n):
+            t = tangent_of[k]
+            r_n, r_t = free[k], 0.0
+            for e in range(first[k], first[k + 1]):
+                c = other[e]
+                if c != k:
+                    p, j = forces[c], tangent_of[c]
+                    q = forces[j] if j >= 0 else 0.0
+                    r_n += block[e, 0] * p + block[e, 1] * q
+                    r_t += block[e, 2] * p + block[e, 3] * q
+            a, d = own[k, 0], own[k, 3]
+            if t < 0:
+                new = max(0.0, -r_n / a) if a > 0.0 else 0.0
+                states[k] = FORTH if new > 0.0 else OPEN
+            else:
+                r_t += free[t]
+                new, rub, state = solve_contact(a, own[k, 1], own[k, 2], d, r_n, r_t, friction[k])
+                states[k] = state
+                change = max(change, abs(d * (rub - forces[t])))
+                forces[t] = rub
+            change = max(change, abs(a * (new - forces[k])))
+            forces[k] = new
+        made += 1
+        if not change < np.inf:
+            break
+    return made, change
+
+
+@kernel
 def _take_point(
     G: FloatArray, free: FloatArray, friction: FloatArray, tangent_of: IntArray, forces: FloatArray, z: FloatArray
 ) -> None:
@@ -187,7 +234,7 @@ def _take_point(
 
 
 @kernel
-def _take_basis(states: IntArray, tangent_of: IntArray, m: int, z: FloatArray, basis: IntArray) -> None:
+def take_basis(states: IntArray, tangent_of: IntArray, m: int, z: FloatArray, basis: IntArray) -> None:
     """basis[:n] = 1 for those of [lambda_N, lambda_R, xi_L] that the states leave free to be positive."""
     n = len(states)
     for k in range(n):
@@ -241,7 +288,7 @@ def block_gauss_seidel(
         if not change < RUNAWAY * load:
             return NUMERICAL_FAILURE, sweeps, 0
         _take_point(G, free, friction, tangent_of, forces, point)
-        _take_basis(states, tangent_of, m, point, basis)
+        take_basis(states, tangent_of, m, point, basis)
         for finished in range(2):
             if finished == 1:
                 solves, residual = block_pivots(M, q, n, point, table, basis, EXCHANGES)

@@ -38,7 +38,7 @@ def exact_rows(M: FloatArray, q: FloatArray) -> ExactSystem:
     return ExactSystem(lambda i: fractions([*M[i].tolist(), float(q[i])]), (False,) * len(q))
 
 
-def contact_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, friction: FloatArray) -> ExactSystem:
+def contact_rows(delassus: Any, factor: Any, free: FloatArray, friction: FloatArray) -> ExactSystem:
     """The system of planar contact in the unknowns [lambda_N, lambda_R, xi_L], arguments as of a ContactProblem."""
     normals, m = len(friction), len(free)
     tangent = np.flatnonzero(friction).tolist()
@@ -52,7 +52,7 @@ def contact_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, fri
             entries[i - m + normals] = Fraction(-1)
             entries[tangent[i - m]] = 2 * mu[tangent[i - m]]
             return entries
-        entries[:m] = fractions(delassus[i].tolist()) if delassus is not None else _products(factor, i)
+        entries[:m] = _operator_row(delassus, factor, i)
         for k, j in enumerate(tangent):
             if entries[normals + k]:
                 entries[j] -= entries[normals + k] * mu[j]
@@ -62,6 +62,14 @@ def contact_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, fri
         return entries
 
     return ExactSystem(row, (False,) * n)
+
+
+def _operator_row(delassus: Any, factor: Any, i: int) -> Row:
+    """Row i of the Delassus operator, of a matrix, dense or sparse, or of its factor."""
+    if delassus is None:
+        return _products(factor, i)
+    row = delassus[[i]].toarray()[0] if hasattr(delassus, "toarray") else delassus[i]
+    return fractions(row.tolist())
 
 
 def _products(factor: Any, i: int) -> Row:
@@ -77,7 +85,7 @@ def _products(factor: Any, i: int) -> Row:
     return total
 
 
-def relaxed_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, friction: FloatArray) -> ExactSystem:
+def relaxed_rows(delassus: Any, factor: Any, free: FloatArray, friction: FloatArray) -> ExactSystem:
     """The convex relaxation of friction in forces along the edges of its cones, arguments as of a ContactProblem."""
     normals, tangent = len(friction), np.flatnonzero(friction).tolist()
     mu, load = fractions(friction.tolist()), fractions(free.tolist())
@@ -87,9 +95,7 @@ def relaxed_rows(delassus: FloatArray | None, factor: Any, free: FloatArray, fri
         edges += [((j, Fraction(1)), (normals + k, side * mu[j])) for k, j in enumerate(tangent)]
 
     def row(i: int) -> Row:
-        along = [
-            (fractions(delassus[j].tolist()) if delassus is not None else _products(factor, j), s) for j, s in edges[i]
-        ]
+        along = [(_operator_row(delassus, factor, j), s) for j, s in edges[i]]
         total = [sum((s * entries[c] for entries, s in along), Fraction(0)) for c in range(len(free))]
         entries = [sum((s * total[c] for c, s in edge), Fraction(0)) for edge in edges]
         return [*entries, sum((s * load[j] for j, s in edges[i]), Fraction(0))]

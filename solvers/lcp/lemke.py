@@ -21,6 +21,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.certificate import judge
 from lcpflex.solvers.clock import grown
+from lcpflex.solvers.lcp.lexicographic import lexicographic_path
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.lcp.tableau import (
     CANDIDATE,
@@ -42,7 +43,7 @@ from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 
-__all__ = ["Lemke", "attempt", "lemke", "lemke_workspace"]
+__all__ = ["Lemke", "attempt", "lemke", "lemke_workspace", "pivot_budget"]
 
 GOLDEN = 0.6180339887498949
 GOOD = 1e-12  # residual that needs no repair
@@ -51,6 +52,8 @@ REPAIRS = 6  # exchanges allowed when the final basis is put right on the origin
 RESTARTS = 3  # of one path, each with a perturbation far smaller than the last
 ATTEMPTS = 26
 BASIS = "basis of the guess"
+FEW = 60  # unknowns up to which all attempts may take all their pivots
+PATHS = 2  # beyond, so many times the pivots of one path end the ladder
 LATE = 10  # attempts after which only those go on that ended near a solution, each with another cover
 PERTURBATIONS = (1e-8, 1e-6, 1e-8, 1e-4, 1e-11, 1e-6, 1e-4, 1e-8, 1e-4)  # of q, relative, in the first attempts
 
@@ -257,6 +260,32 @@ def attempt(
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
 
 
+@kernel
+def lexicographic_attempt(
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, pivot_limit: int
+) -> tuple[int, int, float]:
+    """As :func:`attempt`, without a perturbation, ties broken lexicographically."""
+    none = min(n, 0)  # a literal would compile callees twice
+    _scale(M, n, none + 2, table)
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]) * table[n + SCALE, i])
+    if not 0.0 < load < np.inf:
+        for i in range(n):
+            table[n + CANDIDATE, i] = 0.0
+        return NUMERICAL_FAILURE, 0, np.inf
+    _start(M, q, n, table, basis, none, 0.0 * load, load)
+    status, pivots, s = lexicographic_path(table, basis, n, pivot_limit)
+    _read_off(table, basis, n, s, none, load, status)
+    return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
+
+
+@kernel
+def pivot_budget(n: int) -> int:
+    """Pivots that one path may take: what a path that ends needs, and no more where a pivot is dear."""
+    return 1000 + 50 * n if n <= FEW else 1000 + 50 * FEW + 10 * (n - FEW)
+
+
 @late_kernel
 def lemke(
     M: FloatArray, q: FloatArray, n: int, z: FloatArray, table: FloatArray, basis: IntArray, pivot_limit: int
@@ -272,10 +301,14 @@ def lemke(
         z[i] = 0.0
     best, status, total = np.inf, ITERATION_LIMIT, 0
     candidate = table[n + CANDIDATE]
-    for number in range(ATTEMPTS):
-        if number >= LATE and status != NUMERICAL_FAILURE:
+    for turn in range(ATTEMPTS + 1):
+        number = max(turn - 1, 0)
+        if (number >= LATE and status != NUMERICAL_FAILURE) or (n > FEW and total > PATHS * pivot_limit):
             break
-        ended, pivots, residual = attempt(M, q, n, table, basis, number, pivot_limit)
+        if turn == 1:
+            ended, pivots, residual = lexicographic_attempt(M, q, n, table, basis, pivot_limit)
+        else:
+            ended, pivots, residual = attempt(M, q, n, table, basis, number, pivot_limit)
         total += pivots
         if residual > GOOD and ended != RAY:
             # Repair from the basis where the path ended; from nothing if it hit the limit (Murty's matrices).
@@ -307,7 +340,8 @@ def lemke(
 class Lemke:
     """Lemke's algorithm, for any matrix; the default solver of contact problems with friction.
 
-    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed on one path, None for 1000 + 50 n.
+    tolerance: largest accepted residual [-]. pivot_limit: pivots allowed on one path, None for 1000 + 50 n up to 60
+    unknowns, and 10 more for each unknown beyond.
     Raises ModelError for a tolerance or limit that is not positive.
     """
 
@@ -344,7 +378,7 @@ class Lemke:
                     active=basis[:n].copy(),
                 )
             route = f"{BASIS} (failed) > lemke"
-        limit = 1000 + 50 * n if self.pivot_limit is None else self.pivot_limit
+        limit = pivot_budget(n) if self.pivot_limit is None else self.pivot_limit
         (code, pivots, residual), cut = grown(
             lambda most: attempt(M, q, n, table, basis, 0, most), limit, n, lambda found: found[0] == ITERATION_LIMIT
         )

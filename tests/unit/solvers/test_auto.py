@@ -8,7 +8,7 @@ import scipy.sparse
 
 from lcpflex.errors import ModelError, SolverError
 from lcpflex.solvers import Auto, BoxedLcp, ContactProblem, Lcp, Lemke, Status, solve_lcp
-from lcpflex.solvers.auto import MANY, auto, auto_workspace
+from lcpflex.solvers.auto import MANY, SMALL, auto, auto_workspace
 
 UP_TO_THE_LAST = "lemke (failed) > min-map Newton (failed) > linear program of Farkas (failed)"
 INFEASIBLE = Lcp([[0.0, 1.0], [0.0, 0.0]], [-1.0, -1.0])  # w2 = -1 whatever z is
@@ -354,7 +354,7 @@ class TestManyContacts:
         assert normal == pytest.approx(mass, rel=1e-12)
         assert tangential == pytest.approx(-np.sign(slide) * mass * np.minimum(friction, 0.3), rel=1e-12)
 
-    @pytest.mark.parametrize(("unknowns", "first"), [(MANY, "lemke"), (MANY + 3, "block Gauss-Seidel")])
+    @pytest.mark.parametrize(("unknowns", "first"), [(SMALL, "lemke"), (SMALL + 3, "block Gauss-Seidel")])
     def test_where_many_begin(self, unknowns, first):
         n = unknowns // 3
         problem = masses(np.full(n, 0.4), np.resize([0.3, -0.5], n))

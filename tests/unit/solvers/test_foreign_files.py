@@ -167,7 +167,8 @@ class TestRefused:
             ("", "line 0: the file ends"),
             ("4\n2\n", r"line 1: found '4'; expected the dimension, 2 or 3"),
             ("1\n2\n", "line 1: the dimension is 1"),
-            ("3\n99999\n", "line 2: found '99999'.* 0 to 8000"),
+            ("3\n9999999\n", "line 2: found '9999999'.* 0 to 1000000"),
+            ("2\n9000\n0\n18000\n18000\n", "line 5: W or M is 18000 x 18000; expected at most 8000"),
             ("3\n1\n3\n", "line 3: found '3'; expected the storage"),
             ("3\n1\n0\n3\n3\n3 4\n", "line 6: W or M is 3 x 4|line 6: .*3 x 3 as before"),
             ("3\n1\n0\n3\n3\n3 3\n1 2 x", "line 7: found 'x'; expected entries of"),
@@ -289,6 +290,7 @@ class TestFclib:
         W, q = planar_rows(
             ContactProblem([[2.0, 0.1, 0.3], [0.1, 3.0, 0.2], [0.3, 0.2, 4.0]], [1.0, 2.0, 3.0], [0.0, 0.5])
         )
+        W = W.toarray()
         assert W[1].tolist() == [0.0] * 4
         assert q.tolist() == [1.0, 0.0, 2.0, 3.0]
         assert W[2, 3] == 0.2

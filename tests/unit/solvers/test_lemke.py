@@ -82,7 +82,7 @@ def test_pivot_limit_is_reported(problem, limit):
     assert Lemke(pivot_limit=needed.iterations).solve(problem).iterations == needed.iterations
     few = Lemke(pivot_limit=limit).solve(problem)
     assert few.status is Status.ITERATION_LIMIT
-    assert few.iterations == 10 * limit  # of each of its ten paths
+    assert few.iterations == 11 * limit  # of each of its eleven paths
     assert few.residual == problem.residual(few.z)
     assert few.residual > 1e-3
 

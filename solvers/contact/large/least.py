@@ -1,0 +1,187 @@
+"""Of all impulses with the same effect the least, without null vectors: what redundant contacts carry is then told.
+
+    min |p|^2 / 2   with   J^T p = J^T p_0,   p in K
+
+where K holds what each contact may do in the motion found: nothing where it opens, p_T = -+mu p_N where it slides, its
+cone where it sticks. With multipliers z of the effect, p = P_K(J z) is the nearest point of K, and
+
+    F(z) = J^T (P_K(J z) - p_0) + delta (z - z_last) = 0
+
+is solved by Newton's method with the sparse factor of :mod:`fronts` (the proximal point algorithm of the dual problem).
+Joint rows cost next to nothing: least are the impulses of contacts. As :mod:`lcpflex.solvers.contact.least_forces`, in
+memory linear in contacts. Source: Qi & Sun 2006 (Newton's method for best approximation).
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.solvers.contact.large.fronts import factorise, has_room, solve
+from lcpflex.solvers.contact.large.judging import judge
+from lcpflex.solvers.contact.large.memory import FRICTIONAL, NORMAL, BodyContacts, LargeMemory
+from lcpflex.solvers.contact.large.newton import BACK, FORTH, OPEN, STICKING
+from lcpflex.solvers.contact.large.ordering import make_pattern
+from lcpflex.solvers.contact.large.packing import add_impulses, unpack, velocities
+
+__all__ = ["least_impulses"]
+
+SLIPS = 10.0  # times the residual: a faster contact slides or opens
+CENTRES, STEPS = 12, 30  # at most
+SHORTEST = 1e-4  # part of a Newton step
+FIRST, LEAST = 1e-3, 1e-8  # delta, relative to the mean of J J^T
+FREE = 1e3  # how much cheaper an impulse of a joint is than one of a contact
+CLOSE = 1e-10  # of the effect: what is left of F
+
+
+@kernel
+def read_states(memory: LargeMemory, residual: float) -> None:
+    """What each unit does: OPEN, STICKING, or the sense of its friction, from ``best`` and its velocities ``y``."""
+    best, y, kind, state = memory.best, memory.y, memory.kind, memory.state
+    still = SLIPS * max(residual, 1e-10 * memory.load)
+    for k in range(memory.n_units):
+        state[k] = STICKING
+        if kind[k] <= FRICTIONAL and best[k, 0] <= 0.0 and y[k, 0] > still:
+            state[k] = OPEN
+        elif kind[k] == FRICTIONAL and abs(y[k, 1]) > still:
+            state[k] = BACK if y[k, 1] > 0.0 else FORTH
+
+
+@kernel
+def nearest(memory: LargeMemory, k: int, normal: float, tangent: float) -> tuple[float, float, float, float, float]:
+    """P_K of an impulse of contact k, and its derivative: NN, NT = TN, TT."""
+    mu, state = memory.mu[k], memory.state[k]
+    if state == OPEN:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    if memory.kind[k] == NORMAL:
+        return (normal, 0.0, 1.0, 0.0, 0.0) if normal > 0.0 else (0.0, 0.0, 0.0, 0.0, 0.0)
+    sign = 1.0 if tangent > 0.0 else -1.0
+    if state == STICKING:
+        if abs(tangent) <= mu * normal:
+            return normal, tangent, 1.0, 0.0, 1.0
+    else:
+        sign = 1.0 if state == FORTH else -1.0
+    along = (normal + sign * mu * tangent) / (1.0 + mu * mu)
+    if along <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    part = 1.0 / (1.0 + mu * mu)
+    return along, sign * mu * along, part, sign * mu * part, mu * mu * part
+
+
+@kernel
+def impulses_of(memory: LargeMemory, z: FloatArray, last: FloatArray, delta: float, free: float) -> tuple[float, float]:
+    """q(z) to ``trial``, its derivative over delta to ``C``, F over delta to ``rest``; |F|, and what F is the slope of.
+
+    The latter is convex: |P_K(J z)|^2 / 2 - p_0 . J z + delta |z - z_last|^2 / 2.
+    """
+    y, q, C, scale, change, best = memory.slip, memory.trial, memory.C, memory.scale, memory.change, memory.best
+    velocities(memory, memory.slope, z, y)
+    cost = 0.0
+    for k in range(memory.n_units):
+        d = scale[k]
+        weight = 1.0 / (d * d * delta)
+        if memory.kind[k] > FRICTIONAL:
+            q[k, 0], q[k, 1] = best[k, 0] + free * y[k, 0], best[k, 1] + free * y[k, 1]
+            C[k, 0], C[k, 1], C[k, 2], C[k, 3] = free / delta, 0.0, 0.0, free / delta
+            cost += 0.5 * free * (y[k, 0] * y[k, 0] + y[k, 1] * y[k, 1])
+        else:
+            normal, tangent, nn, nt, tt = nearest(memory, k, y[k, 0] / d, y[k, 1] / d)
+            q[k, 0], q[k, 1] = normal / d, tangent / d
+            C[k, 0], C[k, 1], C[k, 2], C[k, 3] = weight * nn, weight * nt, weight * nt, weight * tt
+            cost += 0.5 * (normal * normal + tangent * tangent) - best[k, 0] * y[k, 0] - best[k, 1] * y[k, 1]
+        change[k, 0], change[k, 1] = q[k, 0] - best[k, 0], q[k, 1] - best[k, 1]
+    rest = memory.rest
+    for i in range(memory.n_unknowns):
+        rest[i] = z[i] - last[i]
+        cost += 0.5 * delta * rest[i] * rest[i]
+    add_impulses(memory, 1.0 / delta, change, rest)
+    total = 0.0
+    for i in range(memory.n_unknowns):
+        total += rest[i] * rest[i]
+    return delta * math.sqrt(total), cost
+
+
+@kernel
+def next_multipliers(memory: LargeMemory, delta: float, free: float, goal: float) -> bool:
+    """Newton's method for one z_last, ``point``, which is replaced by z; whether it got there."""
+    last, z, step, rest, best = memory.point, memory.x, memory.step, memory.rest, memory.good_point
+    n = memory.n_unknowns
+    for i in range(n):
+        best[i] = last[i]
+    size, cost = impulses_of(memory, best, last, delta, free)
+    for _ in range(STEPS):
+        if size <= goal:
+            break
+        if not factorise(memory):
+            return False
+        slope = 0.0
+        for i in range(n):
+            step[i] = -rest[i]
+        solve(memory, step)
+        for i in range(n):
+            slope += delta * rest[i] * step[i]
+        length, before = 1.0, size
+        while length > SHORTEST:
+            for i in range(n):
+                z[i] = best[i] + length * step[i]
+            size, now = impulses_of(memory, z, last, delta, free)
+            if now <= cost + 1e-4 * length * slope or size <= 0.5 * before:
+                break
+            length *= 0.4
+        if length <= SHORTEST:
+            return False
+        cost = now
+        for i in range(n):
+            best[i] = z[i]
+    for i in range(n):
+        last[i] = best[i]
+    return size <= goal
+
+
+@kernel
+def least_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
+    """Replace the impulses p that were just found by the least of the same effect; whether that was done.
+
+    Right after ``solve_large`` of the same problem, and where there is room for the factor. Impulses whose effect
+    differs, so that the residual would be larger and above the tolerance, are not taken.
+    """
+    if memory.n_units < 2 or not make_pattern(memory) or not has_room(memory):
+        return False
+    residual, factors = judge(memory, memory.best), memory.factors
+    read_states(memory, residual)
+    mean, effect = 0.0, 0.0
+    for k in range(memory.n_units):
+        mean += 1.0 / (memory.scale[k] * memory.scale[k] * memory.n_units)
+        for r in range(2):
+            memory.slope[k, r] = 0.0
+    for i in range(memory.n_unknowns):
+        memory.point[i] = 0.0
+        effect = max(effect, abs(memory.x[i]))
+    before, delta, found = squares(memory, memory.best), FIRST * mean, False
+    for _ in range(CENTRES):
+        if not next_multipliers(memory, delta, FREE * mean, CLOSE * effect):
+            break
+        for k in range(memory.n_units):
+            memory.q[k, 0], memory.q[k, 1] = memory.trial[k, 0], memory.trial[k, 1]
+        if judge(memory, memory.q) <= max(residual, memory.tolerance * memory.load):
+            found = True
+            break
+        delta = max(0.1 * delta, LEAST * mean)
+    memory.factors = factors
+    if not found or squares(memory, memory.q) > before:
+        return False
+    for k in range(memory.n_units):
+        memory.best[k, 0], memory.best[k, 1] = memory.q[k, 0], memory.q[k, 1]
+    unpack(problem, memory, memory.best)
+    return True
+
+
+@kernel
+def squares(memory: LargeMemory, q: FloatArray) -> float:
+    """|p|^2 of all contacts."""
+    total = 0.0
+    for k in range(memory.n_units):
+        if memory.kind[k] <= FRICTIONAL:
+            d = memory.scale[k]
+            total += (q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1]) * d * d
+    return total

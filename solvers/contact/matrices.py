@@ -1,0 +1,119 @@
+"""The matrices of a contact problem, dense or sparse: read from a user, and the size up to which they become dense."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from lcpflex.basics.arguments import numbers
+from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.arrays import as_array, check_finite, finite_array
+
+__all__ = [
+    "DENSE_LARGEST",
+    "as_dense",
+    "check_dense",
+    "coefficients",
+    "is_sparse",
+    "keys_of",
+    "read_delassus",
+    "read_factor",
+    "shown_only",
+]
+
+# Rows of the largest square array that is made of a contact problem, 128 MB: beyond it all that is kept is sparse, and
+# memory is linear in the entries.
+DENSE_LARGEST = 4000
+
+
+def check_dense(what: str, rows: int) -> None:
+    """Raise ModelError for a square matrix of more than DENSE_LARGEST rows, which is not made dense."""
+    if rows > DENSE_LARGEST:
+        raise ModelError(
+            f"{what} has {rows} rows: expected at most {DENSE_LARGEST}, up to which it is formed as a dense matrix; "
+            "beyond, Auto() and BlockGaussSeidel() solve a ContactProblem by its sparse matrices"
+        )
+
+
+def shown_only(matrix: Any) -> Any:
+    """The same numbers, read-only, of an array or a CSR array; None stays None."""
+    if matrix is None:
+        return None
+    if is_sparse(matrix):
+        parts = tuple(shown_only(part) for part in (matrix.data, matrix.indices, matrix.indptr))
+        return scipy.sparse.csr_array(parts, shape=matrix.shape)
+    view = matrix.view()
+    view.flags.writeable = False
+    return view
+
+
+def as_dense(matrix: Any) -> FloatArray:
+    """A matrix of numpy or of scipy.sparse as an array."""
+    return np.asarray(matrix.toarray() if hasattr(matrix, "toarray") else matrix)
+
+
+def is_sparse(value: Any) -> bool:
+    """Whether it is a matrix of scipy.sparse."""
+    return bool(scipy.sparse.issparse(value))
+
+
+def read_delassus(value: Any, rows: int) -> Any:
+    """A Delassus matrix as a contiguous array, or a CSR array if it is sparse or has more than DENSE_LARGEST rows.
+
+    None stays None. rows: of the contact problem, 0 for one without contacts.
+    """
+    if value is None:
+        return None
+    if not is_sparse(value):
+        if not rows:
+            return np.zeros((0, 0))
+        given = numbers(value)
+        if given is None or given.ndim != 2 or len(given) <= DENSE_LARGEST:
+            dense = as_array("delassus", value, 2)
+            check_finite("delassus", dense)
+            return dense
+        value = scipy.sparse.csr_array(given)
+    return np.zeros((0, 0)) if not rows else _read_sparse("delassus", value)
+
+
+def read_factor(value: Any) -> Any:
+    """A factor as a contiguous array or a CSR array of finite numbers; None stays None."""
+    if value is None:
+        return None
+    return _read_sparse("factor", value) if is_sparse(value) else finite_array("factor", value, 2)
+
+
+def _read_sparse(name: str, value: Any) -> Any:
+    if value.dtype.kind not in "iuf" or value.ndim != 2:
+        raise ModelError(f"{name} is {shown(value)}: expected a matrix of real numbers")
+    sparse = scipy.sparse.csr_array(value, dtype=float, copy=True)
+    sparse.sum_duplicates()
+    check_finite(f"{name}.data", sparse.data)
+    return sparse
+
+
+def coefficients(value: Any) -> FloatArray:
+    """Friction coefficients; raises ModelError for what is none."""
+    friction = finite_array("friction", value, 1)
+    if (friction < 0.0).any():
+        raise ModelError(f"friction is {shown(friction)}: expected coefficients >= 0")
+    return friction
+
+
+def keys_of(value: Any, n: int) -> tuple[Hashable, ...]:
+    """Names of n contacts, their numbers where none are given; raises ModelError for what is no sequence of names."""
+    try:
+        keys = tuple(value) if not isinstance(value, str | bytes | set | dict) and hasattr(value, "__len__") else None
+        hash(keys)
+    except Exception:  # names without a hash, and sequences that are none
+        keys = None
+    if keys is None:
+        raise ModelError(f"keys is {shown(value)}: expected a sequence of names, one for each contact")
+    keys = keys or tuple(range(n))
+    if len(keys) != n or len(set(keys)) != n:
+        raise ModelError(f"keys has {len(keys)} entries, {len(set(keys))} different: expected {n}, one each")
+    return keys

@@ -1,0 +1,168 @@
+"""A contact problem in independent parts: contacts that act on each other, through bodies that they share."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.csgraph
+
+from lcpflex.errors import shown
+from lcpflex.jit.kernel import IntArray
+from lcpflex.solvers.clock import out_of_time
+from lcpflex.solvers.contact.coupling import grouped
+from lcpflex.solvers.contact.matrices import is_sparse
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.solvers.guard import joined
+from lcpflex.solvers.lcp.proofs import Proof, proves
+from lcpflex.solvers.problem import PROVED, Solution, Status, accept
+
+__all__ = ["part_of", "parts_of", "solved_by_parts", "unknowns_of"]
+
+NOT = "not begun"  # route of a part for which no time was left
+WAYS = 6  # routes of parts that are told
+
+
+def parts_of(problem: ContactProblem) -> list[IntArray]:
+    """The contacts of each part that no other part acts on, parts in order of their first contact."""
+    coupling, n = problem.coupling, len(problem.friction)
+    if coupling is not None:
+        return grouped(*coupling.parts())
+    touches = abs(scipy.sparse.csr_array(problem.factor))
+    graph: Any = scipy.sparse.block_array([[None, touches], [touches.T, None]], format="csr")
+    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    sides = label[problem.tangent], label[n : len(problem.free)]  # a contact joins the parts of its two rows
+    pairs = scipy.sparse.coo_array((np.ones(len(sides[0])), sides), shape=(label.max() + 1,) * 2)
+    _, joined = scipy.sparse.csgraph.connected_components(pairs, directed=False)
+    _, place, number = np.unique(joined[label[:n]], return_index=True, return_inverse=True)
+    return grouped(len(place), np.argsort(np.argsort(place))[number])
+
+
+def part_of(problem: ContactProblem, contacts: IntArray) -> ContactProblem:
+    """The problem of some contacts, with the keys that they have there; the others do not exist.
+
+    contacts (k,): their numbers, rising.
+    """
+    tangent = np.searchsorted(problem.tangent, contacts[problem.friction[contacts] > 0.0])
+    rows = np.concatenate([contacts, len(problem.friction) + tangent])
+    delassus, _, _, factor = problem.data
+    if delassus is not None:
+        delassus = delassus[rows][:, rows] if is_sparse(delassus) else delassus[np.ix_(rows, rows)]
+    if factor is not None:
+        factor = factor[rows]
+        moved = np.unique(factor.indices) if is_sparse(factor) else np.flatnonzero(factor.any(axis=0))
+        factor = factor[:, moved]
+    keys = tuple(problem.keys[i] for i in contacts)
+    return ContactProblem(delassus, problem.free[rows], problem.friction[contacts], keys, factor)
+
+
+def unknowns_of(problem: ContactProblem, contacts: IntArray) -> IntArray:
+    """Where the unknowns of :func:`part_of` are among those of the problem."""
+    rubbing = np.searchsorted(problem.tangent, contacts[problem.friction[contacts] > 0.0])
+    return np.concatenate([contacts, len(problem.friction) + rubbing, len(problem.free) + rubbing])
+
+
+def solved_by_parts(
+    problem: ContactProblem,
+    guess: Solution | None,
+    tolerance: float,
+    solve: Callable[[ContactProblem, Solution | None], Solution],
+) -> Solution | None:
+    """What ``solve`` makes of each independent part, put together and judged as a whole; None if there is but one part.
+
+    guess: of the whole problem, its unknowns in order, or None. A part that has no solution proves that the problem has
+    none; one that is not solved is named.
+    """
+    parts = parts_of(problem)
+    if len(parts) < 2:
+        return None
+    found: list[Solution] = []
+    for contacts in parts:
+        part, place = part_of(problem, contacts), unknowns_of(problem, contacts)
+        if found and out_of_time():
+            found.append(accept(part, np.zeros(part.size), tolerance=tolerance, status=Status.TIME_LIMIT, route=NOT))
+        else:
+            found.append(solve(part, _guess_of(part, guess, place)))
+    return _together(problem, parts, found, tolerance)
+
+
+def _guess_of(part: ContactProblem, guess: Solution | None, place: IntArray) -> Solution | None:
+    if guess is None or not len(guess.z):
+        return None
+    active = None if guess.active is None else guess.active[place]
+    return replace(guess, z=guess.z[place], w=guess.w[place], active=active, keys=part.unknown_keys)
+
+
+def _together(problem: ContactProblem, parts: list[IntArray], found: list[Solution], tolerance: float) -> Solution:
+    """The whole of the parts: one point, judged on the problem, with the proof or the failures of its parts."""
+    places = [unknowns_of(problem, contacts) for contacts in parts]
+    z = np.zeros(problem.size)
+    for place, part in zip(places, found, strict=True):
+        z[place] = part.z
+    solutions, proof = [], None
+    for place, part in zip(places, found, strict=True):
+        for other in part.solutions:
+            solutions.append(z.copy())
+            solutions[-1][place] = other
+        if part.status in PROVED and proof is None:
+            proof = _proof(problem, place, part)
+    unsolved = [k for k, part in enumerate(found) if not part.solved]
+    worst = max(unsolved, key=lambda k: found[k].residual, default=0)
+    message = _words(problem, parts, found, unsolved, worst)
+    told = accept(
+        problem,
+        z,
+        tolerance=tolerance,
+        status=found[worst].status,
+        iterations=sum(part.iterations for part in found),
+        route=_route(found),
+        message=message,
+        active=_active(problem, places, found),
+        solutions=tuple(solutions),
+        proof=proof,
+    )
+    if told.solved and unsolved:  # next to nothing acts on that part
+        told = replace(told, message=f"solved as a whole; by itself, {message}")
+    return told
+
+
+def _proof(problem: ContactProblem, place: IntArray, part: Solution) -> Proof | None:
+    """That the problem has no solution, since one of its parts has none: nothing else acts on its contacts."""
+    if part.status is Status.NO_SOLUTION:
+        return Proof(problem, ())
+    vector = np.zeros(problem.size, dtype=object)
+    vector[place] = part.proof
+    numbers = tuple(int(number) for number in vector)
+    return Proof(problem, numbers) if proves(problem.exact_system(), numbers) else None
+
+
+def _active(problem: ContactProblem, places: list[IntArray], found: list[Solution]) -> IntArray | None:
+    active = np.zeros(problem.size, dtype=np.int64)
+    for place, part in zip(places, found, strict=True):
+        if part.active is None:
+            return None
+        active[place] = part.active
+    return active
+
+
+def _route(found: list[Solution]) -> str:
+    """How many parts went which way, in order of the first one that did."""
+    routes = Counter(joined(part) for part in found)
+    ways = [f"{route} ({count} x)" if count > 1 else route for route, count in routes.most_common(WAYS)]
+    more = len(routes) - len(ways)
+    return f"{len(found)} parts: {', '.join(ways)}" + (f", and {more} other ways" if more > 0 else "")
+
+
+def _words(
+    problem: ContactProblem, parts: list[IntArray], found: list[Solution], unsolved: list[int], worst: int
+) -> str:
+    """Which part is not solved, and why; of several the worst."""
+    if not unsolved:
+        return ""
+    contacts, part = parts[worst], found[worst]
+    name = f"that of contact {shown(problem.keys[contacts[0]])} ({len(contacts)} contacts, {part.message[:200]})"
+    return f"{part.status.name.lower().replace('_', ' ')}: {len(unsolved)} of {len(parts)} parts not solved; {name}"
