@@ -230,7 +230,7 @@ class _Forces:
             ends = [int(p) for p in loads.spring_point[k]]
             if not any(int(points.body[p]) in pulls for p in ends):
                 continue
-            at, motion = relative_motion(bodies, points, q, u, *ends)
+            at, motion, _ = relative_motion(bodies, points, q, u, *ends)
             of = int(loads.spring_kind[k]), at, motion, *loads.spring_axis[k].tolist()
             gx, gy, turn_p, turn_q, _ = coordinate_gradient(*of)
             rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q

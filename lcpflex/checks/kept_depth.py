@@ -60,12 +60,14 @@ def kept_depths(result: Result) -> tuple[str, ...]:
 def _forces_off(compiled: CompiledScene, q: FloatArray, deep: IntArray) -> dict[int, float]:
     """By how much the forces of the contacts ``deep`` [N] would change if all came up to the gap 0, by contact."""
     model = pack(compiled.model)
+    if not (len(model.loads.spring_kind) or len(model.bodies.stiffness) or any(compiled.laws)):
+        return {}  # nothing is strained by it, and the matrices below are the square of thousands of bodies
     table, found = near(model, q, 0.0)
     W = np.array([normal_row(model, q, table, k) for k in range(found)]).reshape(found, len(q))
     laws, gaps = table.law[:found], table.gap[:found]
     K = _stiffness(model, q)
     for k in range(found):
-        law = compiled.laws[laws[k]] if compiled.laws else None
+        law = compiled.laws[laws[k]] if laws[k] < len(compiled.laws) else None  # those of a rule are rigid
         if law is not None and gaps[k] < 0.0:
             row = law.row()
             K += elastic_stiffness(np.array(row.kinds), np.array(row.parameters), -gaps[k]) * np.outer(W[k], W[k])

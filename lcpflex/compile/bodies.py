@@ -65,12 +65,15 @@ def drawn_shapes(
 def scene_size(model: Model, circles: Sequence[tuple[int, float]], q: FloatArray) -> float:
     """Extent of the largest body [m]; of the scene where all bodies are points."""
     points = model.points
-    places = [points.place[points.body == b] for b in range(len(model.bodies.mass))]
-    extents = [float(np.ptp(p, axis=0).max()) for p in places if len(p)]
+    moving = points.body >= 0
+    low, high = np.full((2, len(model.bodies.mass), 2), [[[np.inf]], [[-np.inf]]])
+    np.minimum.at(low, points.body[moving], points.place[moving])
+    np.maximum.at(high, points.body[moving], points.place[moving])
+    spans = high - low
+    extents = [float(spans.max(initial=0.0))]  # without points, a body spans minus infinity
     extents += [2.0 * radius for point, radius in circles if points.body[point] >= 0]
     nodes = model.contacts.node_point
-    moving = points.body[nodes] >= 0
-    extents += [2.0 * float(radius) for radius in model.contacts.node_radius[moving]]
+    extents += [2.0 * float(radius) for radius in model.contacts.node_radius[points.body[nodes] >= 0]]
     largest = max(extents, default=0.0)
     if largest > 0.0:
         return largest

@@ -36,13 +36,18 @@ __all__ = ["compiled_scene"]
 
 
 def compiled_scene(
-    scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool
+    scene: Scene, project: bool, indents: Callable[[str], bool] | None, gives_way: bool, listed: bool = False
 ) -> CompiledScene:
-    """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be."""
-    reduced, said = reduced_scene(scene, gives_way)
+    """The scene with its bodies reduced, as arrays. Raises ModelError for a start that cannot be.
+
+    ``listed``: every pair that a rule is for is a declared contact, be they ever so many; so it is where ``indents``
+    asks for each.
+    """
+    listed = listed or indents is not None
+    reduced, said = reduced_scene(scene, gives_way, listed)
     parts = reduced.parts()
     materials = Materials(parts.placed, [body.modes for body in parts.bodies])
-    compiled = compiled_parts(reduced.gravity, parts, materials, project, indents)
+    compiled = compiled_parts(reduced.gravity, parts, materials, project, indents, listed)
     return replace(compiled, notes=tuple(f"residual modes for {text}" for text in said))
 
 
@@ -52,6 +57,7 @@ def compiled_parts(
     materials: Materials | None,
     project: bool,
     indents: Callable[[str], bool] | None,
+    listed: bool = False,
 ) -> CompiledScene:
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
     placed, joints, loads, contacts, rules, surfaces = parts
@@ -67,11 +73,12 @@ def compiled_parts(
         for name, point in body.points.items()
     }
     outlines, circles = drawn_shapes(placed, surfaces, assembly)
-    declared = {**contacts, **by_rules(placed, surfaces, contacts, rules, tuple(joints.values()))}
+    by_rule, rule = by_rules(placed, surfaces, contacts, rules, tuple(joints.values()), listed)
+    declared = {**contacts, **by_rule}
     arrays = (
         compile_joints(joints, assembly, project),
         compile_loads(gravity, loads, assembly),
-        compile_contacts(declared, surfaces, assembly),
+        compile_contacts(declared, surfaces, assembly, rule, len(contacts)),
     )
     signals, callbacks = assembly.signals.compile()
     model = Model(bodies, assembly.points.compile(), signals, *arrays)
@@ -86,6 +93,7 @@ def compiled_parts(
         resolutions=tuple((mesh.wave_speed, mesh.element_size) if mesh else None for mesh in meshes),
         residual=tuple((body.residual_modes, body.contact_modes) for body in parts.bodies),
         axes=tuple(body.axis for body in parts.bodies),
+        rule_surfaces=tuple(surface.label for surface in rule.surfaces) if rule else (),
     )
     external = np.zeros((assembly.signals.n_external, 3))
     for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
@@ -94,10 +102,12 @@ def compiled_parts(
     size = scene_size(model, circles, q)
     if joints:
         q, u = consistent_start(model, joints, q, u, external, size, project)
-    if declared:
+    if declared or rule:
         hard = {name for name, contact in declared.items() if contact.law is None and not (indents and indents(name))}
-        refuse_penetration(model, q.copy(), tuple(declared), hard, size)
+        refuse_penetration(model, q.copy(), layout, hard, size)
     laws = tuple(c.law for c in declared.values())
+    flexible = {p.body for p, body in zip(placed, parts.bodies, strict=True) if body.modes}
+    touched = declared if rule is None else {**declared, **rule.first_contacts(flexible)}
     return CompiledScene(
         model,
         layout,
@@ -109,5 +119,5 @@ def compiled_parts(
         laws,
         assembly.signals.functions,
         materials,
-        missing_compliance(parts, declared),
+        missing_compliance(parts, touched),
     )

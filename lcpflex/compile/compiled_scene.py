@@ -36,6 +36,11 @@ class Layout:
     resolutions: tuple[tuple[float, float] | None, ...] = ()  # of meshed bodies: wave speed [m/s], longest element [m]
     residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
     axes: tuple[Axis | None, ...] = ()  # of beams
+    rule_surfaces: tuple[str, ...] = ()  # labels of the first surfaces, between which a rule holds that is not listed
+
+    def pair_name(self, a: int, b: int) -> str:
+        """Name of the contact of two surfaces by the rule."""
+        return f"{self.rule_surfaces[min(a, b)]}/{self.rule_surfaces[max(a, b)]}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,6 +85,7 @@ class CompiledScene:
             contact_modes=tuple(contacts for _, contacts in self.layout.residual),
             calls=calls if self.callbacks else None,
             size=self.size,
+            rule_surfaces=self.layout.rule_surfaces,
         )
 
 

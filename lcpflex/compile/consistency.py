@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from lcpflex.contact.near import near
+from lcpflex.compile.compiled_scene import Layout
+from lcpflex.contact.near import near, surfaces_of
 from lcpflex.dynamics import start
 from lcpflex.dynamics.mass_matrix import overbent
 from lcpflex.dynamics.time_functions import State
@@ -134,13 +135,22 @@ def _refuse_violation(
             )
 
 
-def refuse_penetration(model: Model, q: FloatArray, names: Sequence[str], hard: set[str], size: float) -> None:
-    """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``."""
+def refuse_penetration(model: Model, q: FloatArray, layout: Layout, hard: set[str], size: float) -> None:
+    """Raise ModelError for the deepest initial penetration beyond tolerance of a contact that is ``hard``, or by rule.
+
+    A rule that is not listed is hard.
+    """
     table, found = near(pack(model), q, 0.0)
-    depths = {k: -float(table.gap[k]) for k in range(found) if names[table.law[k]] in hard}
+    names = layout.contacts
+
+    def name(k: int) -> str:
+        law = int(table.law[k])
+        return names[law] if law < len(names) else layout.pair_name(*surfaces_of(model.contacts, int(table.key[k])))
+
+    depths = {k: -float(table.gap[k]) for k in range(found) if table.law[k] >= len(names) or name(k) in hard}
     deepest = max(depths, key=depths.__getitem__, default=-1)
     if deepest >= 0 and not (depth := depths[deepest]) <= PENETRATION * size:
         raise ModelError(
-            f"contact {names[table.law[deepest]]!r}: its surfaces penetrate by {depth:.6g} m at the start, "
+            f"contact {name(deepest)!r}: its surfaces penetrate by {depth:.6g} m at the start, "
             f"expected at most {PENETRATION * size:.1g} m: move the bodies apart"
         )

@@ -16,16 +16,20 @@ if TYPE_CHECKING:
 __all__ = ["reduced_scene"]
 
 
-def reduced_scene(scene: Scene, gives_way: bool = False) -> tuple[Scene, tuple[str, ...]]:
+def reduced_scene(scene: Scene, gives_way: bool = False, listed: bool = False) -> tuple[Scene, tuple[str, ...]]:
     """The scene with reduced bodies in the place of unreduced ones, and which nodes of surfaces were taken, in words.
 
-    It is the scene itself where none is unreduced. ``gives_way``: each contact needs compliance of its own.
+    It is the scene itself where none is unreduced. ``gives_way``: each contact needs compliance of its own;
+    ``listed``: each pair of a rule is a contact.
     """
     parts = scene.parts()
     if not any(placed.order for placed in parts.placed):
         return scene, ()
-    rules = by_rules(parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()))
-    contacts = {**parts.contacts, **rules}
+    everything = (parts.placed, parts.surfaces, parts.contacts, parts.rules, tuple(parts.joints.values()))
+    by_rule, rule = by_rules(*everything, listed)
+    contacts = {**parts.contacts, **by_rule}
+    if rule is not None:
+        contacts |= rule.first_contacts({placed.body for placed in parts.placed if placed.order})
     bodies: list[tuple[Body | ReductionOrder, FloatArray, FloatArray]] = []
     said: list[str] = []
     for placed in parts.placed:

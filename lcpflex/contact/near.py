@@ -2,25 +2,37 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable, contact_table, detect
 from lcpflex.contact.rows import contact_rows
+from lcpflex.contact.rule_pairs import rule_pairs
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.arrays import Model
+from lcpflex.model.arrays import Contacts, Model
 
-__all__ = ["near", "normal_row"]
+__all__ = ["near", "normal_row", "surfaces_of"]
 
 
 def near(model: Model, q: FloatArray, margin: float) -> tuple[ContactTable, int]:
     """Pairs with gaps up to ``margin`` [m], in a packed model, and how many they are."""
     capacity = 64
+    pairs = rule_pairs(model.contacts)
     while True:
-        table = contact_table(capacity, len(model.contacts.surface_body))
+        table = contact_table(capacity, len(model.contacts.surface_body), pairs=pairs, touching=-math.inf)
         found = int(detect(model, q, margin, table))
         if found <= capacity:
             return table, found
         capacity = 2 * found
+
+
+def surfaces_of(contacts: Contacts, key: int) -> tuple[int, int]:
+    """Surfaces of the node and of the feature of an entry of a table, by its key."""
+    node, feature = divmod(key, len(contacts.feature_kind))
+    sides = ((contacts.node_start, node), (contacts.feature_start, feature))
+    a, b = (int(np.searchsorted(start, index, side="right")) - 1 for start, index in sides)
+    return a, b
 
 
 def normal_row(model: Model, q: FloatArray, table: ContactTable, k: int) -> FloatArray:

@@ -39,7 +39,7 @@ def contact_rows(
         ny = table.normal[k, 1]
         add_point_rows(model.bodies, model.points, q, p, nx, ny, normal_rows[0], tangent_rows[0])
         if table.node_radius[k] != 0.0:
-            add_rotation_row(model.bodies, model.points, p, table.node_radius[k], tangent_rows[0])
+            add_rotation_row(model.points, p, table.node_radius[k], tangent_rows[0])
     if table.body[k, 1] >= 0:
         feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.contact.rule_pairs import RulePairs, rule_pairs
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.model.arrays import Contacts, empty
 
-__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table"]
+__all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "contact_table", "entry_of"]
 
 RIGID, COMPLIANT, ALL = range(3)  # contacts that a table collects: rigid ones, compliant ones, all
 
@@ -36,13 +39,45 @@ class ContactTable:
         "surfaces", 5
     )  # work: world centre, deflection, and cosine and sine of the angle of its body
     frame: FloatArray = array(4)  # work: cosine, sine, x, y of the nodes' body in the frame of the features' body
-    compliant: IntArray  # (laws,) 1: compliant, has a continuous contact force, 0: rigid; (0,): of no matter
+    compliant: IntArray = array("laws")  # 1: compliant, has a continuous contact force, 0: rigid; none: of no matter
     collects: int  # which of these two the table is for, or ALL
+    pairs: RulePairs  # of the rule of the model
+    touching: float  # gap up to which a pair of the rule gets a law of its own [m]; -inf: none does here
 
 
 def contact_table(
-    capacity: int, n_surfaces: int = 0, compliant: Sequence[int] = (), collects: int = ALL
+    capacity: int,
+    n_surfaces: int = 0,
+    compliant: Sequence[int] = (),
+    collects: int = ALL,
+    pairs: RulePairs | None = None,
+    touching: float = math.inf,
 ) -> ContactTable:
-    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with)."""
+    """An empty table for ``capacity`` contacts between ``n_surfaces`` surfaces (those of the model it is used with).
+
+    pairs: of the rule of that model, where it has one.
+    """
     sizes = {"contacts": capacity, "surfaces": n_surfaces}
-    return allocate(ContactTable, sizes, compliant=np.array(compliant, np.int64), collects=collects)
+    return allocate(
+        ContactTable,
+        sizes,
+        compliant=np.array(compliant, np.int64),
+        collects=collects,
+        pairs=rule_pairs(empty(Contacts)) if pairs is None else pairs,
+        touching=touching,
+    )
+
+
+@kernel
+def entry_of(keys: IntArray, n: int, key: int, start: int) -> int:
+    """Which of the first n keys a key is, -1: none. Looked for from ``start`` on, and then before it.
+
+    Contacts come in one order, whatever they are looked for: behind the one that was found last is the next one.
+    """
+    for k in range(start, n):
+        if keys[k] == key:
+            return k
+    for k in range(min(start, n)):
+        if keys[k] == key:
+            return k
+    return -1

@@ -14,19 +14,29 @@ from lcpflex.contact.narrow_phase.feature import ARC, VERTEX
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, Points
 
-__all__ = ["farthest", "law_thickness", "pass_thickness"]
+__all__ = ["farthest", "law_thickness", "pass_thickness", "surface_thickness", "thinnest"]
 
 
-def pass_thickness(contacts: Contacts) -> FloatArray:
-    """(passes,) least radius of a node plus least depth of what it touches [m]; infinite for half-planes."""
+def surface_thickness(contacts: Contacts) -> FloatArray:
+    """(surfaces, 2) least radius of its nodes, and least depth of its features [m]; infinite where it has none.
+
+    The sum of the first of one surface and the second of another is how deep nodes of the one can be in the other:
+    infinite for half-planes.
+    """
     depths = _feature_depths(contacts)
-    thickness = np.full(len(contacts.pass_law), math.inf)
-    for w, (a, b) in enumerate(zip(contacts.pass_node, contacts.pass_feature, strict=True)):
-        radii = contacts.node_radius[contacts.node_start[a] : contacts.node_start[a + 1]]
-        below = depths[contacts.feature_start[b] : contacts.feature_start[b + 1]]
-        if radii.size and below.size:
-            thickness[w] = float(radii.min()) + float(below.min())
+    thickness = np.full((len(contacts.surface_body), 2), math.inf)
+    for column, start, values in ((0, contacts.node_start, contacts.node_radius), (1, contacts.feature_start, depths)):
+        some = np.diff(start) > 0  # of the others, reduceat would take those of the next
+        if some.any():
+            thickness[some, column] = np.minimum.reduceat(values, start[:-1][some])
     return thickness
+
+
+def thinnest(contacts: Contacts, thickness: FloatArray) -> float:
+    """The least of all passes [m]; ``thickness`` of the surfaces."""
+    least = (thickness[contacts.pass_node, 0] + thickness[contacts.pass_feature, 1]).min(initial=math.inf)
+    ruled = thickness[: len(contacts.rule_rank)]
+    return min(float(least), float(ruled[:, 0].min(initial=math.inf) + ruled[:, 1].min(initial=math.inf)))
 
 
 def law_thickness(contacts: Contacts) -> FloatArray:
@@ -34,12 +44,18 @@ def law_thickness(contacts: Contacts) -> FloatArray:
 
     Indented by more, a body comes out on the other side of one that is thin, or has vanished in one that is thick.
     """
-    thickness = np.full(len(contacts.friction), math.inf)
+    least = pass_thickness(contacts)
     extents = np.where(contacts.surface_extent > 0.0, 2.0 * contacts.surface_extent, math.inf)
-    sides = zip(contacts.pass_law, contacts.pass_node, contacts.pass_feature, pass_thickness(contacts), strict=True)
-    for law, a, b, least in sides:
-        thickness[law] = min(thickness[law], least, extents[a], extents[b])
+    sides = np.minimum(extents[contacts.pass_node], extents[contacts.pass_feature])
+    thickness = np.full(len(contacts.friction), math.inf)
+    np.minimum.at(thickness, contacts.pass_law, np.minimum(least, sides))
     return thickness
+
+
+def pass_thickness(contacts: Contacts) -> FloatArray:
+    """(passes,) least radius of a node plus least depth of what it touches [m]."""
+    thickness = surface_thickness(contacts)
+    return np.asarray(thickness[contacts.pass_node, 0] + thickness[contacts.pass_feature, 1])
 
 
 def farthest(contacts: Contacts, points: Points) -> float:

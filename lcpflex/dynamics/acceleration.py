@@ -21,8 +21,10 @@ import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.contact_forces import add_contact_forces
-from lcpflex.dynamics.contact_problem import pose_contacts
-from lcpflex.dynamics.delassus import apply_impulses, free_velocities, joint_impulses, row_velocity
+from lcpflex.dynamics.contact_problem import fits, lay_contacts, pose_island
+from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
+from lcpflex.dynamics.impulse import answer_joints
+from lcpflex.dynamics.islands import forget_islands
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -59,6 +61,8 @@ __all__ = [
     "pose_sets",
     "position_errors",
     "project",
+    "reduce_sets",
+    "room_for",
     "sliding_sign",
 ]
 
@@ -69,24 +73,32 @@ DEPENDENT = 1e-11  # a pivot below this part of the largest, of a matrix with un
 
 @struct
 class ContactSets:
-    """Index sets of the contacts in the table and the memory of their linear solve; rows: twice the contacts."""
+    """Index sets of the contacts in the table, and the memory of the linear solve of an island.
+
+    dense: contacts that one island may have; rows: twice as many.
+    """
 
     mode: IntArray = array("contacts")  # SMOOTH, STICKING, SLIDE_FORTH or SLIDE_BACK
     tangent_of: IntArray = array("contacts")  # tangential row of each contact, -1: frictionless
-    stick: IntArray = array("contacts")  # contacts of the set H in order
+    tried: IntArray = array("contacts")  # modes that the problem of accelerations has chosen
+    kept: IntArray = array("contacts")  # 1: carries a force there
     fallback: IntArray = array("contacts")  # modes to return to where a simpler choice breaks its own law
+    stick: IntArray = array("dense")  # contacts of the set H in the island
+    here: IntArray = array("dense")  # modes of the contacts of the island
+    row_here: IntArray = array("dense")  # and their tangential rows
     reduced: FloatArray = array("rows", "rows")  # columns with sliding friction in the normal ones
     right: FloatArray = array("rows")
     solution: FloatArray = array("rows")
     scale: FloatArray = array("rows")
     order: IntArray = array("rows")
     level: int  # POSITION, VELOCITY or FORCE
-    n_stick: int  # contacts in H
+    n_stick: int  # contacts in H, of the island
 
 
-def contact_sets(capacity: int) -> ContactSets:
-    """Memory for ``capacity`` contacts."""
-    return allocate(ContactSets, {"contacts": capacity, "rows": 2 * capacity})
+def contact_sets(capacity: int, dense: int | None = None) -> ContactSets:
+    """Memory for ``capacity`` contacts, islands of up to ``dense`` ones: all by default."""
+    room = capacity if dense is None else dense
+    return allocate(ContactSets, {"contacts": capacity, "dense": room, "rows": 2 * room})
 
 
 @kernel
@@ -122,37 +134,40 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     solve_vector(model, work, work.free_u)
     n_joint = work.n_joint
     total = n_joint + n + work.n_tangents
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.problem.terms)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     for r in range(total):
         work.free[r] += work.bias[r]
     for r in range(n_joint, total):
-        work.problem.terms[r - n_joint] += abs(work.bias[r])
-    pose_contacts(work)
+        work.terms[r - n_joint] += abs(work.bias[r])
+    lay_contacts(work)
 
 
 @kernel
 def reduce_sets(work: Workspace, sets: ContactSets) -> int:
-    """Columns [N with sliding friction, H] of the condensed operator; returns the number of contacts in H.
+    """Columns [N with sliding friction, H] of the island posed last; returns the number of its contacts in H.
 
     Sliding friction counts at the level of forces only, sticking not at that of positions.
     """
     sliding, sticking = sets.level == FORCE, sets.level != POSITION
-    n_stick = reduce_columns(
-        work.problem, sets.mode, sets.tangent_of, sliding, sticking, sets.stick, sets.reduced, sets.right
-    )
+    problem = work.problem
+    for c in range(problem.n_contacts):
+        sets.here[c] = sets.mode[work.part[c]]
+        sets.row_here[c] = -1
+    for j in range(problem.n_tangents):
+        sets.row_here[problem.tangent[j]] = j
+    n_stick = reduce_columns(problem, sets.here, sets.row_here, sliding, sticking, sets.stick, sets.reduced, sets.right)
     sets.n_stick = n_stick
     return n_stick
 
 
 @kernel
 def pose_sets(work: Workspace, sets: ContactSets) -> int:
-    """Let the sets count in the contact problem just posed; returns the size of H."""
-    problem = work.problem
-    problem.on_sets = 1
+    """Let the sets count in the contact problems just laid; returns the size of H."""
+    work.on_sets = 1
     sets.level = FORCE
     n_stick = 0
     for k in range(work.n_contacts):
-        problem.mode[k] = sets.mode[k]
+        work.mode[k] = sets.mode[k]
         if sets.mode[k] == STICKING:
             n_stick += 1
     return n_stick
@@ -252,34 +267,53 @@ def solve_consistent(sets: ContactSets, m: int) -> None:
 
 
 @kernel
+def solve_sets(work: Workspace, sets: ContactSets, level: int) -> None:
+    """Forces or impulses ``work.p`` of all rows with the sets as they are, island by island."""
+    sets.level = level
+    for i in range(work.islands.count):
+        pose_island(work, i)
+        n_stick = reduce_sets(work, sets)
+        solve_consistent(sets, work.problem.n_contacts + n_stick)
+        spread(work, sets)
+    work.islands.next = work.islands.count
+    answer_joints(work)
+
+
+@kernel
 def spread(work: Workspace, sets: ContactSets) -> None:
-    """Forces or impulses p of all rows from the solution of the reduced system."""
-    level = sets.level
-    n_stick = sets.n_stick
-    n_joint = work.n_joint
-    n = work.n_contacts
-    total = n_joint + n + work.n_tangents
-    for r in range(n_joint + n, total):
-        work.p[r] = 0.0
-    for k in range(n):
-        work.p[n_joint + k] = sets.solution[k]
-        sign = sliding_sign(sets.mode[k])
-        if level == FORCE and sign != 0.0:
-            work.p[n_joint + n + sets.tangent_of[k]] = -sign * work.mu[k] * sets.solution[k]
-    for j in range(n_stick):
-        work.p[n_joint + n + sets.tangent_of[sets.stick[j]]] = sets.solution[n + j]
-    joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+    """Forces or impulses p of the contacts of the island posed last from the solution of its reduced system."""
+    problem, part, n_joint = work.problem, work.part, work.n_joint
+    n = problem.n_contacts
+    for j in range(problem.n_tangents):
+        c = problem.tangent[j]
+        sign = sliding_sign(sets.here[c]) if sets.level == FORCE else 0.0
+        work.p[n_joint + part[n + j]] = -sign * problem.friction[c] * sets.solution[c] if sign != 0.0 else 0.0
+    for c in range(n):
+        work.p[n_joint + part[c]] = sets.solution[c]
+    for j in range(sets.n_stick):
+        work.p[n_joint + part[n + sets.row_here[sets.stick[j]]]] = sets.solution[n + j]
 
 
 @kernel
 def fixed_forces(work: Workspace, sets: ContactSets) -> None:
     """Constraint forces ``work.p`` with the sets as they are, and the acceleration in ``work.free_u``."""
-    sets.level = FORCE
-    n_stick = reduce_sets(work, sets)
-    solve_consistent(sets, work.n_contacts + n_stick)
-    spread(work, sets)
+    solve_sets(work, sets, FORCE)
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
+
+
+@kernel
+def room_for(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work: Workspace, sets: ContactSets) -> bool:
+    """Whether there is room for the problem of each island of the first n contacts of the table."""
+    if n <= len(work.problem.friction):
+        return True
+    lay_rows(model, t, q, u, n, work, sets)
+    lay_contacts(work)
+    room = True
+    for i in range(work.islands.count):
+        room = fits(work, i) and room
+    forget_islands(work.islands)
+    return room
 
 
 @kernel
@@ -336,11 +370,8 @@ def project(
                 work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, u)
                 if r < n_joint:
                     work.free[r] += work.rate[r]
-        pose_contacts(work)
-        sets.level = VELOCITY if left == 1 and velocities else POSITION
-        n_stick = reduce_sets(work, sets)
-        solve_consistent(sets, n + n_stick)
-        spread(work, sets)
+        lay_contacts(work)
+        solve_sets(work, sets, VELOCITY if left == 1 and velocities else POSITION)
         target = u if left == 1 and velocities else q
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, target)
         left -= 1

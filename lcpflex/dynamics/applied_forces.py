@@ -11,7 +11,7 @@ import math
 
 from lcpflex.dynamics.load_means import force_value
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
-from lcpflex.kinematics.points import add_point_row, add_rotation_row, point_angle
+from lcpflex.kinematics.points import Arm, add_point_row, add_rotation_row, point_angle
 from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.model.arrays import Model
 
@@ -24,7 +24,7 @@ FORCE, FOLLOWER, TORQUE = range(len(EFFORTS))
 @kernel
 def add_forces(
     model: Model,
-    q: FloatArray,
+    arms: tuple[Arm, Arm],
     k: int,
     gradient: tuple[float, float, float, float, float],
     size: float,
@@ -38,7 +38,7 @@ def add_forces(
     on_p = force[dof[b] : dof[b + 1]]  # empty for the ground, body -1
     b = model.points.body[j]
     on_q = force[dof[b] : dof[b + 1]]
-    add_gradient(model.bodies, model.points, q, (i, j), gradient, size, on_p, on_q)
+    add_gradient(model.points, (i, j), arms, gradient, size, on_p, on_q)
 
 
 @kernel
@@ -62,14 +62,14 @@ def spring_forces(
         i = loads.spring_point[k, 0]
         j = loads.spring_point[k, 1]
         axis = loads.spring_axis[k]
-        at, motion = relative_motion(bodies, points, q, u, i, j)
+        at, motion, arms = relative_motion(bodies, points, q, u, i, j)
         gradient = coordinate_gradient(loads.spring_kind[k], at, motion, axis[0], axis[1])
         gx, gy, turn_p, turn_q, _ = gradient
         rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
         tension = -loads.spring_value[k, 0] * stretch(model, q, k)
-        add_forces(model, q, k, gradient, tension, conservative)
+        add_forces(model, arms, k, gradient, tension, conservative)
         drag = -loads.spring_value[k, 1] * rate
-        add_forces(model, q, k, gradient, drag, dissipative)
+        add_forces(model, arms, k, gradient, drag, dissipative)
 
 
 @late_kernel
@@ -83,7 +83,7 @@ def effort(
     block = force[model.bodies.dof[b] : model.bodies.dof[b + 1]]
     fx = force_value(model.signals, loads.force_signal[k, 0], t, span, external)
     if loads.force_kind[k] == TORQUE:
-        add_rotation_row(model.bodies, model.points, p, fx, block)
+        add_rotation_row(model.points, p, fx, block)
         return
     fy = force_value(model.signals, loads.force_signal[k, 1], t, span, external)
     if loads.force_kind[k] == FOLLOWER:

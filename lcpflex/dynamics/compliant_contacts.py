@@ -8,6 +8,7 @@ import numpy as np
 
 from lcpflex.contact.detection import COMPLIANT, ContactTable, contact_table
 from lcpflex.dynamics.inertia import Arrow
+from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor, no_joints
 from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -37,9 +38,7 @@ class CompliantContacts:
     mu: FloatArray = array("contacts")
     tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
     bias: FloatArray = array(2, "joints")  # scratch
-    G: FloatArray = array("unknowns", "joints")  # Delassus operator of the joints, and their row with a contact
-    lower: FloatArray = array("joints", "joints")
-    joint: FloatArray = array("joints")
+    joints: JointFactor
     rate: FloatArray = array("contacts")  # of the gaps [m/s]
     slip: FloatArray = array("contacts")  # [m/s]
     inverse: FloatArray = array("contacts")  # G_NN where a contact begins [1/kg]
@@ -66,7 +65,7 @@ def compliant_contacts(
     laws: Sequence[LawRow | None],
     history: ContactMemory,
     dof: IntArray,
-    n_joint: int,
+    pattern: JointPattern,
     n_surfaces: int,
     factors: Arrow,
     dense: FloatArray,
@@ -74,8 +73,10 @@ def compliant_contacts(
 ) -> CompliantContacts:
     """Allocate for ``capacity`` of the declared contacts with these ``laws``; None: rigid."""
     compliant = [int(law is not None) for law in laws]
-    n, ndof, width = (n_joint, int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 0, 1)
-    sizes = {"joints": n, "unknowns": n + 1, "rows": n + 2 * capacity + 1, "width": width, "contacts": capacity}
+    ndof, width = (int(dof[-1]), int(np.max(np.diff(dof), initial=1))) if any(compliant) else (0, 1)
+    joints = joint_factor(pattern if any(compliant) else no_joints(len(dof) - 1), ndof, 0)
+    n = len(joints.answer)
+    sizes = {"joints": n, "rows": n + 2 * capacity + 1, "width": width, "contacts": capacity}
     return allocate(
         CompliantContacts,
         sizes | {"laws": len(laws), "ndof": ndof},
@@ -84,6 +85,7 @@ def compliant_contacts(
         dof=dof,
         arrow=factors,
         dense=dense,
+        joints=joints,
         row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
         n_joint=n,
         out_of_range=-1,

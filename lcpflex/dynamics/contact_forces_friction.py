@@ -19,6 +19,7 @@ from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import add_contact_forces, add_force, add_friction, add_normal_forces
 from lcpflex.dynamics.contact_forces_history import condensed_mobility, factor_joints
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.joint_response import solve_joints
 from lcpflex.dynamics.mechanics import solve_rows, solve_vector
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import BENGISU_AKAY, BROWN_MCPHEE, friction_force
@@ -26,7 +27,6 @@ from lcpflex.force_laws.history import ContactMemory
 from lcpflex.force_laws.layout import FRICTION, FRICTION_KIND
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.semidefinite import cholesky_solve
 
 __all__ = ["add_balanced_forces", "balanced_friction", "compare_friction", "forces_after"]
 
@@ -147,13 +147,12 @@ def free_velocities(model: Model, t: float, q: FloatArray, u: FloatArray, h: flo
     if n_joint == 0:
         return
     factor_joints(model, t, q, u, work)
+    impulses = contacts.joints.answer
     for r in range(n_joint):
         velocity = row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, contacts.free)
-        contacts.joint[r] = -contacts.bias[0, r] - velocity
-    cholesky_solve(contacts.lower, n_joint, contacts.joint)
-    apply_impulses(
-        contacts.solved, contacts.row_body, 0 * n_joint, n_joint, contacts.joint, contacts.dof, contacts.free
-    )
+        impulses[r] = -contacts.bias[0, r] - velocity
+    solve_joints(contacts, impulses)
+    apply_impulses(contacts.solved, contacts.row_body, 0 * n_joint, n_joint, impulses, contacts.dof, contacts.free)
 
 
 @late_kernel
@@ -195,11 +194,10 @@ def balance(model: Model, t: float, q: FloatArray, u: FloatArray, h: float, work
             add_force(contacts, contacts.rows, r, change, contacts.friction)
             worst = max(worst, abs(change) / (mu * normal))
             add_force(contacts, contacts.solved, r, h * change, contacts.free)
+            impulses = contacts.joints.answer
             for i in range(n_joint):
-                contacts.joint[i] *= h * change
-            apply_impulses(
-                contacts.solved, contacts.row_body, 0 * n_joint, n_joint, contacts.joint, dof, contacts.free
-            )  # fmt: skip
+                impulses[i] *= -h * change
+            apply_impulses(contacts.solved, contacts.row_body, 0 * n_joint, n_joint, impulses, dof, contacts.free)
         if sweep >= 0 and worst <= SETTLED:
             break
     contacts.n_before = n

@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from lcpflex.contact.concave_corners import yield_to_deeper
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces import fill_rows, find_contacts, mobility, pair_force, pair_place, pair_stiffness
-from lcpflex.dynamics.delassus import delassus, row_velocity
+from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.joint_response import factorise_joints, respond
 from lcpflex.dynamics.mechanics import factorise, solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.elastic.kernels import stored_energy
@@ -25,7 +24,6 @@ from lcpflex.force_laws.history import FREE, PLACES, ContactMemory, first_place
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.semidefinite import cholesky, cholesky_solve, dot
 
 __all__ = ["condensed_mobility", "factor_joints", "has_begun", "note_depths", "onset", "roundings", "update_history"]
 
@@ -120,30 +118,17 @@ def factor_joints(model: Model, t: float, q: FloatArray, u: FloatArray, work: Wo
         model, t, q, u, work.external, contacts.rows, contacts.row_body, contacts.bias[0], contacts.bias[1]
     )  # fmt: skip
     solve_rows(model, contacts, 0 * n_joint, n_joint)  # a literal would have kernels compiled once more
-    delassus(contacts.rows, contacts.solved, contacts.row_body, n_joint, contacts.G)
-    cholesky(contacts.G, n_joint, contacts.lower)
+    factorise_joints(contacts)
 
 
 @kernel
 def condensed_mobility(contacts: CompliantContacts, r: int) -> float:
     """Diagonal of the Delassus operator for row r with the joints [1/kg], after ``factor_joints``; its M^-1 row is
-    known. ``contacts.joint``: impulses of the joints to a unit one of the row.
+    known. ``contacts.joints.answer``: what impulses of the joints cancel a unit one of the row.
     """
-    n_joint = contacts.n_joint
-    first = int(np.int64(0))  # a literal would have dot compiled once more
-    for j in range(n_joint):
-        total = 0.0
-        for i in range(2):
-            for k in range(2):
-                if contacts.row_body[r, i] >= 0 and contacts.row_body[r, i] == contacts.row_body[j, k]:
-                    total += dot(contacts.rows[r, i], contacts.solved[j, k], first, contacts.rows.shape[2])
-        contacts.joint[j] = total
-        contacts.G[n_joint, j] = total
-    cholesky_solve(contacts.lower, n_joint, contacts.joint)
     value = mobility(contacts, r)
-    for j in range(n_joint):
-        value -= contacts.joint[j] * contacts.G[n_joint, j]
-        contacts.joint[j] = -contacts.joint[j]
+    if contacts.n_joint > 0:
+        value -= respond(contacts, r)
     return value
 
 

@@ -1,4 +1,4 @@
-"""Where mechanics ends and solvers begin: the contact problem of the rows laid.
+"""Where mechanics ends and solvers begin: the contact problems of the rows laid, one for each island.
 
 With the right-hand side b of the rows (velocities, accelerations or gaps without constraint forces), joints condensed,
 
@@ -7,37 +7,139 @@ With the right-hand side b of the rows (velocities, accelerations or gaps withou
 
 from __future__ import annotations
 
-from lcpflex.dynamics.delassus import condense, delassus
+from lcpflex.dynamics.delassus import delassus
+from lcpflex.dynamics.islands import find_islands, one_island
+from lcpflex.dynamics.joint_response import condense, couple, factorise_joints, solve_joints
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
-from lcpflex.solvers.semidefinite import cholesky
+from lcpflex.solvers.contact.index_sets import STICKING, sliding_sign
 
-__all__ = ["describe_contacts", "pose_contacts"]
-
-
-@kernel
-def pose_contacts(work: Workspace) -> None:
-    """``work.problem`` of the rows laid, for the right-hand side ``work.free``."""
-    n_joint = work.n_joint
-    total = n_joint + work.n_contacts + work.n_tangents
-    problem = work.problem
-    delassus(work.rows, work.solved, work.row_body, total, work.G)
-    cholesky(work.G, n_joint, work.lower)
-    condense(work.G, work.free, n_joint, total, work.lower, work.share, problem.delassus, problem.free)
-    describe_contacts(work)
+__all__ = ["describe_contacts", "fits", "lay_as_one", "lay_contacts", "pose_island", "take_forces"]
 
 
 @kernel
-def describe_contacts(work: Workspace) -> None:
-    """Friction, tangents and names of the contacts in the table; all of them under Coulomb's law, without restraint."""
-    problem = work.problem
-    problem.n_contacts = work.n_contacts
-    problem.n_tangents = work.n_tangents
-    problem.on_sets = 0
-    problem.shifted = 0
+def lay_contacts(work: Workspace) -> None:
+    """Begin with the contacts of the rows laid: which islands they make, under Coulomb's law.
+
+    The right-hand side is ``work.free``, sizes of what cancels in it ``work.terms``.
+    """
+    lay_as_one(work)
+    factor_joints(work)
+    find_islands(work.islands, work.rows, work.solved, work.row_body, work.dof, work.n_joint, work.n_contacts)
+
+
+@kernel
+def lay_as_one(work: Workspace) -> None:
+    """The contacts of the rows laid as one island, under Coulomb's law and without joints."""
+    work.on_sets = 0
+    work.shifted = 0
+    work.lifted = 0
     for k in range(work.n_contacts):
-        problem.friction[k] = work.mu[k]
-        problem.key[k] = work.table.key[k]
-        problem.pair[k] = work.table.law[k]
+        work.tangent_of[k] = -1
     for j in range(work.n_tangents):
-        problem.tangent[j] = work.tangent[j]
+        work.tangent_of[work.tangent[j]] = j
+    one_island(work.islands, work.n_contacts)
+
+
+@kernel
+def factor_joints(work: Workspace) -> None:
+    """The factor of the joints, their answer to the right-hand side, and what they have to do with each contact row."""
+    n_joint = work.n_joint
+    if n_joint > 0:
+        answer = work.joints.answer
+        for j in range(n_joint):
+            answer[j] = work.free[j]
+        factorise_joints(work)
+        solve_joints(work, answer)
+        couple(work, n_joint, work.n_contacts + work.n_tangents)
+
+
+@kernel
+def fits(work: Workspace, i: int) -> bool:
+    """Whether there is room for the problem of island i; ``work.most`` becomes what it needs."""
+    size = work.islands.start[i + 1] - work.islands.start[i]
+    work.most = max(work.most, size)
+    return bool(size <= len(work.problem.friction))
+
+
+@kernel
+def pose_island(work: Workspace, i: int) -> None:
+    """``work.problem`` of the contacts of island i."""
+    describe_contacts(work, i)
+    n_joint, problem, part = work.n_joint, work.problem, work.part
+    m = problem.n_contacts + problem.n_tangents
+    G, free = problem.delassus, problem.free
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], part, m, G)
+    for c in range(m):
+        free[c] = work.free[n_joint + part[c]]
+    if n_joint > 0:
+        condense(work, part, n_joint, m, G, free)
+    note_effects(work, i)
+
+
+@kernel
+def note_effects(work: Workspace, i: int) -> None:
+    """What is known of each contact of island i alone; forces that are counted already leave the right-hand side."""
+    problem, contact = work.problem, work.islands.contact
+    first, n = work.islands.start[i], problem.n_contacts
+    for c in range(n):
+        k = contact[first + c]
+        work.own[k] = problem.delassus[c, c]
+        work.effect[k] = problem.free[c]
+    if work.lifted == 1:
+        for c in range(n):
+            for e in range(n):
+                problem.free[c] -= problem.delassus[c, e] * work.counted[contact[first + e]]
+
+
+@kernel
+def describe_contacts(work: Workspace, i: int) -> None:
+    """Friction, tangents and names of the contacts of island i, and in ``work.part`` the rows of its problem."""
+    problem, part, contact = work.problem, work.part, work.islands.contact
+    first = work.islands.start[i]
+    n = work.islands.start[i + 1] - first
+    all_contacts, table, tangent_of, terms = work.n_contacts, work.table, work.tangent_of, work.terms
+    on_sets, shifted = work.on_sets, work.shifted
+    found = 0
+    for c in range(n):
+        k = contact[first + c]
+        part[c] = k
+        problem.friction[c] = work.mu[k]
+        problem.key[c] = table.key[k]
+        problem.pair[c] = table.law[k]
+        problem.terms[c] = terms[k]
+        if on_sets == 1:
+            problem.mode[c] = work.mode[k]
+        if shifted == 1:
+            problem.least[c] = work.least[k]
+        j = tangent_of[k]
+        if j >= 0:
+            part[n + found] = all_contacts + j
+            problem.tangent[found] = c
+            problem.terms[n + found] = terms[all_contacts + j]
+            found += 1
+    problem.n_contacts = n
+    problem.n_tangents = found
+    problem.on_sets = on_sets
+    problem.shifted = shifted
+
+
+@kernel
+def take_forces(work: Workspace) -> None:
+    """Forces of the problem just solved to ``work.p``; those of sliding contacts on index sets from their normals."""
+    problem, solver, part, p = work.problem, work.solver, work.part, work.p
+    n_joint, n = work.n_joint, problem.n_contacts
+    for c in range(n):
+        p[n_joint + part[c]] = solver.normal[c]
+    if problem.on_sets == 0:
+        for j in range(problem.n_tangents):
+            p[n_joint + part[n + j]] = solver.tangential[j]
+        return
+    stuck = 0
+    for j in range(problem.n_tangents):
+        c = problem.tangent[j]
+        if problem.mode[c] == STICKING:
+            p[n_joint + part[n + j]] = solver.tangential[stuck]
+            stuck += 1
+        else:
+            p[n_joint + part[n + j]] = -sliding_sign(problem.mode[c]) * problem.friction[c] * solver.normal[c]

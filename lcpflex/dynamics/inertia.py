@@ -36,6 +36,7 @@ __all__ = [
     "factorise",
     "multiply",
     "solve_block",
+    "solve_rigid",
     "stiffened",
 ]
 
@@ -148,7 +149,8 @@ def factorise(bodies: Bodies, q: FloatArray, alpha_c: float, alpha_k: float, wor
     for b in range(len(bodies.mass)):
         d = bodies.dof[b]
         first = d - N_RIGID * b
-        couple_modes(bodies, q, b, work)
+        if bodies.dof[b + 1] - d > N_RIGID:
+            couple_modes(bodies, q, b, work)
         sx, sy, inertia = deformed_moments(bodies, q, b)
         cos = math.cos(q[d + 2])
         sin = math.sin(q[d + 2])

@@ -1,7 +1,7 @@
 """What a stepper asks of the mechanics, for a compiled scene.
 
-A user's own system answers the same eight questions in Python (:mod:`lcpflex.dynamics.user_system`): forces, factorise,
-multiply, solve_vector, solve_rows, contact and joint rows, energies.
+A user's own system answers the same questions in Python (:mod:`lcpflex.dynamics.user_system`): forces, factorise,
+multiply, solve_vector, solve_rows, whiten_rows, contact and joint rows, energies.
 """
 
 from __future__ import annotations
@@ -10,10 +10,17 @@ from lcpflex.contact.narrow_phase.feature import contact_bias
 from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
-from lcpflex.dynamics.inertia import factorise as factorise_bodies, multiply as multiply_bodies, solve_block
+from lcpflex.dynamics.inertia import (
+    factorise as factorise_bodies,
+    multiply as multiply_bodies,
+    solve_block,
+    solve_rigid,
+)
+from lcpflex.dynamics.whitening import whiten_rows as whiten
 from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
+from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "contact_biases",
@@ -25,6 +32,7 @@ __all__ = [
     "solve_rows",
     "solve_vector",
     "supply",
+    "whiten_rows",
 ]
 
 
@@ -72,11 +80,25 @@ def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
 @kernel
 def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
     """solved[r] <- A^-1 rows[r] for first <= r < last."""
+    rows, solved, row_body, dof = work.rows, work.solved, work.row_body, model.bodies.dof
     for r in range(first, last):
         for i in range(2):
-            b = work.row_body[r, i]
-            if b >= 0:
-                solve_block(model.bodies, work.arrow, b, work.rows[r, i], work.solved[r, i])
+            b = row_body[r, i]
+            if b < 0:
+                continue
+            if dof[b + 1] - dof[b] > N_RIGID:
+                solve_block(model.bodies, work.arrow, b, rows[r, i], solved[r, i])
+            else:
+                x, y, t = solve_rigid(work.arrow, b, rows[r, i, 0], rows[r, i, 1], rows[r, i, 2])
+                solved[r, i, 0] = x
+                solved[r, i, 1] = y
+                solved[r, i, 2] = t
+
+
+@kernel
+def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+    """white[r] <- L^-1 rows[r] for first <= r < last, L L^T = A."""
+    whiten(model.bodies, work.arrow, work.rows, work.row_body, first, last, work.white)
 
 
 @kernel

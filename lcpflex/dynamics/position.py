@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.contact_compliance import ContactCompliance, soften
-from lcpflex.dynamics.contact_problem import describe_contacts
+from lcpflex.dynamics.contact_problem import describe_contacts, lay_as_one
 from lcpflex.dynamics.delassus import delassus, row_velocity
 from lcpflex.dynamics.mechanics import contact_biases, factorise, fill_contact_rows, solve_rows
 from lcpflex.dynamics.workspace import Workspace
@@ -98,11 +98,14 @@ def pose_position(
     work.n_joint = n_joint
     work.n_contacts = n
     work.n_tangents = n_tangent
-    describe_contacts(work)
+    lay_as_one(work)
+    describe_contacts(work, 0)
     if n_tangent > 0:
         contact_biases(model, q, work.free_u, n, n_tangent, n_joint, work)
     spread(work, flexibility, n_joint, n_joint + total)
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.problem.delassus)
+    delassus(
+        work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], work.part, total, work.problem.delassus
+    )
     softest = 0.0
     for r in range(total):
         b = 0.0
@@ -226,7 +229,7 @@ def admissible(
         if stiffens(work, r):
             solve_rows(model, work, n_joint + r, n_joint + r + 1)
             clear_static(work, flexibility, n_joint + r)
-    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], total, work.G)
+    delassus(work.rows[n_joint:], work.solved[n_joint:], work.row_body[n_joint:], work.part, total, work.G)
     scale = 1.0 / (square * unit[1])
     for r in range(total):
         for s in range(r + 1):

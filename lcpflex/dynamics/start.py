@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.dynamics.mass_matrix import mass_matrix
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
@@ -26,7 +26,17 @@ class Violation:
     position: FloatArray  # (r,) phi [m] or [rad]
     velocity: FloatArray  # (r,) phidot = J u + dphi/dt [m/s] or [rad/s]
     speed: FloatArray  # (r,) sum of |J_k u_k| and |dphi/dt|: the size that rounding in phidot is to be compared with
-    jacobian: FloatArray  # (r, ndof) J
+    rate: FloatArray  # (r,) dphi/dt
+    rows: FloatArray  # (r, 2, width) J, the blocks of the two bodies of each row
+    columns: IntArray  # (r, 2, width) of each entry of ``rows`` among the ndof; ndof where there is none
+    ndof: int
+
+    @property
+    def jacobian(self) -> FloatArray:
+        """(r, ndof) J, dense: its size is the square of that of a chain."""
+        J = np.zeros((len(self.rows), self.ndof + 1))
+        np.add.at(J, (np.arange(len(J))[:, None, None], self.columns), self.rows)
+        return J[:, :-1].copy()
 
 
 def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) -> Violation:
@@ -40,13 +50,11 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
     phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)
     joint_residual(model, 0.0, q, external, phi)
     joint_rows(model, 0.0, q, u, external, rows, row_body, rate, bias)
-    J = np.zeros((count, len(q)))
-    for r in range(count):
-        for side in range(2):
-            b = row_body[r, side]
-            if b >= 0:
-                J[r, dof[b] : dof[b + 1]] += rows[r, side, : dof[b + 1] - dof[b]]
-    return Violation(phi, J @ u + rate, np.abs(J) @ np.abs(u) + np.abs(rate), J)
+    columns = dof[np.maximum(row_body, 0)][:, :, None] + np.arange(width)
+    columns[(columns >= dof[np.maximum(row_body, 0) + 1][:, :, None]) | (row_body < 0)[:, :, None]] = len(q)
+    moved = rows * np.append(u, 0.0)[columns]
+    rates = moved.sum(axis=(1, 2)) + rate
+    return Violation(phi, rates, np.abs(moved).sum(axis=(1, 2)) + np.abs(rate), rate, rows, columns, len(q))
 
 
 def project(
@@ -64,7 +72,8 @@ def project(
             break
         q -= _nearest(mass_matrix(model, q), state.jacobian, state.position)
     state = violation(model, q, u, external)
-    return q, u - _nearest(mass_matrix(model, q), state.jacobian, state.velocity)
+    J = state.jacobian
+    return q, u - _nearest(mass_matrix(model, q), J, J @ u + state.rate)
 
 
 def _nearest(M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:

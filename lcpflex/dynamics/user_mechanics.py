@@ -76,6 +76,10 @@ def _inertia_hooks(system: Mechanics) -> Hooks:
         for r in range(first, last):
             cholesky_solve(work.dense, system.n, work.solved[r, 0])
 
+    def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
+        lower = np.tril(work.dense[: system.n, : system.n])
+        work.white[first:last, 0, : system.n] = np.linalg.solve(lower, work.rows[first:last, 0, : system.n].T).T
+
     def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
         kinetic = 0.5 * float(u @ system.mass(q) @ u)
         return kinetic, 0.5 * float(q @ system.stiffness @ q), system.potential(q)
@@ -86,6 +90,7 @@ def _inertia_hooks(system: Mechanics) -> Hooks:
         mechanics.multiply: multiply,
         mechanics.solve_vector: solve_vector,
         mechanics.solve_rows: solve_rows,
+        mechanics.whiten_rows: whiten_rows,
         mechanics.energies: energies,
     }
 

@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from lcpflex.contact.detection import ContactTable
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.inertia import Arrow
+from lcpflex.dynamics.islands import Islands, islands
+from lcpflex.dynamics.joint_factor import JointFactor, JointPattern, joint_factor
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate, array, struct
-from lcpflex.solvers.contact.memory import ContactData, SolverMemory, contact_data, prepare
+from lcpflex.solvers.contact.large.memory import BodyContacts, LargeMemory, grown, large_memory
+from lcpflex.solvers.contact.memory import ContactData, Remembered, SolverMemory, contact_data, prepare
+from lcpflex.solvers.contact.recollection import remembered
 
-__all__ = ["DOUBTFUL_CONTACTS", "Rows", "Workspace", "workspace"]
+__all__ = ["DENSE", "DOUBTFUL_CONTACTS", "Rows", "Workspace", "workspace"]
 
+NO_LIMIT = 2**40
+DENSE = 20  # contacts of the largest island that is solved densely where another way is known
 DOUBTFUL_CONTACTS = 3  # of problems that are tested for several solutions
 DOUBTFUL_KEPT, DOUBTFUL_SIZE = 32, 64
+DOUBTFUL_KINDS = 16
 
 
 @struct
 class Workspace:
-    """Memory for a number of contacts; pairs: twice as many.
+    """Memory for a number of contacts; pairs: twice as many; dense: twice those that one problem may have.
 
     rows = joint rows + pairs + 1 constraint rows, the last one scratch.
     """
@@ -39,33 +48,58 @@ class Workspace:
     total: FloatArray = array("ndof")
     rows: FloatArray = array("rows", 2, "width")
     solved: FloatArray = array("rows", 2, "width")  # A^-1 rows
+    white: FloatArray = array("white", 2, "width")  # L^-1 rows, A = L L^T; where there may be large islands
     row_body: IntArray  # (R, 2)
     rate: FloatArray = array("rows")  # partial time derivatives of the joint constraints
     bias: FloatArray = array("rows")
     residual: FloatArray = array("joints")  # phi
-    G: FloatArray = array("rows", "rows")  # Delassus operator
+    joints: JointFactor
+    islands: Islands
+    part: IntArray = array("dense")  # contact rows of the present problem
+    G: FloatArray = array("dense", "dense")  # of contact rows; scratch
     free: FloatArray = array("rows")
-    lower: FloatArray = array("joints", "joints")
-    share: FloatArray = array("pairs", "joints")
+    terms: FloatArray = array("pairs")  # of each contact row, see ContactData
     mu: FloatArray = array("contacts")
     tangent: IntArray = array("contacts")  # the contact that each tangential row belongs to
+    tangent_of: IntArray = array("contacts")  # tangential row of each contact, -1: none
+    mode: IntArray = array("contacts")  # where ``on_sets`` counts; see lcpflex.solvers.contact.index_sets
+    least: FloatArray = array("contacts")  # normal forces, where ``shifted`` counts
+    counted: FloatArray = array("contacts")  # normal forces that ``free`` holds already, where ``lifted`` counts
+    own: FloatArray = array("contacts")  # G_NN of each contact, of its island
+    effect: FloatArray = array("contacts")  # its normal velocity (or acceleration, ...) without contact forces
+    sunk: FloatArray = array("contacts")  # drift of each contact to be taken out, 0: none
     closed: IntArray = array("contacts")
     held_key: IntArray = array(2, "contacts")  # of the contacts that stayed closed over the last step; scratch
     held_gap: FloatArray = array(2, "contacts")  # and the gap, <= 0, that each is held at [m]
     drift: FloatArray = array("contacts")  # of closed contacts, from the gap that each is held at [m]; scratch
-    problem: ContactData  # the contact problem of the rows
+    problem: ContactData  # that of an island
     solver: SolverMemory
+    remembered: Remembered
+    large: BodyContacts  # the problem of an island that is not solved densely; its arrays are those of all rows
+    large_solver: LargeMemory
+    dense_limit: int  # contacts of the largest island that is solved densely at once
+    strict_large: int  # 1: a large island that is not solved is an error
+    unsolved_large: int  # 1: it was an error
+    unsolved: int  # large islands of the present step that were not solved to the tolerance
+    aside: FloatArray = array("white", 2)  # impulses and right-hand sides kept while others are sought
+    marked: IntArray = array("bodies")  # of the present large island
     normal: FloatArray = array("contacts")  # forces where contacts give way [N]
     tangential: FloatArray = array("contacts")  # one for each tangential row
     p: FloatArray = array("rows")  # impulses or forces of all rows
     n_joint: int  # joint rows of this step
     n_contacts: int
     n_tangents: int  # tangential rows
+    on_sets: int  # of the problems to be posed, see ContactData
+    shifted: int
+    lifted: int
+    number: int  # why the last problem was not solved
+    most: int  # contacts of the largest island so far that is solved densely
+    largest: int  # and of all
     n_held: int  # contacts that stayed closed over the last step
     stopped: float  # fastest approach so far that was stopped, being slow, and not reflected [m/s]
     doubtful: FloatArray = array(DOUBTFUL_KEPT, DOUBTFUL_SIZE)  # problems that may have several solutions
     n_doubtful: int
-    doubtful_kind: int  # of the present problem
+    doubtful_kind: IntArray = array(DOUBTFUL_KINDS)  # of the last problem with a first contact of such a key
     compliant: CompliantContacts  # beside the rigid contacts, in a table of their own
 
 
@@ -74,18 +108,21 @@ Rows = Workspace | CompliantContacts  # both hold a table, rows and factors, by 
 
 def workspace(
     n_external: int,
-    n_joint: int,
+    pattern: JointPattern,
     table: ContactTable,
     compliant: CompliantContacts,
-    solver: SolverMemory | None = None,
+    dense: int,
+    before: Workspace | None = None,
 ) -> Workspace:
     """Allocate for as many contacts as ``table``, beside the compliant ones, with their offsets and factors.
 
-    ``solver``: of a smaller one, what it knows goes on.
+    ``dense``: contacts that one problem may have. ``before``: a smaller one; what its solver knows goes on.
     """
     capacity = len(table.key)
     dof = compliant.dof
     ndof = int(dof[-1])
+    joints = joint_factor(pattern, ndof, 2 * capacity)
+    n_joint = len(joints.answer)
     sizes = {
         "slots": n_external,
         "ndof": ndof,
@@ -94,6 +131,16 @@ def workspace(
         "joints": n_joint,
         "contacts": capacity,
         "pairs": 2 * capacity,
+        "dense": 2 * dense,
+        "bodies": len(dof) - 1,
+    }
+    sizes["white"] = sizes["rows"] if before is not None and before.largest > before.dense_limit else 0
+    shared = {
+        "white": np.zeros((sizes["white"], 2, sizes["width"])),
+        "row_body": np.full((sizes["rows"], 2), -1, dtype=np.int64),
+        "free": np.zeros(sizes["rows"]),
+        "p": np.zeros(sizes["rows"]),
+        "terms": np.zeros(sizes["pairs"]),
     }
     return allocate(
         Workspace,
@@ -102,8 +149,33 @@ def workspace(
         table=table,
         arrow=compliant.arrow,
         dense=compliant.dense,
-        row_body=np.full((sizes["rows"], 2), -1, dtype=np.int64),
-        problem=contact_data(capacity),
-        solver=prepare(capacity, solver),
+        joints=joints,
+        islands=islands(len(dof) - 1, capacity, n_joint),
+        problem=contact_data(dense),
+        solver=prepare(dense, before.solver if before else None),
+        remembered=remembered(capacity, before.remembered if before else None),
+        large=_large(sizes, dof=dof, **shared),
+        large_solver=_large_solver(sizes, before),
+        dense_limit=before.dense_limit if before else NO_LIMIT,
+        strict_large=before.strict_large if before else 0,
+        most=before.most if before else 0,
+        largest=before.largest if before else 0,
         compliant=compliant,
+        **shared,
     )
+
+
+def _large(sizes: dict[str, int], **shared: Any) -> BodyContacts:
+    """The problem of a large island, over the rows of the workspace."""
+    room = 1 if sizes["white"] else 0
+    own = {name: room * sizes[name] for name in ("contacts", "joints", "bodies")}
+    return allocate(BodyContacts, own, first_contact=sizes["joints"], **shared)
+
+
+def _large_solver(sizes: dict[str, int], before: Workspace | None) -> LargeMemory:
+    """Its memory; what one before it knows and wants goes on."""
+    room = 1 if sizes["white"] else 0
+    units, bodies = room * (sizes["contacts"] + sizes["joints"]), room * sizes["bodies"]
+    if before is None:
+        return large_memory(sizes["bodies"], units, 0, bodies, sizes["width"])
+    return grown(before.large_solver, {"units": units, "bodies": bodies})

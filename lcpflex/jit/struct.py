@@ -29,7 +29,10 @@ from typing import Any, TypeVar, cast, dataclass_transform
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["allocate", "array", "copy_parts", "numbers_of", "pack", "parts_of", "shapes_of", "struct", "with_parts"]
+__all__ = [
+    "allocate", "array", "copy_parts", "lengthen", "numbers_of", "pack", "parts_of", "put_array", "shapes_of", "struct",
+    "with_parts",
+]  # fmt: skip
 
 T = TypeVar("T")
 NUMBERS = {"int": np.dtype(np.int64), "float": np.dtype(np.float64)}
@@ -77,6 +80,21 @@ class Packed:
         other = object.__new__(type(self))
         other._pack(self._label, self._parts() | parts)
         return other
+
+    def _put(self, name: str, value: np.ndarray[Any, Any]) -> None:
+        """Another array of the same type in the place of one; kernels that are called from now on take it."""
+        at = len(self._numbers)
+        for field, kept in vars(self).items():
+            if field == name:
+                if _type_of(kept) is not _type_of(value):
+                    raise TypeError(f"{name} is {_type_of(kept)}, not {_type_of(value)}")
+                words = _descriptor(value)
+                vars(self)[name] = value
+                self._memory[at : at + len(words)] = words
+                return
+            if not field.startswith("_"):
+                at += len(_descriptor(kept)) if isinstance(kept, np.ndarray) else 1
+        raise AttributeError(name)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Its block holds addresses: a copy, or what is unpickled, gets one of its own."""
@@ -169,6 +187,32 @@ def parts_of(values: Any) -> dict[str, Any]:
 def with_parts(values: T, parts: Mapping[str, Any]) -> T:
     """Another struct like this one, some of its fields replaced."""
     return cast(T, cast(Packed, values)._with_parts(dict(parts)))
+
+
+def put_array(values: Any, name: str, array: npt.NDArray[Any]) -> None:
+    """Another array of the same type, of any size, in the place of one of a struct. Not while a kernel runs on it."""
+    cast(Packed, values)._put(name, array)
+
+
+def lengthen(values: Any, dimension: str, old: int, new: int) -> None:
+    """Room for ``new`` items along a declared dimension of a struct, and of those in it, where it has had ``old``.
+
+    What is there stays, the rest is zero.
+    """
+    packed = cast(Packed, values)
+    shapes = {name: shape for name, shape in getattr(packed, "_shapes", {}).items() if shape is not None}
+    for name, value in parts_of(values).items():
+        if isinstance(value, Packed):
+            lengthen(value, dimension, old, new)
+        elif isinstance(value, np.ndarray) and dimension in shapes.get(name, ()):
+            sizes = [
+                new if of == dimension and size == old else size
+                for of, size in zip(shapes[name], value.shape, strict=True)
+            ]
+            if tuple(sizes) != value.shape:
+                longer = np.zeros(sizes, value.dtype)
+                longer[tuple(slice(size) for size in value.shape)] = value
+                packed._put(name, longer)
 
 
 def numbers_of(values: Any) -> npt.NDArray[np.int64]:

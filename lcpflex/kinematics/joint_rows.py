@@ -62,12 +62,12 @@ def joint_rows(
     for joint in range(len(joints.point)):
         i = joints.point[joint, 0]
         j = joints.point[joint, 1]
-        at, motion = relative_motion(bodies, points, q, u, i, j)
+        at, motion, arms = relative_motion(bodies, points, q, u, i, j)
         for r in range(joints.row[joint], joints.row[joint + 1]):
             row_body[r, 0] = points.body[i]
             row_body[r, 1] = points.body[j]
             gradient = coordinate_gradient(joints.kind[r], at, motion, joints.axis[r, 0], joints.axis[r, 1])
-            add_gradient(bodies, points, q, (i, j), gradient, 1.0, rows[r, 0], rows[r, 1])
+            add_gradient(points, (i, j), arms, gradient, 1.0, rows[r, 0], rows[r, 1])
             _, f_rate, f_acceleration = prescribed(model, r, t, external)
             rate[r] = -f_rate
             bias[r] = gradient[4] - f_acceleration

@@ -9,10 +9,20 @@ Source of the formulation: Shabana, Dynamics of Multibody Systems; inertia terms
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Bodies, Points
 from lcpflex.model.planar import N_RIGID
+
+
+class Arm(NamedTuple):
+    """A point in the frame of its body, deformed, and the direction of that frame; on the ground, world axes."""
+
+    x: float  # [m]
+    y: float
+    cos: float
+    sin: float
 
 
 @kernel
@@ -28,6 +38,17 @@ def local_place(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tuple[
             sx += points.phi[start + k, 0] * q[modal + k]
             sy += points.phi[start + k, 1] * q[modal + k]
     return sx, sy
+
+
+@kernel
+def arm_of(bodies: Bodies, points: Points, q: FloatArray, p: int) -> Arm:
+    """Of point p."""
+    sx, sy = local_place(bodies, points, q, p)
+    b = points.body[p]
+    if b < 0:
+        return Arm(sx, sy, 1.0, 0.0)
+    angle = q[bodies.dof[b] + 2]
+    return Arm(sx, sy, math.cos(angle), math.sin(angle))
 
 
 @kernel
@@ -47,9 +68,16 @@ def point_position(bodies: Bodies, points: Points, q: FloatArray, p: int) -> tup
 def point_motion(
     bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int
 ) -> tuple[float, float, float, float, float, float]:
-    """r_P, rdot_P and Ldot u of one point, in one pass through its modes; world axes."""
-    sx = points.place[p, 0]
-    sy = points.place[p, 1]
+    """r_P, rdot_P and Ldot u of one point; world axes."""
+    return arm_motion(bodies, points, q, u, p, arm_of(bodies, points, q, p))
+
+
+@kernel
+def arm_motion(
+    bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, p: int, arm: Arm
+) -> tuple[float, float, float, float, float, float]:
+    """:func:`point_motion` of a point whose arm is known."""
+    sx, sy, cos, sin = arm
     b = points.body[p]
     if b < 0:
         return sx, sy, 0.0, 0.0, 0.0, 0.0
@@ -58,15 +86,9 @@ def point_motion(
     ry = 0.0
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
-        ex = points.phi[start + k, 0]
-        ey = points.phi[start + k, 1]
-        sx += ex * q[d + N_RIGID + k]
-        sy += ey * q[d + N_RIGID + k]
-        rx += ex * u[d + N_RIGID + k]
-        ry += ey * u[d + N_RIGID + k]
+        rx += points.phi[start + k, 0] * u[d + N_RIGID + k]
+        ry += points.phi[start + k, 1] * u[d + N_RIGID + k]
     omega = u[d + 2]
-    cos = math.cos(q[d + 2])
-    sin = math.sin(q[d + 2])
     vx = rx - omega * sy
     vy = ry + omega * sx
     bx = -omega * omega * sx - 2.0 * omega * ry
@@ -120,12 +142,20 @@ def force_at(
 @kernel
 def add_point_row(bodies: Bodies, points: Points, q: FloatArray, p: int, dx: float, dy: float, row: FloatArray) -> None:
     """row += L^T d: the generalised force of a force d [N, world axes] at P, into the block of its body."""
+    if points.body[p] >= 0:
+        add_arm_row(points, p, arm_of(bodies, points, q, p), dx, dy, row)
+
+
+@kernel
+def add_arm_row(points: Points, p: int, arm: Arm, dx: float, dy: float, row: FloatArray) -> None:
+    """:func:`add_point_row` of a point whose arm is known."""
     if points.body[p] < 0:
         return
-    sx, sy, ex, ey = force_at(bodies, points, q, p, dx, dy)
+    ex = arm.cos * dx + arm.sin * dy
+    ey = -arm.sin * dx + arm.cos * dy
     row[0] += dx
     row[1] += dy
-    row[2] += sx * ey - sy * ex
+    row[2] += arm.x * ey - arm.y * ex
     start = points.start[p]
     for k in range(points.start[p + 1] - start):
         row[N_RIGID + k] += points.phi[start + k, 0] * ex + points.phi[start + k, 1] * ey
@@ -161,7 +191,7 @@ def add_point_rows(
 
 
 @kernel
-def add_rotation_row(bodies: Bodies, points: Points, p: int, torque: float, row: FloatArray) -> None:
+def add_rotation_row(points: Points, p: int, torque: float, row: FloatArray) -> None:
     """row += the generalised force of a torque [N m] on the material at P, into the block of its body."""
     if points.body[p] < 0:
         return

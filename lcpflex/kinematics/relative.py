@@ -24,7 +24,15 @@ import math
 from typing import NamedTuple
 
 from lcpflex.jit.kernel import FloatArray, kernel
-from lcpflex.kinematics.points import add_point_row, add_rotation_row, motion_between, point_angle, point_position
+from lcpflex.kinematics.points import (
+    Arm,
+    add_arm_row,
+    add_rotation_row,
+    arm_motion,
+    arm_of,
+    point_angle,
+    point_position,
+)
 from lcpflex.model.arrays import Bodies, Points
 
 __all__ = [
@@ -80,11 +88,14 @@ def apart(bodies: Bodies, points: Points, q: FloatArray, i: int, j: int) -> Apar
 @kernel
 def relative_motion(
     bodies: Bodies, points: Points, q: FloatArray, u: FloatArray, i: int, j: int
-) -> tuple[Apart, Motion]:
-    """Of the points i = P and j = Q."""
-    x, y, vx, vy, bx, by = motion_between(bodies, points, q, u, i, j)
-    place = Apart(x, y, point_angle(bodies, points, q, i), point_angle(bodies, points, q, j))
-    return place, Motion(vx, vy, bx, by, point_angle(bodies, points, u, i), point_angle(bodies, points, u, j))
+) -> tuple[Apart, Motion, tuple[Arm, Arm]]:
+    """Of the points i = P and j = Q, and the arms of both."""
+    arms = (arm_of(bodies, points, q, i), arm_of(bodies, points, q, j))
+    px, py, vpx, vpy, bpx, bpy = arm_motion(bodies, points, q, u, i, arms[0])
+    ox, oy, vox, voy, box, boy = arm_motion(bodies, points, q, u, j, arms[1])
+    place = Apart(px - ox, py - oy, point_angle(bodies, points, q, i), point_angle(bodies, points, q, j))
+    spins = (point_angle(bodies, points, u, i), point_angle(bodies, points, u, j))
+    return place, Motion(vpx - vox, vpy - voy, bpx - box, bpy - boy, spins[0], spins[1]), arms
 
 
 @kernel
@@ -132,21 +143,23 @@ def coordinate_gradient(
 
 @kernel
 def add_gradient(
-    bodies: Bodies,
     points: Points,
-    q: FloatArray,
     ends: tuple[int, int],
+    arms: tuple[Arm, Arm],
     gradient: tuple[float, float, float, float, float],
     scale: float,
     on_p: FloatArray,
     on_q: FloatArray,
 ) -> None:
-    """Add ``scale`` times the gradient, as generalised forces, to the blocks of the bodies of P and Q = ``ends``."""
+    """Add ``scale`` times the gradient, as generalised forces, to the blocks of the bodies of P and Q = ``ends``.
+
+    ``arms``: of both, at the configuration of the gradient.
+    """
     gx, gy, turn_p, turn_q, _ = gradient
     if gx != 0.0 or gy != 0.0:
-        add_point_row(bodies, points, q, ends[0], scale * gx, scale * gy, on_p)
-        add_point_row(bodies, points, q, ends[1], -scale * gx, -scale * gy, on_q)
+        add_arm_row(points, ends[0], arms[0], scale * gx, scale * gy, on_p)
+        add_arm_row(points, ends[1], arms[1], -scale * gx, -scale * gy, on_q)
     if turn_p != 0.0:
-        add_rotation_row(bodies, points, ends[0], scale * turn_p, on_p)
+        add_rotation_row(points, ends[0], scale * turn_p, on_p)
     if turn_q != 0.0:
-        add_rotation_row(bodies, points, ends[1], scale * turn_q, on_q)
+        add_rotation_row(points, ends[1], scale * turn_q, on_q)

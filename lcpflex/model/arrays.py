@@ -195,6 +195,12 @@ class Contacts(NamedTuple):
     friction: FloatArray  # (laws,) mu
     restitution: FloatArray  # (laws,) e_N
     tangential_restitution: FloatArray  # (laws,) e_T
+    # the first surfaces, between which a rule holds; see :mod:`lcpflex.contact.rule_pairs`; empty where none does
+    rule_rank: IntArray = frozen([], np.int64)  # (surfaces of the rule,) by their kinds: the lower is the node side
+    rule_law: IntArray = frozen([], np.int64)  # (1,) law of the rule, behind those of declared contacts
+    rule_pass: IntArray = frozen([], np.int64)  # (1,) pass before which those of the rule come
+    barred_start: IntArray = frozen([0], np.int64)  # (surfaces of the rule + 1,) offsets into barred
+    barred: IntArray = frozen([], np.int64)  # later surfaces without a contact by the rule, ascending for each
 
 
 class Model(NamedTuple):

@@ -41,7 +41,8 @@ EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 2"
 READ = ("lcpflex result 1", FORMAT)
 _HOMES = (  # of the value classes that a file may name
-    "lcpflex.results.result", "lcpflex.results.energy_balance", "lcpflex.compile.compiled_scene", "lcpflex.model.arrays"
+    "lcpflex.results.result", "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
+    "lcpflex.compile.compiled_scene", "lcpflex.model.arrays",
 )  # fmt: skip
 
 Arrays = dict[str, npt.NDArray[Any]]

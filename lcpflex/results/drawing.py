@@ -107,11 +107,15 @@ def _stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
     held = np.unique(np.concatenate([model.joints.point.ravel(), model.loads.spring_point.ravel()]))
     surfaces = _surfaces_of_bodies(compiled)
     outlined = {body for body, _, _ in compiled.layout.outlines}
+    circles: dict[int, list[IntArray]] = {}
+    for point, _ in compiled.layout.circles:
+        circles.setdefault(int(owners[point]), []).append(np.array([point]))
+    order = np.argsort(owners, kind="stable")
     found = []
     for body in (int(b) for b in np.unique(owners) if b >= 0 and int(b) not in outlined):
-        shapes = [np.array([point]) for point, _ in compiled.layout.circles if owners[point] == body]
+        shapes = circles.get(body, [])
         shapes += [np.unique(_features(compiled, surface)) for surface in surfaces.get(body, [])]
-        points = np.flatnonzero(owners == body)
+        points = order[np.searchsorted(owners, body, "left", order) : np.searchsorted(owners, body, "right", order)]
         ends = points if not shapes else np.intersect1d(held, points)
         found.append(([*([point] for point in ends), *shapes], bool(shapes)))
     return [([np.asarray(ids) for ids in ends], thin) for ends, thin in found if len(ends) > 1 or not thin]

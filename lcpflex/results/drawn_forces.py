@@ -25,6 +25,7 @@ _ARROW = 0.2  # largest length of an arrow of the usual force, relative to the p
 _SHORTEST = 0.07  # likewise, where the bodies that touch are small
 _BODY_SHARE = 0.7  # length of that arrow, relative to the bodies that touch: arrows of a stack do not overlap
 _LONGEST = 1.5  # a force beyond so many usual ones has a cut arrow, and its number beside
+_NUMBERED = 8  # of them, the largest ones: numbers of a pile would hide each other
 _SEEN = 1e-3  # forces below this share of the usual one are not drawn
 _CORNER = 1e-6  # sides whose distances differ by less meet at the place [m]
 
@@ -56,13 +57,20 @@ def draw_forces(ax: Axes, result: Result, compiled: CompiledScene, record: int, 
         return
     length = _arrow_length(result, compiled, view)
     _force_key(ax, view, length / scale, scale)
-    for place, tip, size, cut in _arrows(result, compiled, record, length, scale):
+    arrows = _arrows(result, compiled, record, length, scale)
+    numbered = _least_numbered([size for _, _, size, cut in arrows if cut])
+    for place, tip, size, cut in arrows:
         _arrow(ax, place, tip)
         ax.plot(*place, marker="o", markersize=3, color=_FORCE, zorder=5)
-        if cut:
+        if cut and size >= numbered:
             label = f" {with_unit(float(f'{size:.2g}'), 'N')} "
             side = "left" if tip[0] >= place[0] else "right"
             ax.text(tip[0], tip[1], label, ha=side, va="center", fontsize="x-small", color=_FORCE, zorder=6)
+
+
+def _least_numbered(sizes: list[float]) -> float:
+    """The smallest force that has its number beside it [N]."""
+    return sorted(sizes)[-_NUMBERED] if len(sizes) >= _NUMBERED else 0.0
 
 
 def _arrows(

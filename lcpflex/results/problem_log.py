@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,10 +74,10 @@ class RecordProblems:
 
 @dataclass(slots=True)
 class ProblemLog:
-    """The problems kept so far of one run; ``names`` are those of the declared contacts."""
+    """The problems kept so far of one run; ``name``: what a contact is called, by its number."""
 
     request: RecordProblems
-    names: tuple[str, ...]
+    name: Callable[[int], str]
     seen: int = 0
     stride: int = 1
     kept: list[tuple[float, int, str, Lcp | ContactProblem]] = field(default_factory=list)  # hardness, number, ...
@@ -116,7 +117,7 @@ class ProblemLog:
         return float(memory.residual if self.request.by == "residual" else memory.iterations)
 
     def _keep(self, hardness: float, number: int, data: ContactData, memory: SolverMemory) -> None:
-        contacts = [self.names[law] for law in data.pair[: data.n_contacts].tolist()]
+        contacts = [self.name(law) for law in data.pair[: data.n_contacts].tolist()]
         counts = sorted({name: contacts.count(name) for name in contacts}.items())
         name = f"problem {number}: " + (", ".join(f"{count} x {name}" for name, count in counts) or "no contact")
         self.kept.append((hardness, number, name, _problem(data, memory, contacts)))

@@ -12,6 +12,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.basics.renamed import renamed_property
+from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
@@ -19,7 +20,9 @@ from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.archive import read, write
 from lcpflex.results.charts import plot
+from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.energy_balance import Energies
+from lcpflex.results.joint_reaction import JointReaction, joint_reaction, reaction_columns
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
@@ -32,8 +35,6 @@ if TYPE_CHECKING:
 
     from lcpflex.compile.compiled_scene import CompiledScene
 
-    StateArray = NDArray[np.int8]
-
 __all__ = [
     "CREEP",
     "OPEN",
@@ -42,78 +43,10 @@ __all__ = [
     "ContactHistory",
     "ContactPoints",
     "Event",
+    "JointReaction",
     "ModalCoordinates",
     "Result",
 ]
-
-
-CLOSED = 1e-9  # gaps up to this count as touching where no force is known, as at the start [m]
-
-
-@dataclass(frozen=True, slots=True)
-class Event:
-    """Something that happened between stored instants: an impact, a touch-down, a lift-off, a change of stick."""
-
-    time: float  # [s]
-    kind: str
-    contact: str  # name of the declared contact, empty if none
-    energy_change: float  # [J], negative: lost
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactPoints:
-    """Every touching point at every stored instant, k rows in order of time."""
-
-    record: IntArray  # (k,) index of the stored instant
-    contact: IntArray  # (k,) index of the declared contact
-    place: FloatArray  # (k, 2) [m], world axes
-    normal: FloatArray  # (k, 2) unit vector from body j (feature) to body i (node), world axes
-    force: FloatArray  # (k, 2) normal and tangential force [N], t = (n_y, -n_x)
-    state: StateArray  # (k,) OPEN, STICK, SLIP or CREEP
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactHistory:
-    """One declared contact over the m stored instants."""
-
-    name: str
-    times: FloatArray  # (m,) [s]
-    force: FloatArray  # (m, 2) normal and tangential force, summed over its points [N]
-    impulse: FloatArray  # (m, 2) accumulated since the start, impacts included [N s]
-    state: StateArray  # (m,) OPEN, STICK, SLIP or CREEP
-    gap: FloatArray  # (m,) smallest gap [m]; NaN where farther than the detection margin, see ``least_gap``
-    pairs: IntArray  # (m,) pairs of touching points that carry a normal force
-    first_event: float  # [s] first event that names the contact; infinite if there is none
-    crept: float = 0.0  # [m] path of slip while creeping
-
-    @property
-    def first_touch(self) -> float | None:
-        """Time of first touch [s], to the resolution of what was stored; None if it never touched."""
-        touched = (self.state != OPEN) | np.any(self.impulse != 0.0, axis=1) | (self.gap <= CLOSED)
-        stored = float(self.times[np.argmax(touched)]) if touched.any() else float("inf")
-        first = min(stored, self.first_event)
-        return first if np.isfinite(first) else None
-
-    @property
-    def peak_force(self) -> float:
-        """Largest normal force at a stored instant [N]."""
-        return float(np.max(self.force[:, 0], initial=0.0))
-
-    @property
-    def shares(self) -> tuple[float, float, float]:
-        """Shares of the stored instants spent open, sticking and slipping; they sum to 1. Creeping is slipping."""
-        state = np.where(self.state == CREEP, SLIP, self.state)
-        return tuple(float(np.count_nonzero(state == kind)) / max(state.size, 1) for kind in (OPEN, STICK, SLIP))  # type: ignore[return-value]
-
-    @property
-    def creeping(self) -> float:
-        """Share of the stored instants spent creeping: slower than the slip speed of a law that cannot stick."""
-        return float(np.count_nonzero(self.state == CREEP)) / max(self.state.size, 1)
-
-    @property
-    def least_gap(self) -> float:
-        """Smallest gap at a stored instant [m]; infinite for a contact that never came within the detection margin."""
-        return float(np.min(self.gap, initial=np.inf, where=~np.isnan(self.gap)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,6 +98,11 @@ class Result:
     place_error: float | None = None  # [m] local errors of the steps, summed, of the body worst off; None: not known
     speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
     strict: FloatArray | None = None  # (m,) the residual relative to the free velocity alone; None: not known
+    # of each joint, see ``reaction``; None in results of older versions
+    joint_force: FloatArray | None = None  # (m, nj, 3) F_x, F_y [N], M [N m]
+    joint_peak: FloatArray | None = None  # (m, nj, 2) largest |F| [N] and |M| [N m] since the previous instant
+    joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]
+    joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -196,7 +134,12 @@ class Result:
         return bool(self.contact_names) and set(self.contact_names) <= set(self.compliant)
 
     def contact(self, name: str) -> ContactHistory:
-        """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name."""
+        """Forces, impulses, states and gap of one declared contact. Raises ModelError for an unknown name.
+
+        A pair that a rule is for and that never touched has a name as well, and histories of no force.
+        """
+        if isinstance(name, str) and name not in self.contact_names and self.compiled and pair_of(self.compiled, name):
+            return untouched(name, self.times)
         if not isinstance(name, str) or name not in self.contact_names:
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         k = self.contact_names.index(name)
@@ -206,6 +149,13 @@ class Result:
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
         crept = self.crept[k] if self.crept else 0.0
         return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept)
+
+    def reaction(self, joint: str) -> JointReaction:
+        """Force and moment of a joint or drive over the stored instants: see :class:`JointReaction`.
+
+        joint: its name. Raises ModelError for one that is not there, and where reactions were not recorded.
+        """
+        return joint_reaction(self, joint)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.
@@ -278,7 +228,8 @@ class Result:
 
         Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
         ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
-        ``contact.gap``; ``energy.kinetic`` and so on. Raises ModelError where pandas is not installed.
+        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. Raises
+        ModelError where pandas is not installed.
         """
         try:
             pandas = libs.pandas
@@ -292,6 +243,7 @@ class Result:
             for what, values in (("force", self.force), ("impulse", self.impulse)):
                 columns |= {f"{name}.{way} {what}": values[:, k, c] for c, way in enumerate(("normal", "tangential"))}
             columns |= {f"{name}.state": self.state[:, k], f"{name}.gap": self.gap[:, k]}
+        columns |= reaction_columns(self)
         columns |= {f"energy.{name}": getattr(self.energies, name) for name in Energies.__dataclass_fields__}
         columns |= {name: getattr(self, name) for name in ("residual", "penetration", "joint_drift", "size")}
         return pandas.DataFrame(columns, index=pandas.Index(self.times, name="time"))

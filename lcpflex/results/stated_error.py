@@ -38,11 +38,12 @@ AT_REST = 1e-4  # of the size over the duration: slower is at rest, where roundi
 
 
 def stated_errors(
-    model: Model, records: Records, data: dict[str, FloatArray], steps: int, controlled: bool
+    model: Model, records: Records, rigid: IntArray, data: dict[str, FloatArray], steps: int, controlled: bool
 ) -> tuple[float, float] | tuple[None, None]:
     """Errors of places [m] and of velocities [m/s], of the body that is worst off; None where the run has noted none.
 
-    ``controlled``: whether error control chose the steps, so that the errors of all of them are known.
+    ``rigid``: which contacts are; ``controlled``: whether error control chose the steps, so that the errors of all of
+    them are known.
     In a user's own system: of a coordinate, over its range, and of its rate, over the largest.
     """
     q, u = data["q"], data["u"]
@@ -59,7 +60,7 @@ def stated_errors(
         return None, None
     local[0] = np.maximum(local[0], passing * local[1])
     errors = units.of(np.minimum(local, 2.0 * ranges))
-    errors = np.minimum(_with_impacts(errors, units, model, records, data), units.of(2.0 * ranges))
+    errors = np.minimum(_with_impacts(errors, units, model, records, rigid, data), units.of(2.0 * ranges))
     if units.own:
         ranges = np.maximum(ranges, SMALL * ranges.max(axis=1, keepdims=True))
         errors = np.divide(errors, ranges, out=np.zeros_like(errors), where=ranges > 0.0)
@@ -73,10 +74,10 @@ def _sampled(records: Records, steps: int) -> FloatArray | None:
 
 
 def _with_impacts(
-    smooth: FloatArray, units: Units, model: Model, records: Records, data: dict[str, FloatArray]
+    smooth: FloatArray, units: Units, model: Model, records: Records, rigid: IntArray, data: dict[str, FloatArray]
 ) -> FloatArray:
     """Errors of places and velocities (2, units) with impacts, which magnify those ``smooth`` ones before them."""
-    u, impacts = data["u"], _impacts(records, data)
+    u, impacts = data["u"], _impacts(rigid, data)
     times = data["times"][[0, *(last for _, last, _ in impacts), -1]]
     place, speed = np.zeros(units.count), np.zeros(units.count)
     grown = np.diff(smooth[0] * _shares(records, units, times), axis=0)
@@ -85,7 +86,7 @@ def _with_impacts(
     episodes = None if units.own else _Episodes(model, units, records.impact_step, data, first, last)
     for k, (_, _, laws) in enumerate(impacts):
         place += (times[k + 1] - times[k]) * speed + grown[k]
-        if records.rigid[laws].any():
+        if rigid[laws].any():
             place += 0.5 * records.impact_step * jumps[k]
         if episodes is not None:
             speed = episodes.magnified(k, laws, place, speed)
@@ -106,7 +107,7 @@ def _shares(records: Records, units: Units, times: FloatArray) -> FloatArray:
     return np.stack(shares, axis=1)
 
 
-def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, int, list[int]]]:
+def _impacts(rigid: IntArray, data: dict[str, FloatArray]) -> list[tuple[int, int, list[int]]]:
     """First and last stored instant of all impacts with their contacts, in the order of their ends.
 
     Something strikes between two stored instants where a contact takes more impulse than its force at both explains. A
@@ -115,10 +116,10 @@ def _impacts(records: Records, data: dict[str, FloatArray]) -> list[tuple[int, i
     times, force = data["times"], data["force"][:, :, 0]
     taken = np.diff(data["impulse"][:, :, 0], axis=0)
     steady = np.minimum(force[1:], force[:-1]) * np.diff(times)[:, None]
-    struck = (taken - steady > 0.5 * taken) & (taken > 0.0) & records.rigid
+    struck = (taken - steady > 0.5 * taken) & (taken > 0.0) & rigid
     rows = np.flatnonzero(struck.any(axis=1)).tolist()
     found = [(row, row + 1, np.flatnonzero(struck[row]).tolist()) for row in rows]
-    for law in np.flatnonzero(~records.rigid).tolist():
+    for law in np.flatnonzero(~rigid).tolist():
         edges = np.diff(np.concatenate([[0], taken[:, law] > 0.0, [0]]).astype(np.int8))
         for first, last in zip(np.flatnonzero(edges > 0).tolist(), np.flatnonzero(edges < 0).tolist(), strict=True):
             if times[last] - times[first] <= RESTING * (times[-1] - times[0]):

@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lcpflex.model.arrays import OPEN
+from lcpflex.results.contact_history import CLOSED
 from lcpflex.results.modal_coordinates import modal_coordinates
 from lcpflex.results.stated_error import error_shares, scene_size
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
-    from lcpflex.results.result import ContactHistory, Result
+    from lcpflex.results.contact_history import ContactHistory
+    from lcpflex.results.result import Result
 
 __all__ = ["doubts", "lost_in_contacts", "summary", "with_unit"]
 
@@ -97,11 +100,20 @@ def _run(result: Result) -> str:
     lines.extend(result.notes)
     largest = int(result.size.max(initial=0))
     lines.append(
-        f"{result.q.shape[1]} coordinates; {_counted(len(result.contact_names), 'declared contact')}; "
+        f"{result.q.shape[1]} coordinates; {_declared(result)}; "
         f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
     )
     lines.extend(_reduced(result))
     return "\n".join(lines)
+
+
+def _declared(result: Result) -> str:
+    """How many contacts there are."""
+    count = len(result.contact_names)
+    surfaces = 0 if result.compiled is None else len(result.compiled.layout.rule_surfaces)
+    if not surfaces:
+        return _counted(count, "declared contact")
+    return f"{_counted(count, 'contact')}, those by the rule for {surfaces:,} surfaces as far as they touched"
 
 
 def _reduced(result: Result) -> list[str]:
@@ -115,19 +127,26 @@ def _reduced(result: Result) -> list[str]:
 def _contacts(result: Result) -> str:
     if not result.contact_names:
         return ""
-    histories = [result.contact(name) for name in result.contact_names]
-    touched = [h for h in histories if h.first_touch is not None]
-    if not touched:
+    struck = {event.contact for event in result.events}
+    touched = np.flatnonzero(
+        (result.state != OPEN).any(axis=0)
+        | result.impulse.any(axis=(0, 2))
+        | (result.gap <= CLOSED).any(axis=0)
+        | [name in struck for name in result.contact_names]
+    )
+    if not touched.size:
         return "Contacts\n  none touched"
-    touched.sort(key=lambda h: -float(h.impulse[-1, 0]))  # stable: equal impulses keep the order of declaration
-    lines = ["Contacts", *(_contact(h) for h in touched[:LISTED])]
+    # stable: equal impulses keep the order of declaration
+    listed = touched[np.argsort(-result.impulse[-1, touched, 0], kind="stable")][:LISTED]
+    lines = ["Contacts", *(_contact(result.contact(result.contact_names[k])) for k in listed)]
     if len(touched) > LISTED:
         lines.append(f"  and {len(touched) - LISTED} more with smaller impulses")
     lost = result.energies.impact[-1] > 0.0 and not result.all_compliant
     if lost and not any(event.kind == "impact" for event in result.events):
         lines.append("  peak forces count an impact, which takes no time, as its impulse over one step")
-    if len(touched) < len(histories):
-        lines.append(f"  {len(histories) - len(touched)} of {len(histories)} never touched")
+    if len(touched) < len(result.contact_names):
+        count = len(result.contact_names)
+        lines.append(f"  {count - len(touched)} of {count} never touched")
     return "\n".join(lines)
 
 

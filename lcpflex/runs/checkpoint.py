@@ -82,6 +82,7 @@ class Checkpoint:
         if begin_again is not None:
             begin_again()
         self.thawed("run", run)
+        run.records.restored()
         if setup.problem_log is not None:
             setup.problem_log.seen, setup.problem_log.stride, setup.problem_log.kept = self.thawed("recorder")
         if setup.system.calls is not None:

@@ -78,6 +78,10 @@ class Setup:
         """What the scene was compiled to; None for a user's own system."""
         return None if isinstance(self.source, UserSystem) else self.source
 
+    def contact_name(self, law: int) -> str:
+        """What a result calls a contact."""
+        return self.names[law] if law < len(self.names) else self.system.name_of(law)
+
     def run(self) -> Run:
         """The run at its start."""
         run = self.stepper.start(self.system, self.options.duration, self.options.interval)
@@ -110,7 +114,7 @@ def set_up(
     _check_solver(stepper, system)
     problem_log = None
     if record_problems is not None:
-        problem_log = ProblemLog(record_problems, names)
+        problem_log = ProblemLog(record_problems, system.name_of if system.names else names.__getitem__)
         system = replace(system, watch=problem_log.watch)
     return Setup(options, stepper, system, source, names, problem_log)
 

@@ -28,6 +28,7 @@ from lcpflex.runs.initial_state import started_from
 from lcpflex.runs.limits import Limits
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
+from lcpflex.runs.touched import told
 from lcpflex.steppers.law_run import friction_warnings
 
 if TYPE_CHECKING:
@@ -142,7 +143,7 @@ def carry_out(
 
     Raises ModelError where the checkpoints of ``keeper`` cannot be written, and StepError as ``simulate`` does.
     """
-    stepper, system, names = setup.stepper, setup.system, setup.names
+    stepper, system = setup.stepper, setup.system
     options, problem_log = setup.options, setup.problem_log
     clock = Stopwatch()
     run = setup.run()
@@ -180,7 +181,7 @@ def carry_out(
     if problem_log is not None:
         result = _save_problems(problem_log, result)
     if message:
-        touching = tuple(names[k] for k in run.touching)
+        touching = tuple(setup.contact_name(k) for k in run.touching)
         raise StepError(
             f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}",
             time=run.time,
@@ -246,20 +247,19 @@ def _advance_all(
 
 def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, complete: bool) -> Result:
     """Everything that the run has stored, as a result."""
-    stepper, system, compiled, names = setup.stepper, setup.system, setup.compiled, setup.names
-    options = setup.options
-    data = run.records.collected()
+    stepper, system, options = setup.stepper, setup.system, setup.options
+    found = told(system, setup.compiled, setup.names, run.records, run.events)
+    compiled, names, data, laws = found.compiled, found.names, found.data, found.laws
     growth = _growth_cause(stepper, system)
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
-    place_error, speed_error = stated_errors(system.model, run.records, data, run.steps, controlled)
+    place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
     touching = data["points"]
     everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
-    laws = run.records.laws
     state = creeping(laws, everywhere, data["state"]).astype(np.int8)
     events = tuple(
-        Event(time=at, kind=kind, contact=names[law] if law >= 0 else "", energy_change=change)
+        Event(time=at, kind=kind, contact=setup.contact_name(law) if law >= 0 else "", energy_change=change)
         for at, kind, law, change in run.events
     )
     stored: dict[str, Any] = {field.name: data[field.name] for field in fields(Result) if field.name in data}
@@ -292,7 +292,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         compiled=compiled,
         contact_names=names,
         compliant=run.records.compliant,
-        crept=crept(laws, system.model.contacts.friction, data["times"], state, data["force"]),
+        crept=crept(laws, found.model.contacts.friction[: len(laws)], data["times"], state, data["force"]),
         found_wrong=tuple(run.records.wrong()),
         notes=(*(compiled.notes if compiled is not None else ()), *options.notes, *run.records.notes),
         place_error=place_error,

@@ -15,7 +15,6 @@ from lcpflex.bodies.placed_point import check_pair
 from lcpflex.bodies.surface import Kind
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.model.planar import N_RIGID
-from lcpflex.scene.handles import Placed
 from lcpflex.scene.placed_surface import PlacedSurface
 from lcpflex.scene.slots import Slot, SlotParts
 
@@ -123,8 +122,8 @@ def revolute_with_clearance(
             f"{size - pin:.6g} m"
         )
     return scene.contact(
-        _holder(scene, Q.body).circle(Q, pin),
-        _holder(scene, P.body).hole(P, size),
+        scene.holder(Q.body).circle(Q, pin),
+        scene.holder(P.body).hole(P, size),
         friction,
         restitution,
         tangential_restitution,
@@ -149,10 +148,6 @@ def _stem(kind: str, name: str | None, scene: Scene) -> str:
     return f"{kind}{number}"
 
 
-def _holder(scene: Scene, body: int) -> Placed:
-    return scene.ground if body < 0 else scene.parts().placed[body]
-
-
 def _world(scene: Scene, body: int, point: MaterialPoint) -> FloatArray:
     """(2,) where a material point is at the start."""
     q, turn = _frame(scene, body)
@@ -167,6 +162,6 @@ def _seen(scene: Scene, body: int, point: MaterialPoint, other: int) -> FloatArr
 
 def _frame(scene: Scene, body: int) -> tuple[FloatArray, FloatArray]:
     """Initial configuration of a body, and the turn of its frame."""
-    q = np.zeros(N_RIGID) if body < 0 else _holder(scene, body).start[0]
+    q = np.zeros(N_RIGID) if body < 0 else scene.holder(body).start[0]
     cos, sin = math.cos(q[2]), math.sin(q[2])
     return q, np.array([[cos, -sin], [sin, cos]])

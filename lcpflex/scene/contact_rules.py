@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from lcpflex.bodies.surface import can_be_node_side, can_touch
 from lcpflex.errors import ModelError, in_range, shown
@@ -13,7 +14,35 @@ from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 
-__all__ = ["by_rules", "contact_between", "rule_of"]
+__all__ = ["KeptRule", "by_rules", "contact_between", "rule_of"]
+
+LISTED = (
+    32  # surfaces up to which the pairs of a rule are listed: to look at each costs less than to look for near ones
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeptRule:
+    """A rule that is not listed pair by pair."""
+
+    rule: ContactRule
+    surfaces: tuple[PlacedSurface, ...]  # that it is for
+    barred: tuple[tuple[int, int], ...]  # pairs of them that it is not for, the earlier surface first, ascending
+
+    def first_contacts(self, bodies: Collection[int]) -> dict[str, DeclaredContact]:
+        """One contact of each surface of these bodies, by name: what tells how the surface may be touched."""
+        barred = set(self.barred)
+        found = {}
+        for i, a in enumerate(self.surfaces):
+            if a.body not in bodies:
+                continue
+            for j, b in enumerate(self.surfaces):
+                pair = (i, j) if i < j else (j, i)
+                if a.body != b.body and can_touch(a.shape, b.shape) and pair not in barred:
+                    name, contact = _by_rule(self.rule, *(self.surfaces[k] for k in pair))
+                    found[name] = contact
+                    break
+        return found
 
 
 def by_rules(
@@ -22,37 +51,92 @@ def by_rules(
     declared: Mapping[str, DeclaredContact],
     rules: Sequence[ContactRule],
     joints: Sequence[Joint],
-) -> dict[str, DeclaredContact]:
-    """The contacts that "everything against everything" adds, by name; an earlier rule has precedence."""
+    listed: bool = True,
+) -> tuple[dict[str, DeclaredContact], KeptRule | None]:
+    """The contacts that "everything against everything" adds, by name; an earlier rule has precedence.
+
+    Where they are many, and not to be ``listed``, the first rule is not: its contacts are those between all surfaces
+    but for some pairs. Contacts by a force law remember what they went through, each one for itself: they are listed.
+    """
     if not rules:
-        return {}
+        return {}, None
     outlines = [p.surface() for p in placed if p.source and "outline" in p.source.surfaces]
-    candidates = [*outlines, *surfaces]
-    taken = {frozenset(surface.label for surface in contact.pair) for contact in declared.values()}
-    jointed = {frozenset((joint.P.body, joint.Q.body)) for joint in joints if joint.P.body >= 0 and joint.Q.body >= 0}
+    candidates = (*outlines, *surfaces)
+    kept = rules[0].law is None and len(candidates) > LISTED and not listed
+    taken = _apart(candidates, declared, joints)
+    first: KeptRule | None = None
+    if kept:
+        excluded = _excluded_pairs(rules[0], candidates)
+        first = KeptRule(rules[0], candidates, tuple(sorted(taken | excluded)))
+        pairs: Iterable[tuple[int, int]] = sorted(excluded)
+        rules = rules[1:]
+    else:
+        pairs = [(i, j) for i in range(len(candidates)) for j in range(i + 1, len(candidates))] if rules else []
     found = {}
     for rule in rules:
-        for i, a in enumerate(candidates):
-            for b in candidates[i + 1 :]:
-                pair = frozenset((a.label, b.label))
-                apart = a.body != b.body and frozenset((a.body, b.body)) not in jointed
-                if apart and pair not in taken and can_touch(a.shape, b.shape) and not _excluded(rule, a, b):
-                    taken.add(pair)
-                    numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
-                    found[f"{a.label}/{b.label}"] = DeclaredContact((a, b), *numbers, law=rule.law)
+        left_out = _excluded_pairs(rule, candidates)
+        for pair in pairs:
+            a, b = (candidates[k] for k in pair)
+            if a.body != b.body and pair not in taken and can_touch(a.shape, b.shape) and pair not in left_out:
+                taken.add(pair)
+                name, contact = _by_rule(rule, a, b)
+                found[name] = contact
+    return found, first
+
+
+def _by_rule(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> tuple[str, DeclaredContact]:
+    numbers = (rule.friction, rule.restitution, rule.tangential_restitution)
+    return f"{a.label}/{b.label}", DeclaredContact((a, b), *numbers, law=rule.law)
+
+
+Pairs = set[tuple[int, int]]
+
+
+def _between(a: Iterable[int], b: Collection[int]) -> Pairs:
+    """All pairs of one of each, the earlier first."""
+    return {(min(i, j), max(i, j)) for i in a for j in b if i != j}
+
+
+def _apart(
+    candidates: Sequence[PlacedSurface], declared: Mapping[str, DeclaredContact], joints: Sequence[Joint]
+) -> Pairs:
+    """Pairs that no rule is for: declared by themselves, or of two bodies with a joint between them."""
+    number = {surface.label: k for k, surface in enumerate(candidates)}
+    pairs = ([number.get(surface.label, -1) for surface in contact.pair] for contact in declared.values())
+    found = {(min(pair), max(pair)) for pair in pairs if min(pair) >= 0}
+    of_body = _of_bodies(candidates)
+    for joint in joints:
+        if joint.P.body >= 0 and joint.Q.body >= 0:
+            found |= _between(of_body.get(joint.P.body, ()), of_body.get(joint.Q.body, ()))
     return found
 
 
-def _excluded(rule: ContactRule, a: PlacedSurface, b: PlacedSurface) -> bool:
-    def matches(side: Placed | PlacedSurface, surface: PlacedSurface) -> bool:
-        return side.body == surface.body if isinstance(side, Placed) else side.label == surface.label
+def _of_bodies(candidates: Sequence[PlacedSurface]) -> dict[int, list[int]]:
+    of_body: dict[int, list[int]] = {}
+    for k, surface in enumerate(candidates):
+        of_body.setdefault(surface.body, []).append(k)
+    return of_body
 
-    return any((matches(x, a) and matches(y, b)) or (matches(x, b) and matches(y, a)) for x, y in rule.exclude)
+
+def _excluded_pairs(rule: ContactRule, candidates: Sequence[PlacedSurface]) -> Pairs:
+    """Pairs that a rule excludes."""
+    number = {surface.label: k for k, surface in enumerate(candidates)}
+    of_body = _of_bodies(candidates)
+
+    def meant(side: Placed | PlacedSurface) -> Collection[int]:
+        if isinstance(side, Placed):
+            return of_body.get(side.body, ())
+        return [number[side.label]] if side.label in number else ()
+
+    found: Pairs = set()
+    for x, y in rule.exclude:
+        found |= _between(meant(x), meant(y))
+    return found
 
 
 def contact_between(
     scene: object,
-    contacts: Mapping[str, DeclaredContact],
+    between: Mapping[frozenset[str], str],
     a: PlacedSurface,
     b: PlacedSurface,
     friction: float,
@@ -61,7 +145,10 @@ def contact_between(
     node_side: PlacedSurface | None,
     law: Law | None,
 ) -> DeclaredContact:
-    """What :meth:`lcpflex.scene.scene.Scene.contact` declares beside the ``contacts`` of the scene; or ModelError."""
+    """What :meth:`lcpflex.scene.scene.Scene.contact` declares; or ModelError.
+
+    between: names of the contacts of the scene, by the labels of their two surfaces.
+    """
     for argument, surface in (("a", a), ("b", b)):
         if not isinstance(surface, PlacedSurface):
             raise ModelError(
@@ -79,9 +166,9 @@ def contact_between(
             f"contact: {a.label!r} (a {a.shape.kind.value}) and {b.label!r} (a {b.shape.kind.value}) were given, "
             "which cannot touch each other, expected a node, disc or chain on one side"
         )
-    for other, declared in contacts.items():
-        if {a.label, b.label} == {surface.label for surface in declared.pair}:
-            raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them")
+    other = between.get(frozenset((a.label, b.label)))
+    if other is not None:
+        raise ModelError(f"contact: {a.label!r} and {b.label!r} were given twice, {shown(other)} is between them")
     numbers = _numbers(friction, restitution, tangential_restitution, law)
     _check_node_side(node_side, a, b)
     return DeclaredContact((a, b), *numbers, node_side, law)

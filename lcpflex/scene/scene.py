@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from typing import TYPE_CHECKING, Any
@@ -58,6 +59,10 @@ class Scene:
         self._loads: list[Load] = []
         self._contacts: dict[str, DeclaredContact] = {}
         self._rules: list[ContactRule] = []
+        # looked up with each declaration: a scene of n parts is declared in n steps, not in n squared
+        self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
+        self._by_index: list[Placed] = []
+        self._made: Counter[str] = Counter()  # surfaces made of each kind, by their labels without the number
 
     def __getstate__(self) -> dict[str, Any]:
         """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
@@ -116,7 +121,7 @@ class Scene:
             How many nodes of a surface get residual modes at most, evenly spread. If omitted, as few as will do: none
             where the free modes give way as the mesh does, to a hundredth, or else 3, 5 or 9; and 3 where 9 do not do.
         """
-        called = _name("body", name, ["ground", *self._placed])
+        called = _name("body", name, self._placed)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
@@ -138,16 +143,19 @@ class Scene:
                     )
         start = _state(body.modes, position=position, angle=angle, modal=modal)
         rate = _state(body.modes, velocity=velocity, angular_velocity=angular_velocity, modal_velocity=modal_velocity)
-        placed = Placed(called, len(self._placed), body, (start, rate), self, order)
-        self._placed[placed.name] = placed
-        return placed
+        return self._place(Placed(called, len(self._placed), body, (start, rate), self, order))
 
     def put(self, placed: Placed, order: ReductionOrder) -> None:
         """Take a body of another scene that is reduced later, with its place and velocity.
 
         placed: the body there. order: how it is reduced.
         """
-        self._placed[placed.name] = Placed(placed.name, placed.body, placed.source, placed.start, self, order)
+        self._place(Placed(placed.name, placed.body, placed.source, placed.start, self, order))
+
+    def _place(self, placed: Placed) -> Placed:
+        self._placed[placed.name] = placed
+        self._by_index.append(placed)
+        return placed
 
     def body(self, name: str) -> Placed:
         """The body of that name."""
@@ -160,7 +168,7 @@ class Scene:
         if isinstance(joint, type) or not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         check_own(self, "joint", joint.P)
-        name = _name("joint", joint.name or None, list(self._joints))
+        name = _name("joint", joint.name or None, self._joints)
         self._joints[name] = joint
         return name
 
@@ -210,10 +218,11 @@ class Scene:
         and ``Smooth``, whose own ``laws`` go before it.
         """
         declared = contact_between(
-            self, self._contacts, a, b, friction, restitution, tangential_restitution, node_side, law
+            self, self._between, a, b, friction, restitution, tangential_restitution, node_side, law
         )
-        name = _name("contact", name, list(self._contacts))
+        name = _name("contact", name, self._contacts)
         self._contacts[name] = declared
+        self._between[frozenset((a.label, b.label))] = name
         return name
 
     contact_slot = clearances.contact_slot
@@ -303,13 +312,18 @@ class Scene:
     def keep(self, surface: PlacedSurface) -> None:
         """Take note of a surface that was made on a body or the ground of this scene."""
         self._surfaces.append(surface)
+        self._made[surface.label.rstrip("0123456789")] += 1
 
     def label(self, stem: str) -> str:
         """A label for the next surface of that kind: its number is appended.
 
         stem: the label without its number.
         """
-        return f"{stem}{1 + sum(s.label.rstrip('0123456789') == stem for s in self._surfaces)}"
+        return f"{stem}{1 + self._made[stem]}"
+
+    def holder(self, body: int) -> Placed:
+        """The body with that index, the ground for -1."""
+        return self.ground if body < 0 else self._by_index[body]
 
 
 def _state(modes: int, **parts: Any) -> FloatArray:
@@ -319,13 +333,15 @@ def _state(modes: int, **parts: Any) -> FloatArray:
     return np.concatenate([frame, np.zeros(modes) if modal is None else array_of(bent, modal, (modes,))])
 
 
-def _name(kind: str, name: str | None, taken: Sequence[str]) -> str:
+def _name(kind: str, name: str | None, taken: Mapping[str, object]) -> str:
     """``name``, or the first free of kind1, kind2, ... counted from how many there are."""
     if name is None:
-        number = 1 + len(taken) - (kind == "body")  # the ground is no body
+        number = 1 + len(taken)
         while f"{kind}{number}" in taken:
             number += 1
         return f"{kind}{number}"
-    if text("name", name) in taken:
-        raise ModelError(f"name: {shown(name)} was given twice, expected a name other than {listed(taken)}")
+    ground = ("ground",) if kind == "body" else ()
+    if text("name", name) in taken or name in ground:
+        known = listed([*ground, *taken])
+        raise ModelError(f"name: {shown(name)} was given twice, expected a name other than {known}")
     return name

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from lcpflex.dynamics.islands import forget_islands
+from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, copy_parts, struct
@@ -26,6 +28,7 @@ class Backup:
     at: FloatArray = array("ndof")  # a configuration within the step
     section: Section
     counts: Counts
+    reactions: Reactions
     total_impulse: FloatArray = array("laws", 2)
     n_held: int
     held_key: IntArray = array("contacts")
@@ -36,7 +39,14 @@ def backup(system: System, scheme: Any, capacity: int) -> Backup:
     """Memory for ``capacity`` contacts; ``scheme``: another struct like that of the run."""
     sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
     return allocate(
-        Backup, sizes, scheme=scheme, q=scheme.q, u=scheme.u, counts=allocate(Counts, {}), section=allocate(Section, {})
+        Backup,
+        sizes,
+        scheme=scheme,
+        q=scheme.q,
+        u=scheme.u,
+        counts=allocate(Counts, {}),
+        reactions=system.reactions(),
+        section=allocate(Section, {}),
     )
 
 
@@ -45,6 +55,7 @@ def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None
     """Keep the present state."""
     copy_parts(scheme, kept.scheme)
     copy_parts(recorder.counts, kept.counts)
+    copy_parts(recorder.reactions, kept.reactions)
     for law in range(len(recorder.total_impulse)):
         kept.total_impulse[law, 0] = recorder.total_impulse[law, 0]
         kept.total_impulse[law, 1] = recorder.total_impulse[law, 1]
@@ -57,8 +68,10 @@ def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None
 @kernel
 def restore(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None:
     """Undo everything since ``save``."""
+    forget_islands(work.islands)
     copy_parts(kept.scheme, scheme)
     copy_parts(kept.counts, recorder.counts)
+    copy_parts(kept.reactions, recorder.reactions)
     for law in range(len(recorder.total_impulse)):
         recorder.total_impulse[law, 0] = kept.total_impulse[law, 0]
         recorder.total_impulse[law, 1] = kept.total_impulse[law, 1]

@@ -7,7 +7,7 @@ it is of another kind than the one before: other sets, another sign of what is f
 
 from __future__ import annotations
 
-from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, Workspace
+from lcpflex.dynamics.workspace import DOUBTFUL_CONTACTS, DOUBTFUL_KINDS, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.solvers.contact.compiled import motion_of
 
@@ -19,26 +19,27 @@ COUPLED = 0.5  # mu |G_NT| / G_NN of a contact from which on its problems are lo
 @kernel
 def keep_doubtful(work: Workspace, t: float) -> None:
     """Keep the contact problem just solved, of the step from time ``t`` [s], where it may have several solutions."""
-    n = work.n_contacts
-    if work.n_tangents == 0 or n > DOUBTFUL_CONTACTS:
+    n, n_tangents = work.problem.n_contacts, work.problem.n_tangents
+    if n_tangents == 0 or n > DOUBTFUL_CONTACTS:
         return
     kind = n
     coupled = False
-    for j in range(work.n_tangents):
-        k = work.tangent[j]
+    place = work.problem.key[0] % DOUBTFUL_KINDS
+    for j in range(n_tangents):
+        k = work.problem.tangent[j]
         c = work.problem.friction[k] * abs(work.problem.delassus[k, n + j])
         coupled = coupled or c > COUPLED * work.problem.delassus[k, k]
         kind = 2 * kind + (1 if c > work.problem.delassus[k, k] else 0)
     if not coupled:
-        work.doubtful_kind = 0
+        work.doubtful_kind[place] = 0
         return
     for k in range(n):
         kind = 4 * kind + (2 if work.problem.free[k] < 0.0 else 0) + (1 if work.solver.normal[k] > 0.0 else 0)
-    for j in range(work.n_tangents):
+    for j in range(n_tangents):
         kind = 4 * kind + motion_of(work.problem, work.solver, j)
-    if kind == work.doubtful_kind:
+    if kind == work.doubtful_kind[place]:
         return
-    work.doubtful_kind = kind
+    work.doubtful_kind[place] = kind
     if work.n_doubtful < len(work.doubtful):
         write_problem(work, t, work.doubtful[work.n_doubtful])
         work.n_doubtful += 1
@@ -47,12 +48,12 @@ def keep_doubtful(work: Workspace, t: float) -> None:
 @kernel
 def write_problem(work: Workspace, t: float, row: FloatArray) -> None:
     """Time, sizes, laws, friction, free velocities, Delassus operator and forces, one after the other."""
-    n = work.n_contacts
-    m = n + work.n_tangents
+    n = work.problem.n_contacts
+    m = n + work.problem.n_tangents
     row[0], row[1], row[2] = t, n, m
     at = 3
     for k in range(n):
-        row[at + k] = work.table.law[k]
+        row[at + k] = work.problem.pair[k]
         row[at + n + k] = work.problem.friction[k]
     at += 2 * n
     for r in range(m):

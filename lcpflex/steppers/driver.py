@@ -6,9 +6,11 @@ own mechanics. Its source is the same (:func:`lcpflex.jit.dispatch.link`).
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 
-from lcpflex.dynamics.workspace import Workspace
+from lcpflex.dynamics.contact_problem import pose_island
+from lcpflex.dynamics.workspace import DENSE, NO_LIMIT, Workspace
 from lcpflex.errors import SolverError
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.solvers.auto import Auto
@@ -27,11 +29,13 @@ from lcpflex.solvers.contact.posed import (
 )
 from lcpflex.solvers.problem import LcpSolver, Solution, Status
 from lcpflex.solvers.user_solver import UserSolver, as_solver, own_part
+from lcpflex.steppers.island_problems import tell_island
 from lcpflex.steppers.wedged import Wedged
 
 __all__ = [
     "Watch",
     "Rescue",
+    "dense_limit",
     "solver_hooks",
     "solver_method",
 ]
@@ -39,12 +43,17 @@ __all__ = [
 Watch = Callable[[ContactData, SolverMemory], None]
 
 TRIALS = 10  # on perturbed data, for each problem: about as long as what has been tried before
-MOST_RESCUES = 100  # at one instant: a repeated step that comes to other problems each time would not end
+MOST_RESCUES = 100  # of an island at one instant: a repeated step that comes to other problems each time would not end
 
 
 def solver_method(solver: LcpSolver) -> int:
     """How the compiled ``solve_contacts`` is to solve; for a solver that is not compiled in, as Auto would."""
     return METHODS.get(type(solver), AUTO)
+
+
+def dense_limit(solver: LcpSolver) -> int:
+    """Contacts of the largest island that ``solver`` is given as one dense problem; any but Auto gets all of them."""
+    return DENSE if type(solver) is Auto else NO_LIMIT
 
 
 def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
@@ -55,7 +64,8 @@ def solver_hooks(solver: LcpSolver, watch: Watch | None = None) -> Hooks:
     compiled_in = type(solver) in METHODS  # not a class derived from one, which may do otherwise
     if watch is None:
         return {} if compiled_in else {solve_contacts: PythonSolve(solver)}
-    return {solve_contacts: Watched(solve_contacts if compiled_in else PythonSolve(solver), watch)}
+    watched = Watched(solve_contacts if compiled_in else PythonSolve(solver), watch)
+    return {solve_contacts: watched, tell_island: watched.tell}
 
 
 class Watched:
@@ -69,6 +79,13 @@ class Watched:
         status = self._solve(data, memory)
         self._watch(data, memory)
         return status
+
+    def tell(self, work: Workspace, i: int) -> None:
+        """Pose island i densely, for the one who is told: it was solved in another form."""
+        pose_island(work, i)
+        work.solver.residual, work.solver.strict = work.large_solver.residual, work.large_solver.strict
+        work.solver.iterations = work.large_solver.factors
+        self._watch(work.problem, work.solver)
 
 
 class PythonSolve:
@@ -98,7 +115,8 @@ class Rescue:
 
     def __init__(self, solver: LcpSolver, tolerance: float) -> None:
         self._solver, self._tolerance = as_solver(solver, tolerance), tolerance
-        self._at, self._times = -1.0, 0
+        self._at = -1.0  # [s] time of the last problem
+        self._times: Counter[int] = Counter()  # how often one of each island came then
         self._wedged = Wedged()
 
     @property
@@ -125,16 +143,20 @@ class Rescue:
         """Whether the problem posed in ``work`` at time ``at`` [s] was solved; the solution waits there."""
         if type(self._solver) not in METHODS:
             return False
-        self._times = self._times + 1 if at == self._at else 0
-        self._at = at
-        if self._times > MOST_RESCUES:
+        if at != self._at:
+            self._at = at
+            self._times.clear()
+        island = int(work.islands.next)
+        times = self._times[island]
+        self._times[island] += 1
+        if times > MOST_RESCUES:
             return False
         data, memory = work.problem, work.solver
         points = [tried_point(memory)]
         if type(self._solver) is Auto:
             solution = self._solver.attempt(posed_problem(data, memory), None, TRIALS)
             # what fractions know to be solved, floats may refuse: once they have, it is not told to them again
-            stands = self._times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
+            stands = times == 0 or guarded_residual(*measured(data, memory, solution.z)[0]) <= self._tolerance
             if solution.residual <= self._tolerance and stands:
                 put_solution(data, memory, solution)
                 return True

@@ -139,8 +139,12 @@ class FixedSteps:
                 return status
 
     def make_room(self, contacts: int) -> None:
-        """Memory for more contacts than ``contacts``."""
-        self.stepping.make_room(2 * contacts)
+        """Memory for more contacts, ``contacts`` being needed."""
+        self.stepping.make_room(contacts)
+
+    def more_laws(self) -> None:
+        """Room for more pairs under a rule that have touched."""
+        self.records.more_laws(self.stepping.scheme, self.stepping.work)
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""

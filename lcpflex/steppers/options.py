@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.user_solver import as_solver
 from lcpflex.steppers.adaptive import AdaptiveStep
 
-__all__ = ["keep_solver"]
+__all__ = ["CONTINUE", "RAISE", "keep_budget", "keep_solver"]
+
+CONTINUE, RAISE = "continue", "raise"  # what a step does with a large island that is not solved
 
 
 def keep_solver(stepper: Any) -> None:
@@ -26,3 +30,19 @@ def keep_solver(stepper: Any) -> None:
     if not isinstance(adaptive, AdaptiveStep | None):
         raise ModelError(f"adaptive: {shown(adaptive)} was given, expected an AdaptiveStep or None")
     as_solver(stepper.solver)
+
+
+def keep_budget(stepper: Any) -> None:
+    """Check what a stepper is to do with islands of many contacts.
+
+    Raises
+    ------
+    ModelError
+        For what is none of the choices, or no whole number >= 1.
+    """
+    if not isinstance(stepper.on_unsolved, str) or stepper.on_unsolved not in (CONTINUE, RAISE):
+        raise ModelError(f'on_unsolved: {shown(stepper.on_unsolved)} was given, expected "{CONTINUE}" or "{RAISE}"')
+    budget = stepper.budget
+    whole = isinstance(budget, int | np.integer) and not isinstance(budget, bool)
+    if budget is not None and not (whole and budget >= 1):
+        raise ModelError(f"budget: {shown(budget)} was given, expected a whole number of factors >= 1, or None")

@@ -10,12 +10,14 @@ import numpy as np
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import depth_of_feature, foot_margin, is_wall, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
-from lcpflex.contact.thickness import law_thickness, pass_thickness
+from lcpflex.contact.rule_pairs import is_node_side
+from lcpflex.contact.thickness import law_thickness, pass_thickness, surface_thickness, thinnest
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.configuration import advance, difference
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.system import System
 
 __all__ = ["Passages", "passed_through", "swallowed"]
 
@@ -105,16 +107,30 @@ class _Passage:
 class Passages:
     """The passages of a run, by declared contact."""
 
-    def __init__(self, model: Model, names: tuple[str, ...]) -> None:
-        self._model, self._names = model, names
-        contacts = model.contacts
-        least = pass_thickness(contacts)
-        self._thickness = np.full(len(contacts.friction), math.inf)
-        np.minimum.at(self._thickness, contacts.pass_law, least)
+    def __init__(self, system: System) -> None:
+        self._system, self._model = system, system.model
+        self._thickness = self._thicknesses()
         self._found: dict[int, _Passage] = {}
+
+    def _thicknesses(self) -> FloatArray:
+        """(laws,) least thickness of the passes of each law [m]."""
+        contacts = self._model.contacts
+        thickness = np.full(len(contacts.friction), math.inf)
+        np.minimum.at(thickness, contacts.pass_law, pass_thickness(contacts))
+        pairs = self._system.rule_pairs.pair
+        if len(pairs):
+            of_surface = surface_thickness(contacts)
+            thickness[contacts.rule_law] = thinnest(contacts, of_surface)
+            for law in np.flatnonzero(pairs[:, 0] >= 0).tolist():
+                i, j = pairs[law].tolist()
+                sides = [(a, b) for a, b in ((i, j), (j, i)) if is_node_side(self._model, a, b)]
+                thickness[law] = min(float(of_surface[a, 0] + of_surface[b, 1]) for a, b in sides)
+        return thickness
 
     def examine(self, time: float, step: float, recorder: Recorder) -> int:
         """Look at the path of the step that ended at ``time``; 0, or the entries that the table must hold."""
+        if len(self._system.rule_pairs.pair):
+            self._thickness = self._thicknesses()
         passed, scratch = np.zeros(len(self._thickness)), np.zeros(len(recorder.before))
         moved = 0.0
         for after in (recorder.after, recorder.free):
@@ -140,30 +156,31 @@ class Passages:
         model = self._model
         extents = model.contacts.surface_extent[np.isfinite(model.contacts.surface_extent)]
         size = float(extents[extents > 0.0].min(initial=math.inf))
-        dof = model.bodies.dof
-        moves, turn = [0.0], 0.0
-        for b in range(len(dof) - 1):
-            d = int(dof[b])
-            step = after[d : dof[b + 1]] - before[d : dof[b + 1]]
-            turn = max(turn, abs(float(step[2])))
-            moves.append(float(np.hypot(*step[:2])) + self._swing(b, step))
-        moved = sum(sorted(moves)[-2:])
+        first = model.bodies.dof[:-1]
+        step = after - before
+        turn = float(np.abs(step[first + 2]).max(initial=0.0))
+        moves = np.hypot(step[first], step[first + 1]) + self._swings(step)
+        moved = float(np.sort(moves)[-2:].sum())
         return moved, int(min(MOST_PARTS, max(4.0, math.ceil(4.0 * moved / size), math.ceil(4.0 * turn))))
 
-    def _swing(self, b: int, step: FloatArray) -> float:
-        """How far the points of the surfaces of body b move against its frame, at most [m]."""
-        contacts = self._model.contacts
-        swing = 0.0
-        for s in np.flatnonzero(contacts.surface_body == b):
-            far = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
-            deflection = np.abs(contacts.surface_deflection[s][: len(step) - N_RIGID]) @ np.abs(step[N_RIGID:])
-            swing = max(swing, (far * abs(float(step[2])) if math.isfinite(far) else 0.0) + float(deflection))
-        return swing
+    def _swings(self, step: FloatArray) -> FloatArray:
+        """(bodies,) how far the points of the surfaces of each body move against its frame, at most [m]."""
+        contacts, dof = self._model.contacts, self._model.bodies.dof
+        swings = np.zeros(len(dof) - 1)
+        mine = np.flatnonzero(contacts.surface_body >= 0)
+        body = contacts.surface_body[mine]
+        far = np.hypot(*contacts.surface_center[mine].T) + contacts.surface_extent[mine]
+        swing = np.where(np.isfinite(far), far, 0.0) * np.abs(step[dof[body] + 2])
+        for k in np.flatnonzero(np.diff(dof)[body] > N_RIGID):
+            modal = step[dof[body[k]] + N_RIGID : dof[body[k] + 1]]
+            swing[k] += float(np.abs(contacts.surface_deflection[mine[k]][: len(modal)]) @ np.abs(modal))
+        np.maximum.at(swings, body, swing)
+        return swings
 
     def clauses(self) -> list[str]:
         """What went wrong, one clause a contact."""
         return [
-            f"the bodies of contact {self._names[law]!r} passed through each other, or met by luck, "
+            f"the bodies of contact {self._system.name_of(law)!r} passed through each other, or met by luck, "
             f"at t = {p.first:.6g} s"
             + (f" and in {p.times - 1} more steps" if p.times > 1 else "")
             + f": they moved by up to {p.moved:.4g} m in a step, and are thinner than that "

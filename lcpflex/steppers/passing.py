@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import bound
+from lcpflex.contact.bounds import bound
+from lcpflex.contact.broad_phase import near_pairs
+from lcpflex.contact.rule_pairs import is_barred, is_node_side
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
 from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
@@ -52,38 +54,68 @@ def may_pass(model: Model, q: FloatArray, recorder: Recorder) -> bool:
         d = model.bodies.dof[b]
         moved = abs(q[d] - recorder.before[d]) + abs(q[d + 1] - recorder.before[d + 1])
         most = max(most, moved + travelled(model, b, q, recorder))
-    return 2.0 * most > least and passes_near(model, q, recorder)
+    return 2.0 * most > least and passes_near(model, q, most, recorder)
+
+
+@kernel
+def may_have_met(model: Model, q: FloatArray, i: int, j: int, recorder: Recorder) -> bool:
+    """Whether nodes of surface i and surface j have moved by more than they can be inside each other, and are near."""
+    thickness = recorder.thickness[i, 0] + recorder.thickness[j, 1]
+    if thickness == math.inf:
+        return False
+    c = model.contacts
+    at = recorder.table.bound
+    moved = 0.0
+    x = 0.0
+    y = 0.0
+    sign = 1.0
+    for s in (i, j):
+        b = c.surface_body[s]
+        if b >= 0:
+            d = model.bodies.dof[b]
+            x += sign * (q[d] - recorder.before[d])
+            y += sign * (q[d + 1] - recorder.before[d + 1])
+            moved += travelled(model, b, q, recorder)
+        sign = -1.0
+    moved += math.hypot(x, y)
+    if moved <= thickness:
+        return False
+    apart = math.hypot(at[i, 0] - at[j, 0], at[i, 1] - at[j, 1]) - at[i, 2] - at[j, 2]
+    return apart - c.surface_extent[i] - c.surface_extent[j] <= moved
+
+
+@kernel
+def met_by_rule(model: Model, q: FloatArray, most: float, recorder: Recorder) -> bool:
+    """Whether a pair of the rule of the model may have met; ``most``: how far a body has moved [m]."""
+    pairs = recorder.table.pairs
+    found = near_pairs(model, recorder.table, 2.0 * most)
+    if found < 0:
+        return True  # too many to be told apart: they are examined
+    for k in range(found):
+        i = pairs.found[k, 0]
+        j = pairs.found[k, 1]
+        if is_barred(model, i, j):
+            continue
+        if is_node_side(model, i, j) and may_have_met(model, q, i, j, recorder):
+            return True
+        if is_node_side(model, j, i) and may_have_met(model, q, j, i, recorder):
+            return True
+    return False
 
 
 @late_kernel
-def passes_near(model: Model, q: FloatArray, recorder: Recorder) -> bool:
-    """``may_pass`` pair by pair, for surfaces that may have met in the step."""
+def passes_near(model: Model, q: FloatArray, most: float, recorder: Recorder) -> bool:
+    """``may_pass`` pair by pair, for surfaces that may have met in the step; bodies moved by ``most`` [m] at most."""
     c = model.contacts
-    at = recorder.table.bound
     bound(model, q, recorder.table)
+    met = False
     for w in range(len(c.pass_node)):
-        if recorder.pass_thickness[w] == math.inf:
-            continue
-        moved = 0.0
-        x = 0.0
-        y = 0.0
-        sign = 1.0
-        for s in (c.pass_node[w], c.pass_feature[w]):
-            b = c.surface_body[s]
-            if b >= 0:
-                d = model.bodies.dof[b]
-                x += sign * (q[d] - recorder.before[d])
-                y += sign * (q[d + 1] - recorder.before[d + 1])
-                moved += travelled(model, b, q, recorder)
-            sign = -1.0
-        moved += math.hypot(x, y)
-        if moved <= recorder.pass_thickness[w]:
-            continue
-        i = c.pass_node[w]
-        j = c.pass_feature[w]
-        apart = math.hypot(at[i, 0] - at[j, 0], at[i, 1] - at[j, 1]) - at[i, 2] - at[j, 2]
-        if apart - c.surface_extent[i] - c.surface_extent[j] <= moved:
-            for k in range(len(q)):
-                recorder.after[k] = q[k]
-            return True
-    return False
+        if may_have_met(model, q, c.pass_node[w], c.pass_feature[w], recorder):
+            met = True
+            break
+    if not met and len(c.rule_rank) > 0:
+        met = met_by_rule(model, q, most, recorder)
+    if met:
+        for k in range(len(q)):
+            recorder.after[k] = q[k]
+    return met

@@ -6,14 +6,18 @@ The metric is the matrix of the step, so that stiff modes follow statically.
 from __future__ import annotations
 
 from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.contact.table import entry_of
+from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.joint_response import solve_joints
+from lcpflex.dynamics.large_island import describe_island, is_large
 from lcpflex.dynamics.mechanics import supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_residual
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.compiled import solve_normals
-from lcpflex.solvers.semidefinite import cholesky_solve
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large
 from lcpflex.steppers.recorder import Recorder
 
 __all__ = ["project_contacts", "project_joints"]
@@ -37,25 +41,21 @@ def project_joints(
             break
         for j in range(n_joint):
             work.bias[j] = -work.residual[j]
-        cholesky_solve(work.lower, n_joint, work.bias)
+        solve_joints(work, work.bias)
         apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
     recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift)
 
 
 @kernel
-def held_at(work: Workspace, k: int) -> float:
+def held_at(work: Workspace, k: int, before: int) -> float:
     """Gap at which contact k is to be held: where it was when it closed; its present gap if it just did."""
-    key = work.table.key[k]
     gap = min(work.table.gap[k], 0.0)
-    for i in range(work.n_held):
-        if work.held_key[0, i] == key:
-            return max(work.held_gap[0, i], gap)
-    return gap
+    return max(work.held_gap[0, before], gap) if before >= 0 else gap
 
 
 @kernel
 def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, recorder: Recorder) -> int:
-    """Choose the contacts that have drifted below the gap they closed at; their number, 0 unless ``active``.
+    """Note in ``work.sunk`` how far contacts are below the gap they closed at; their number, 0 unless ``active``.
 
     ``work.free_u`` holds u+. A pair closes somewhere within its step, up to h |gdot| / 2 deep. To lift it from there
     would do work; to let it sink further, step by step over a curved surface, would have no bound.
@@ -63,12 +63,16 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
     n_joint = work.n_joint
     m = 0
     held = 0
+    found = 0
     for k in range(work.n_contacts):
+        work.sunk[k] = 0.0
         gap = work.table.gap[k]
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -gap)
         if work.p[n_joint + k] <= 0.0:
             continue
-        target = held_at(work, k)
+        before = entry_of(work.held_key[0], work.n_held, work.table.key[k], found)
+        found = before + 1 if before >= 0 else found
+        target = held_at(work, k, before)
         leaving = row_velocity(work.rows, work.row_body, n_joint + k, work.dof, work.free_u)
         if leaving * step > tolerance - gap:
             continue
@@ -76,8 +80,7 @@ def hold_contacts(step: float, tolerance: float, active: bool, work: Workspace, 
         work.held_gap[1, held] = target
         held += 1
         if active and gap < target - tolerance:
-            work.closed[m] = k
-            work.drift[m] = gap - target
+            work.sunk[k] = gap - target
             m += 1
     for i in range(held):
         work.held_key[0, i] = work.held_key[1, i]
@@ -94,16 +97,65 @@ def project_contacts(
 
     min |dq|_A with W_N^T dq >= the drift of each: the frictionless LCP on their part of the condensed Delassus matrix.
     """
-    n_joint = work.n_joint
     for k in range(work.n_contacts):
         refresh(model, q, work.table, k)
-    m = hold_contacts(step, tolerance, active, work, recorder)
+    if hold_contacts(step, tolerance, active, work, recorder) == 0:
+        return False
+    moved = False
+    for i in range(work.islands.count):
+        moved = lift_island(work, i, q) or moved
+    return moved
+
+
+@kernel
+def lift_island(work: Workspace, i: int, q: FloatArray) -> bool:
+    """Lift the sunk contacts of island i; whether there were any, and it could be done."""
+    islands = work.islands
+    first = islands.start[i]
+    m = 0
+    for c in range(islands.start[i + 1] - first):
+        if work.sunk[islands.contact[first + c]] != 0.0:
+            work.closed[m] = c
+            work.drift[m] = work.sunk[islands.contact[first + c]]
+            m += 1
     if m == 0:
         return False
+    if is_large(work, i):
+        return lift_large_island(work, i, m, q)
+    if islands.count > 1:
+        pose_island(work, i)
     if solve_normals(work.problem, work.closed, work.drift, m, work.solver) != 0:
         return False
-    for i in range(m):
-        r = n_joint + work.closed[i]
-        work.bias[r] = work.drift[i]
+    for c in range(m):
+        r = work.n_joint + islands.contact[first + work.closed[c]]
+        work.bias[r] = work.drift[c]
         apply_impulses(work.solved, work.row_body, r, r + 1, work.bias, work.dof, q)
     return True
+
+
+@kernel
+def lift_large_island(work: Workspace, i: int, m: int, q: FloatArray) -> bool:
+    """Lift the m contacts ``work.closed`` of a large island, its joints held: without friction, in place of impulses.
+
+    The right-hand side and the impulses of the step come back.
+    """
+    large, aside, first = work.large, work.aside, work.n_joint
+    describe_island(work, i)
+    for c in range(m):
+        large.normal_row[c] = large.normal_row[work.closed[c]]
+        large.tangent_row[c] = -1
+    large.n_contacts = m
+    for r in range(m + large.n_joints):
+        row = large.normal_row[r] if r < m else large.joint_row[r - m]
+        aside[r, 0], aside[r, 1] = work.p[row], work.free[row]
+        work.p[row] = 0.0
+        work.free[row] = work.drift[r] if r < m else 0.0
+        if r < m:
+            work.terms[row - first] = 0.0
+    solved = solve_large(large, work.large_solver) != ROOM  # as far as it goes: the rest is for the next step
+    for r in range(m + large.n_joints):
+        row = large.normal_row[r] if r < m else large.joint_row[r - m]
+        if solved:
+            apply_impulses(work.solved, work.row_body, row, row + 1, work.p, work.dof, q)
+        work.p[row], work.free[row] = aside[r, 0], aside[r, 1]
+    return solved

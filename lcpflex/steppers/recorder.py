@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
+from lcpflex.dynamics.joint_reactions import settle
 from lcpflex.dynamics.mechanics import energies
+from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, shapes_of, struct
@@ -23,6 +27,7 @@ __all__ = [
     "note_compliant",
     "note_contact",
     "note_gain",
+    "note_large",
     "store_contacts",
     "store_state",
     "recorder",
@@ -42,6 +47,11 @@ class Counts:
     worst_drift: float  # of joints
     worst_size: float  # of the contact problem
     worst_relative: float  # residual relative to the free velocity alone
+    unsolved: float  # steps with a large island that was not solved to the tolerance
+    unsolved_islands: float  # such islands
+    worst_unsolved: float  # largest residual of them
+    worst_unsolved_strict: float  # and relative to the free velocity alone
+    typical_unsolved: float  # sum of the logarithms of these
     gained: float  # energy created by contact impulses [J]
     largest_gain: float  # at once [J]
     gain_time: float  # of the largest one [s]
@@ -71,13 +81,17 @@ class Recorder:
     penetration: FloatArray = array("capacity")
     joint_drift: FloatArray = array("capacity")
     size: IntArray = array("capacity")
+    joint_force: FloatArray = array("capacity", "joints", 3)
+    joint_peak: FloatArray = array("capacity", "joints", 2)
+    joint_impulse: FloatArray = array("capacity", "joints", 3)
+    joint_unique: IntArray = array("capacity", "joints")
     points: FloatArray = array("points", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]
     # what bodies may pass through in a step (lcpflex.contact.thickness)
     thinnest: float  # [m]
     farthest: float  # point of a surface from its frame [m]
-    pass_thickness: FloatArray  # of each pass [m]
+    thickness: FloatArray  # (surfaces, 2) of nodes and of features of each surface [m]
     deflection: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
     before: FloatArray = array("ndof")  # configuration at the start of the step
     after: FloatArray = array("ndof")  # and at its end, where it is to be examined
@@ -87,6 +101,7 @@ class Recorder:
     # running values
     local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
     counts: Counts
+    reactions: Reactions
     total_impulse: FloatArray = array("laws", 2)
     now_force: FloatArray = array("laws", 2)
     now_state: IntArray = array("laws")
@@ -103,22 +118,33 @@ def recorder(
     points: int,
     table: ContactTable,
     margin: float,
-    pass_thickness: FloatArray,
+    thickness: FloatArray,
+    thinnest: float,
     farthest: float,
     deflection: FloatArray,
+    reactions: Reactions,
 ) -> Recorder:
     """Allocate an empty recorder."""
+    n_joints = len(reactions.peak)
     return allocate(
         Recorder,
-        {"ndof": ndof, "bodies": len(deflection), "laws": n_laws, "capacity": capacity, "points": points},
+        {
+            "ndof": ndof,
+            "bodies": len(deflection),
+            "laws": n_laws,
+            "joints": n_joints,
+            "capacity": capacity,
+            "points": points,
+        },
         table=table,
         margin=margin,
-        thinnest=pass_thickness.min(initial=np.inf),
+        thinnest=thinnest,
         farthest=farthest,
-        pass_thickness=pass_thickness,
+        thickness=thickness,
         deflection=deflection,
         free=np.full(ndof, np.nan),
         counts=allocate(Counts, {}),
+        reactions=reactions,
     )
 
 
@@ -189,6 +215,25 @@ def note_certificate(work: Workspace, recorder: Recorder) -> None:
 
 
 @kernel
+def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
+    """The same of a problem in the velocities of bodies; one that was not solved counts once for its step."""
+    counts, large, solver = recorder.counts, work.large, work.large_solver
+    counts.worst_residual = max(counts.worst_residual, solver.residual)
+    counts.worst_relative = max(counts.worst_relative, solver.strict)
+    size = 0
+    for c in range(large.n_contacts):
+        size += 3 if large.tangent_row[c] >= 0 else 1
+    counts.worst_size = max(counts.worst_size, size)
+    if failed:
+        if work.unsolved == 1:
+            counts.unsolved += 1.0
+        counts.unsolved_islands += 1.0
+        counts.worst_unsolved = max(counts.worst_unsolved, solver.residual)
+        counts.worst_unsolved_strict = max(counts.worst_unsolved_strict, solver.strict)
+        counts.typical_unsolved += math.log(max(solver.strict, 1e-300))
+
+
+@kernel
 def store_contacts(model: Model, q: FloatArray, recorder: Recorder) -> int:
     """Smallest gap of each declared contact; returns the entries that the table of the recorder must hold.
 
@@ -220,6 +265,26 @@ def forget_worst(counts: Counts) -> None:
 
 
 @kernel
+def store_reactions(model: Model, work: Workspace, recorder: Recorder) -> None:
+    """Reactions of the joints since the last instant; where they are not unique, the largest is the one stored."""
+    reactions, row = recorder.reactions, recorder.n_instants
+    settle(model, work, reactions)
+    for joint in range(len(reactions.peak)):
+        for i in range(3):
+            recorder.joint_force[row, joint, i] = reactions.mean[joint, i]
+            recorder.joint_impulse[row, joint, i] = reactions.impulse[joint, i]
+        if reactions.unique[joint] == 0:
+            mean = reactions.mean[joint]
+            reactions.peak[joint, 0] = mean[0] * mean[0] + mean[1] * mean[1]
+            reactions.peak[joint, 1] = abs(mean[2])
+        recorder.joint_peak[row, joint, 0] = math.sqrt(reactions.peak[joint, 0])
+        recorder.joint_peak[row, joint, 1] = reactions.peak[joint, 1]
+        recorder.joint_unique[row, joint] = reactions.unique[joint]
+        reactions.peak[joint, 0] = 0.0
+        reactions.peak[joint, 1] = 0.0
+
+
+@kernel
 def store_state(
     model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace, in_contacts: float, recorder: Recorder
 ) -> None:
@@ -247,6 +312,8 @@ def store_state(
     recorder.joint_drift[row] = counts.worst_drift
     recorder.size[row] = int(counts.worst_size)
     forget_worst(counts)
+    if len(recorder.reactions.peak) > 0:
+        store_reactions(model, work, recorder)
     for law in range(len(recorder.total_impulse)):
         for i in range(2):
             recorder.impulse[row, law, i] = recorder.total_impulse[law, i]

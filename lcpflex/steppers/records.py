@@ -6,14 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.jit.struct import copy_parts
+from lcpflex.jit.struct import copy_parts, lengthen, shapes_of
 from lcpflex.steppers.passages import Passages, swallowed
 from lcpflex.steppers.recorder import FIELDS, RUNNING, Recorder
 from lcpflex.steppers.system import System
 
 __all__ = ["Records"]
+
+BY_LAW = {name for name, shape in shapes_of(Recorder).items() if shape[0] == "capacity" and "laws" in shape}
 
 
 class Records:
@@ -27,7 +30,8 @@ class Records:
         self.compliant = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
         self.warnings: list[str] = []  # what a reader of the result must know of how the stepper fared
         self.notes: list[str] = []  # how the stepper fared, where that is no reason to doubt
-        self.rigid = np.array([not law for law in system.is_compliant] or [True] * system.n_laws, dtype=bool)
+        self.rigid = np.ones(system.n_laws, dtype=bool)
+        self.rigid[: len(system.is_compliant)] = np.logical_not(system.is_compliant)
         # what the steps cost in accuracy, beside recorder.local: errors of some of them (step_error.Sampling);
         # the length of steps that place an impact at their end [s]
         self.sampling: Any = None
@@ -36,7 +40,7 @@ class Records:
         self.found_wrong: list[str] = []  # clauses: what went wrong, so that the result is not to be trusted
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
         self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
-        self._passages = Passages(system.model, system.names)
+        self._passages = Passages(system)
         self.recorder: Recorder = system.recorder(64, 1024)
 
     def empty(self) -> None:
@@ -49,19 +53,49 @@ class Records:
         self._pages.append(page)
         recorder.n_instants = recorder.n_points = 0
 
+    def make_room(self) -> None:
+        """Room for one more instant: a recorder that holds none has too few points for its contacts."""
+        if self.recorder.n_instants:
+            self.empty()
+        else:
+            self._renew(len(self.recorder.table.key), 4 * len(self.recorder.points))
+
     def grow(self, needed: int) -> None:
         """A recorder whose contact table holds ``needed`` entries; what it was counting goes on."""
+        self._renew(2 * needed, max(len(self.recorder.points), 8 * needed))
+
+    def _renew(self, contacts: int, points: int) -> None:
         self.empty()
         old = self.recorder
-        self.recorder = self._system.recorder(2 * needed, max(len(old.points), 8 * needed))
+        self.recorder = self._system.recorder(contacts, points)
         for name in RUNNING:
-            getattr(self.recorder, name)[:] = getattr(old, name)
+            values = getattr(old, name)
+            getattr(self.recorder, name)[: len(values)] = values
         copy_parts(old.counts, self.recorder.counts)
+        copy_parts(old.reactions, self.recorder.reactions)
 
-    def examine(self, time: float, step: float) -> None:
-        """Look at the path of a step that may have taken a body through another."""
+    def more_laws(self, *structs: Any) -> None:
+        """Room for more pairs under a rule, here and in the ``structs`` of a run."""
+        laws = self._system.n_laws
+        more = self._system.more_laws()
+        self._renew(len(self.recorder.table.key), len(self.recorder.points))
+        for struct in structs:
+            lengthen(struct, "laws", laws, more)
+        self.rigid = np.pad(self.rigid, (0, more - laws), constant_values=True)
+        if self.sampling:
+            self.sampling.forget()
+
+    def restored(self) -> None:
+        """The run goes on from a file: pairs under a rule are those of the file."""
+        self._system.take_pairs(self.recorder.table.pairs)
+
+    def examine(self, time: float, step: float) -> int:
+        """Look at the path of a step that may have taken a body through another; MORE_LAWS where they lack, or 0."""
         while needed := self._passages.examine(time, step, self.recorder):
+            if needed == MORE_LAWS:
+                return MORE_LAWS
             self.grow(needed)
+        return 0
 
     def wrong(self) -> list[str]:
         """Clauses: all that went wrong, so that the result is not to be trusted."""
@@ -73,7 +107,7 @@ class Records:
         """Make one page of all, which a file holds in few pieces."""
         if len(self._pages) > 1:
             names = (*FIELDS, "points")
-            self._pages = [{name: np.concatenate([page[name] for page in self._pages]) for name in names}]
+            self._pages = [{name: _joined([page[name] for page in self._pages], name) for name in names}]
 
     def collected(self) -> dict[str, FloatArray]:
         """All records so far, one array a field."""
@@ -92,3 +126,19 @@ class Records:
         pages = [page["energies"] for page in self._pages] + [self.recorder.energies[: int(self.recorder.n_instants)]]
         energies = np.concatenate(pages)
         return float(energies[:, :3].sum(axis=1).max() - energies[:, 2].min()) if len(energies) else 0.0
+
+
+def _joined(parts: list[Any], name: str) -> Any:
+    """Pages of a field one after the other; pairs that touched later have taken no part in earlier ones."""
+    if name not in BY_LAW:
+        return np.concatenate(parts)
+    laws = max(part.shape[1] for part in parts)
+    joined = np.zeros((sum(len(part) for part in parts), laws, *parts[0].shape[2:]), parts[0].dtype)
+    row = 0
+    for part in parts:
+        rows = slice(row, row + len(part))
+        joined[rows, : part.shape[1]] = part
+        if name == "gap":
+            joined[rows, part.shape[1] :] = np.nan
+        row += len(part)
+    return joined

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.status import RunStatus
 
@@ -32,6 +33,9 @@ class Method(Protocol):
 
     def make_room(self, number: int) -> None:
         """Larger tables."""
+
+    def more_laws(self) -> None:
+        """Room for more pairs under a rule that have touched."""
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""
@@ -112,14 +116,18 @@ class Run:
 
 def remedied(method: Method, status: int) -> str:
     """Empty what is full and grow what is too small; why a loop cannot go on where neither is the reason."""
+    number = abs(int(method.clock.number)) if status in (RunStatus.GROW, RunStatus.GROW_TAPE) else 0
     if status == RunStatus.TAPE_FULL:
-        method.records.empty()
+        method.records.make_room()
+    elif number == MORE_LAWS:
+        method.more_laws()
     elif status == RunStatus.GROW_TAPE:
-        method.records.grow(int(method.clock.number))
+        method.records.grow(number)
     elif status == RunStatus.GROW:
         method.make_room(int(method.clock.number))
     elif status == RunStatus.PASSED:
-        method.records.examine(method.clock.time, method.clock.step_taken)
+        while method.records.examine(method.clock.time, method.clock.step_taken) == MORE_LAWS:
+            method.more_laws()
     else:
         return method.trouble(status)
     return ""

@@ -207,11 +207,15 @@ class StepDoubling:
                 return status
 
     def make_room(self, contacts: int) -> None:
-        """Memory for more contacts than ``contacts``, with the same content: a step that is under way goes on."""
-        self.stepping.make_room(2 * contacts)
-        kept = backup(self.stepping.system, _twin(self.stepping.scheme), 2 * contacts)
+        """Memory for more contacts, ``contacts`` being needed: a step that is under way goes on."""
+        self.stepping.make_room(contacts)
+        kept = backup(self.stepping.system, _twin(self.stepping.scheme), len(self.stepping.work.table.key))
         copy_parts(self._kept, kept)
         self._kept = kept
+
+    def more_laws(self) -> None:
+        """Room for more pairs under a rule that have touched."""
+        self.records.more_laws(self.stepping.scheme, self.stepping.work, self._kept)
 
     def trouble(self, status: int) -> str:
         """Why the loop cannot go on; empty where it can after all."""

@@ -34,7 +34,7 @@ ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less t
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
 UNSTORED = 2**40  # stride between stored steps: none of a sample is
 # of a recorder: not written while no instant is stored; never written; written anew in each step, or by error control
-UNTOUCHED = {*FIELDS, "points", "pass_thickness", "deflection", "table", "before", "after", "free", "local"}
+UNTOUCHED = {*FIELDS, "points", "thickness", "deflection", "table", "before", "after", "free", "local"}
 
 
 class Units:
@@ -98,7 +98,7 @@ class Advancing(Protocol):
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
     held = (work.held_key, work.held_gap, work.span, numbers_of(work), numbers_of(work.problem))
-    return (*held, *carried_over(work.solver))
+    return (*held, numbers_of(work.islands), *carried_over(work.solver, work.remembered))
 
 
 def _arrays(value: Any) -> Iterator[np.ndarray[Any, Any]]:
@@ -157,12 +157,19 @@ class Sampling:
             self.times.append(run.time)
         return ""
 
+    def forget(self) -> None:
+        """Structs got other arrays."""
+        self._known = ((), [])
+
     def _impulse(self) -> FloatArray:
         impulse: FloatArray = self._scheme.records.recorder.total_impulse[:, 0].copy()
         return impulse
 
     def _struck(self, impulses: list[FloatArray], halves: FloatArray) -> bool:
         """Whether a contact takes much more impulse in the block than in the step before: counted elsewhere."""
+        count = len(self._scheme.records.rigid)  # pairs that touched in between had none before
+        impulses = [np.pad(impulse, (0, count - len(impulse))) for impulse in impulses]
+        halves = np.pad(halves, (0, count - len(halves)))
         known = np.abs(impulses[1] - impulses[0])
         taken = [impulses[2] - impulses[1], (impulses[3] - impulses[2]) / (BLOCK - 1), (halves - impulses[1]) / BLOCK]
         return bool((np.abs(taken).max(axis=0) > SUDDEN * known)[self._scheme.records.rigid].any())

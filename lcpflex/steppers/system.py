@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from lcpflex.contact.detection import ALL, RIGID, ContactTable, contact_table
-from lcpflex.contact.thickness import farthest, pass_thickness
+from lcpflex.contact.rule_pairs import RulePairs, give_laws, make_room, rule_pairs
+from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
 from lcpflex.dynamics.inertia import arrow
+from lcpflex.dynamics.joint_factor import JointPattern, joint_pattern
+from lcpflex.dynamics.reaction_memory import Reactions, reactions
 from lcpflex.dynamics.time_functions import Calls
 from lcpflex.dynamics.workspace import Workspace, workspace
 from lcpflex.force_laws.history import contact_memory
@@ -28,6 +32,8 @@ from lcpflex.steppers.recorder import Recorder, recorder
 __all__ = ["System"]
 
 RECORD_CAPACITY = 256  # instants a recorder holds before the driver empties it
+LEAST_INSTANTS, RECORD_WORDS = 8, 1 << 19  # of many contacts fewer, about so many in all
+TOUCHING = 5e-9  # of the margin: gaps up to that touch where no force is known, as at the start
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,18 +61,40 @@ class System:
     contact_modes: tuple[int, ...] = ()  # of each body: how many of its last modes are residual ones of contacts
     calls: Calls | None = None  # of Python functions of time, where there are any
     size: float = 0.0  # extent of the largest body [m]; 0 where bodies are unknown
+    rule_surfaces: tuple[str, ...] = ()  # labels of the surfaces between which a rule holds that is not listed
+    pairs: RulePairs | None = None  # of that rule, with a law for each that has touched; made for this system
+    pattern: JointPattern = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "model", pack(self.model))
+        model = pack(self.model)
+        pairs = rule_pairs(model.contacts) if self.pairs is None else self.pairs
+        object.__setattr__(self, "pattern", joint_pattern(self.model))
+        object.__setattr__(self, "model", model)
+        object.__setattr__(self, "pairs", pairs)
+        give_laws(model.contacts, len(pairs.pair))
 
     @property
     def n_laws(self) -> int:
-        """Number of declared contacts."""
+        """Number of declared contacts; with a rule, that law and those of pairs that have touched, or may yet."""
         return len(self.model.contacts.friction)
 
     def contact_name(self, law: int) -> str:
-        """What a text calls a declared contact: its name or, if it has none, its number in the order of declaration."""
-        return repr(self.names[law]) if self.names else f"number {law + 1} in the order of declaration"
+        """What a text calls a contact: its name or, if it has none, its number in the order of declaration."""
+        named = self.names or self.rule_surfaces
+        return repr(self.name_of(law)) if named else f"number {law + 1} in the order of declaration"
+
+    def name_of(self, law: int) -> str:
+        """Name of a declared contact, or of a pair by the rule."""
+        if law < len(self.names):
+            return self.names[law]
+        a, b = self.rule_pairs.pair[law].tolist()
+        return f"{self.rule_surfaces[a]}/{self.rule_surfaces[b]}" if a >= 0 else "contact_all"
+
+    @property
+    def rule_pairs(self) -> RulePairs:
+        """Pairs by the rule that have touched."""
+        assert self.pairs is not None
+        return self.pairs
 
     @property
     def n_joint(self) -> int:
@@ -83,9 +111,33 @@ class System:
         """Number of surfaces."""
         return len(self.model.contacts.surface_body)
 
-    def table(self, capacity: int, collects: int = RIGID) -> ContactTable:
-        """A table for ``capacity`` contacts, for the rigid ones alone."""
-        return contact_table(capacity, self.n_surfaces, self.is_compliant, collects if self.is_compliant else ALL)
+    def more_laws(self) -> int:
+        """Room for twice as many laws; returns their number."""
+        laws = 2 * self.n_laws
+        make_room(self.rule_pairs, laws)
+        give_laws(self.model.contacts, laws)
+        return laws
+
+    def take_pairs(self, pairs: RulePairs) -> None:
+        """Go on with the pairs of a run that is restored."""
+        object.__setattr__(self, "pairs", pairs)
+        give_laws(self.model.contacts, len(pairs.pair))
+
+    def table(self, capacity: int, collects: int = RIGID, touching: float = math.inf) -> ContactTable:
+        """A table for ``capacity`` contacts, for the rigid ones alone.
+
+        ``touching``: gap up to which a pair of a rule gets a law of its own [m].
+        """
+        laws = self._by_law(self.is_compliant)
+        return contact_table(capacity, self.n_surfaces, laws, collects if laws else ALL, self.pairs, touching)
+
+    def held(self, capacity: int) -> ContactTable:
+        """A table for entries of others: nothing is detected with it, and copies of it share nothing."""
+        return contact_table(capacity, self.n_surfaces, self._by_law(self.is_compliant))
+
+    def _by_law(self, values: tuple[int, ...]) -> tuple[int, ...]:
+        """With a 0 for the rule and each pair of it."""
+        return values + (0,) * (self.n_laws - len(values)) if values else ()
 
     def compliant(
         self,
@@ -105,34 +157,48 @@ class System:
             shared = before.history, before.dof, before.arrow, before.dense
         history, dof, factors, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
-        return compliant_contacts(rows, history, dof, self.n_joint, self.n_surfaces, factors, dense, room)
+        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, factors, dense, room)
 
     def workspace(
-        self, capacity: int, compliant: CompliantContacts | None = None, solver: SolverMemory | None = None
+        self,
+        capacity: int,
+        compliant: CompliantContacts | None = None,
+        before: Workspace | None = None,
+        dense: int | None = None,
     ) -> Workspace:
         """Work memory for ``capacity`` simultaneous rigid contacts, beside the compliant ones.
 
-        What the solver knows goes on in ``solver``.
+        ``dense``: contacts of the largest island that is solved as one dense problem; all by default. What the solver
+        knows in ``before`` goes on, and its compliant contacts where none are given.
         """
-        given = self.compliant() if compliant is None else compliant
-        return workspace(self.n_external, self.n_joint, self.table(capacity), given, solver)
+        given = compliant or (self.compliant() if before is None else before.compliant)
+        room = capacity if dense is None else dense
+        return workspace(self.n_external, self.pattern, self.table(capacity), given, room, before)
 
     def recorder(self, table_capacity: int, points: int) -> Recorder:
         """An empty recorder."""
         # of contacts that give way, too, a depth is no penetration
-        table = contact_table(table_capacity, self.n_surfaces, self.is_compliant or self.soft, ALL)
+        laws = self._by_law(self.is_compliant or self.soft)
+        table = contact_table(table_capacity, self.n_surfaces, laws, ALL, self.pairs, TOUCHING * self.margin)
         contacts = self.model.contacts
+        thickness = surface_thickness(contacts)
         return recorder(
             len(self.q),
             self.n_laws,
-            RECORD_CAPACITY,
+            max(LEAST_INSTANTS, min(RECORD_CAPACITY, RECORD_WORDS // max(self.n_laws, 1))),
             points,
             table,
             self.margin,
-            pass_thickness(contacts),
+            thickness,
+            thinnest(contacts, thickness),
             farthest(contacts, self.model.points),
             self._deflection(),
+            self.reactions(),
         )
+
+    def reactions(self) -> Reactions:
+        """Memory for the reactions of the joints; a user's own system tells no points that they act at."""
+        return reactions(self.model.joints, self.size)
 
     def _deflection(self) -> FloatArray:
         """How far a mode moves the surfaces of each body."""

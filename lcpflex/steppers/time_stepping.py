@@ -9,16 +9,26 @@ from typing import Any
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
+from lcpflex.jit.struct import copy_parts
 from lcpflex.solvers.problem import LcpSolver
-from lcpflex.steppers.driver import Rescue, solver_hooks, solver_method
+from lcpflex.steppers.driver import Rescue, dense_limit, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
+from lcpflex.steppers.options import CONTINUE, RAISE
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.several_motions import SeveralMotions
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import carried
 from lcpflex.steppers.system import System
+from lcpflex.steppers.unsolved import unsolved_large, unsolved_remarks
 
-__all__ = ["Support", "TimeStepping"]
+__all__ = ["FIRST_ROOM", "Support", "TimeStepping", "grown"]
+
+FIRST_ROOM = 16  # contacts
+
+
+def grown(room: int, needed: int) -> int:
+    """Twice what is needed, where there is less room than that."""
+    return 2 * needed if needed > room else room
 
 
 def _same(scheme: Any, contacts: int) -> Any:
@@ -67,11 +77,23 @@ class TimeStepping:
     scheme: a struct as :mod:`lcpflex.steppers.scheme` has it.
     """
 
-    def __init__(self, system: System, scheme: Any, solver: LcpSolver, support: Support = Support()) -> None:
+    def __init__(
+        self,
+        system: System,
+        scheme: Any,
+        solver: LcpSolver,
+        support: Support = Support(),
+        on_unsolved: str = CONTINUE,
+        budget: int | None = None,
+    ) -> None:
         self.system, self.scheme, self.support = system, scheme, support
         self.records = Records(system)
-        self.work = system.workspace(16)
+        self.work = system.workspace(FIRST_ROOM)
         self.work.solver.method = solver_method(solver)
+        self.work.dense_limit = dense_limit(solver)
+        self.work.strict_large = on_unsolved == RAISE
+        self._budget = budget
+        self._limit_factors()
         begin_laws(system, self.work)
         self.records.indentation = self.work.compliant.history.worst
         self.records.missed_friction = self.work.compliant.missed
@@ -89,18 +111,27 @@ class TimeStepping:
         return self.work.table.law[: self.work.n_contacts]
 
     def make_room(self, contacts: int) -> None:
-        """Larger memory with the same content."""
+        """Larger memory with the same content: for ``contacts``, and for the largest island so far."""
         old = self.work
-        work = self.work = self.system.workspace(contacts, old.compliant, old.solver)
+        room, dense = grown(len(old.table.key), contacts), grown(len(old.problem.friction), old.most)
+        dense = room if self.system.watch else dense  # who is told of problems is told of all
+        work = self.work = self.system.workspace(room, before=old, dense=dense)
         held = int(old.n_held)
+        copy_parts(old.table, work.table)  # of a step that has more problems than one
         work.n_held = held
         work.held_key[:, :held] = old.held_key[:, :held]
         work.held_gap[:, :held] = old.held_gap[:, :held]
         work.stopped = old.stopped
         work.span[:] = old.span
         work.doubtful[:] = old.doubtful
-        work.n_doubtful, work.doubtful_kind = old.n_doubtful, old.doubtful_kind
-        self.scheme = self.support.grown(self.scheme, contacts)
+        work.doubtful_kind[:], work.n_doubtful = old.doubtful_kind, old.n_doubtful
+        self.scheme = self.support.grown(self.scheme, room)
+        self._limit_factors()
+
+    def _limit_factors(self) -> None:
+        """The budget of the user's for large islands, where there is one."""
+        if self._budget is not None:
+            self.work.large_solver.factor_limit = self._budget
 
     def remarks(self, steps: int | None = None) -> list[str]:
         """Warnings of the run so far; of steps of one length, after so many."""
@@ -110,6 +141,7 @@ class TimeStepping:
             *(self.support.warnings(self.scheme, self.work, steps) if steps is not None else []),
             *self._several.remarks(self.work, name),
             *self._rescue.remarks(name),
+            *unsolved_remarks(self.records.recorder.counts),
         ]
 
     def trouble(self, status: int, number: int, time: float) -> str:
@@ -119,6 +151,8 @@ class TimeStepping:
             return words
         if status == RunStatus.OUT_OF_RANGE:
             return law_trouble(self.system.names, self.work)
+        if status == RunStatus.SOLVER_FAILED and self.work.unsolved_large:
+            return unsolved_large(self.work, self.scheme.tolerance) + self.support.hint
         if status == RunStatus.SOLVER_FAILED:
             if self._rescue(self.work, time):
                 return ""

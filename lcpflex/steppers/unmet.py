@@ -12,6 +12,7 @@ from lcpflex.contact.detection import RIGID, ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.rows import gap_rate
+from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -122,15 +123,6 @@ def closing_share(
 
 
 @kernel
-def carried(work: Workspace, key: int) -> bool:
-    """Whether the last problem gave the pair an impulse. One that it had without may have been on the way out."""
-    found = False
-    for i in range(work.n_contacts):
-        found = found or (work.table.key[i] == key and work.p[work.n_joint + i] > 0.0)
-    return found
-
-
-@kernel
 def met(work: Workspace, table: ContactTable, k: int, gap: float, dip: float) -> bool:
     """Whether the node of entry k carried something no less deep in another feature, or was found as compliant."""
     for i in range(work.n_contacts):
@@ -201,8 +193,12 @@ def first_unmet(
         if n > len(table.key):
             return -float(n)
         first = NEVER
+        last = 0
         for k in range(n):
-            if carried(work, table.key[k]):
+            present = entry_of(work.table.key, work.n_contacts, table.key[k], last)
+            last = present + 1 if present >= 0 else last
+            # one that the last problem gave an impulse; one that it had without may have been on the way out
+            if present >= 0 and work.p[work.n_joint + present] > 0.0:
                 continue
             now = table.gap[k]
             gap = gap_on_way(model, q, u, h, high, kept, table, k, tolerance)
@@ -225,6 +221,7 @@ def closed_pairs(
     sunk = 0.0
     approach = 0.0
     pull = 0.0
+    last = 0
     n = detect(model, q, tolerance, table)
     for k in range(min(n, len(table.key))):
         if len(table.compliant) > 0 and table.compliant[table.law[k]] != RIGID:
@@ -232,10 +229,10 @@ def closed_pairs(
         sunk = max(sunk, -table.gap[k])
         rate = gap_rate(model, q, u, table, k)
         pull = max(pull, abs(rate - gap_rate(model, q, kept.u, table, k)))
-        held = False
-        for i in range(work.n_contacts):
-            held = held or work.table.key[i] == table.key[k]
-        if not held:
+        present = entry_of(work.table.key, work.n_contacts, table.key[k], last)
+        if present >= 0:
+            last = present + 1
+        else:
             approach = max(approach, -rate)
     return sunk, approach, pull
 

@@ -198,7 +198,8 @@ def test_slider_crank_gets_through_the_accumulation() -> None:
 
 @pytest.mark.parametrize("top_mass", [1.0, 100.0])
 def test_stack_of_boxes_rests(top_mass: float) -> None:
-    result = simulate(gallery.stack(top_mass=top_mass), 0.3, MoreauJean(step=1e-3))
+    """To the tolerance that is asked for: 38 contacts are solved in the velocities of the boxes."""
+    result = simulate(gallery.stack(top_mass=top_mass), 0.3, MoreauJean(step=1e-3, solver_tolerance=1e-11))
     assert np.abs(result.q - result.q[0]).max() < 1e-11
     weight = 9.81 * (9.0 + top_mass)
     floor = result.contact_names.index(

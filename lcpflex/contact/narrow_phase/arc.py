@@ -126,7 +126,7 @@ def arc_rows(
     ny = table.normal[k, 1]
     add_point_rows(model.bodies, model.points, q, a, -nx, -ny, normal_row, tangent_row)
     if table.radius[k] != 0.0:
-        add_rotation_row(model.bodies, model.points, a, table.radius[k], tangent_row)
+        add_rotation_row(model.points, a, table.radius[k], tangent_row)
 
 
 @kernel

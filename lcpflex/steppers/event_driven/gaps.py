@@ -11,6 +11,7 @@ import math
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import foot_margin, node_margin, refresh
 from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
+from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
@@ -34,15 +35,6 @@ SHALLOW = 1e-3  # of the gap tolerance: penetration that is an event if the pair
 NARROW = 4e-16  # width of a root [s], relative to the time
 CROSSED = 2  # memory.hidden
 END = 1e-4  # of what is between two looks: over which slopes at its ends are measured
-
-
-@kernel
-def maintained(work: Workspace, n: int, key: int) -> bool:
-    """Whether the pair is among the first n of the table."""
-    present = False
-    for k in range(n):
-        present = present or work.table.key[k] == key
-    return present
 
 
 @kernel
@@ -103,8 +95,11 @@ def first_closing(
     if count > len(memory.seen.key):
         return -float(count)
     first = 2.0
+    last = 0
     for i in range(count):
-        if maintained(work, n, memory.seen.key[i]):
+        present = entry_of(work.table.key, n, memory.seen.key[i], last)
+        if present >= 0:
+            last = present + 1
             continue
         f_high = memory.seen.gap[i]
         f_low = gap_above(model, settings, memory.seen, i, memory.before[:ndof])
@@ -180,8 +175,11 @@ def first_dip(
     if count > len(memory.near.key):
         return -float(count)
     least = high
+    last = 0
     for i in range(count):
-        if maintained(work, memory.n_contacts, memory.near.key[i]):
+        present = entry_of(work.table.key, memory.n_contacts, memory.near.key[i], last)
+        if present >= 0:
+            last = present + 1
             continue
         f_low = gap_above(model, settings, memory.near, i, memory.before[:ndof])
         f_high = gap_above(model, settings, memory.near, i, memory.at[:ndof])

@@ -9,20 +9,24 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.acceleration import lay_rows
+from lcpflex.dynamics.contact_problem import pose_island
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impact_laws import gives_back, impact_phases, integrates, reflects
-from lcpflex.dynamics.impulse import distribute, lay_impulse, pose
+from lcpflex.dynamics.impulse import answer_joints, lay_impulse, pose
+from lcpflex.dynamics.islands import forget_islands, unfinished
+from lcpflex.dynamics.joint_reactions import note_impulses
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.steppers.event_driven.bounces import note_strike, too_low
 from lcpflex.steppers.event_driven.memory import (
     EventMemory,
     EventSettings,
     copy_entry,
 )
-from lcpflex.steppers.recorder import Recorder, note_certificate, note_gain
+from lcpflex.steppers.island_problems import solve_islands
+from lcpflex.steppers.recorder import Recorder, note_gain
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["AGAIN", "COUPLED", "HIT", "JAM", "RESOLVED", "SLOWEST", "UNSOLVED", "collide"]
 
@@ -42,11 +46,13 @@ CHAIN = 1000  # impacts of single contacts at one instant, after which they are 
 
 
 @kernel
-def account(work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
+def account(model: Model, work: Workspace, memory: EventMemory, recorder: Recorder, u: FloatArray) -> None:
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
     n_joint = work.n_joint
     n = work.n_contacts
     base = 2 * len(u)
+    if n_joint > 0:
+        note_impulses(model, work, True, recorder.reactions)
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
         if p == 0.0:
@@ -184,6 +190,8 @@ def strike_alone(
 ) -> int:
     """Impact of the only contact laid, by a law that integrates it."""
     restitution = model.contacts.restitution[work.table.law[0]]
+    pose_island(work, 0)
+    forget_islands(work.islands)
     count = impact_phases(settings.law, work.problem, restitution, memory.segments)
     if count < 0:
         return UNSOLVED
@@ -191,7 +199,7 @@ def strike_alone(
     for i in range(count):
         lay_impulse(work, memory.segments[i, 0], memory.segments[i, 1])
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
-        account(work, memory, recorder, u)
+        account(model, work, memory, recorder, u)
         for c in range(len(u)):
             memory.u[c] = u[c]
     return RESOLVED
@@ -206,19 +214,37 @@ def without_restitution(memory: EventMemory) -> bool:
 
 @kernel
 def compressed(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
-    """Whether contacts give back some of the impulses just laid: at least how much, to the problem."""
+    """Whether contacts give back some of the impulses just laid: at least how much, to ``work.least``."""
     if not gives_back(settings.law) or memory.stage == EXPANDING or without_restitution(memory):
         return False
     gives = False
     for k in range(work.n_contacts):
-        work.problem.least[k] = model.contacts.restitution[work.table.law[k]] * work.solver.normal[k]
-        gives = gives or work.problem.least[k] > 0.0
+        work.least[k] = model.contacts.restitution[work.table.law[k]] * work.p[work.n_joint + k]
+        gives = gives or work.least[k] > 0.0
     return gives
 
 
 @kernel
+def lay_impact(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> None:
+    """The problems of an impact of the contacts whose rows are laid."""
+    threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
+    for i in range(len(u)):
+        memory.u[i] = u[i]
+        work.free_u[i] = u[i]
+        memory.reflected[i] = u[i] if simple(memory) or reflects(settings.law) else 0.0
+    pose(model, work, memory.reflected, 0.0, threshold)
+    memory.number = 0.0
+
+
+@kernel
+def simple(memory: EventMemory) -> bool:
+    """Whether the impact is one of velocities, none of them reflected."""
+    return memory.round > CHAIN or memory.stopping == 1 or memory.low == 1
+
+
+@kernel
 def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
-    """One contact problem; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
+    """An impact; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
@@ -226,47 +252,40 @@ def collide(model: Model, settings: EventSettings, work: Workspace, memory: Even
     n = memory.n_found
     if not looking and memory.alone == 1:
         n = 1
-    lay_rows(model, memory.time, q, u, n, work, memory.sets)
-    if looking:
-        limit = CHAIN + ROUNDS if settings.sequential or integrates(settings.law) else ROUNDS
-        found = fastest_approach(settings, work, memory, u)
-        if found == COUPLED:
-            return COUPLED
-        if found == RESOLVED or memory.round >= limit:
-            keep_closed(settings, work, memory, u)
-            return RESOLVED
-        memory.low = 0
-        if memory.nudging == 0 and too_low(model, settings, work, memory, memory.target):
-            memory.low = 1
-        begin(settings, work, memory)
-        if memory.alone == 1:
+    if not unfinished(work.islands):
+        lay_rows(model, memory.time, q, u, n, work, memory.sets)
+        if looking:
+            limit = CHAIN + ROUNDS if settings.sequential or integrates(settings.law) else ROUNDS
+            found = fastest_approach(settings, work, memory, u)
+            if found == COUPLED:
+                return COUPLED
+            if found == RESOLVED or memory.round >= limit:
+                keep_closed(settings, work, memory, u)
+                return RESOLVED
+            memory.low = 0
+            if memory.nudging == 0 and too_low(model, settings, work, memory, memory.target):
+                memory.low = 1
+            begin(settings, work, memory)
+            if memory.alone == 1:
+                return AGAIN
+        lay_impact(model, settings, work, memory, u)
+        if integrates(settings.law) and not simple(memory):
+            if strike_alone(model, settings, work, memory, recorder, u) != RESOLVED:
+                return UNSOLVED
+            end(memory, recorder)
             return AGAIN
-    simple = memory.round > CHAIN or memory.stopping == 1 or memory.low == 1  # by velocities, none of them reflected
-    threshold = math.inf if without_restitution(memory) else settings.velocity_threshold
-    for i in range(ndof):
-        memory.u[i] = u[i]
-        work.free_u[i] = u[i]
-        memory.reflected[i] = u[i] if simple or reflects(settings.law) else 0.0
-    pose(model, work, memory.reflected, 0.0, threshold)
-    memory.number = 0.0
-    if integrates(settings.law) and not simple:
-        if strike_alone(model, settings, work, memory, recorder, u) != RESOLVED:
-            return UNSOLVED
-        end(memory, recorder)
-        return AGAIN
-    if memory.stage == EXPANDING:
-        work.problem.shifted = 1
-    elif memory.nudging == 1:
-        for k in range(n):
-            work.problem.free[k] -= settings.velocity_threshold  # an approach assumed where there is none
-    status = solve_contacts(work.problem, work.solver)
-    memory.number = status
-    if status != 0 or not work.solver.residual <= settings.tolerance:
+        if memory.stage == EXPANDING:
+            work.shifted = 1
+        elif memory.nudging == 1:
+            for k in range(n):
+                work.free[work.n_joint + k] -= settings.velocity_threshold  # an approach assumed where there is none
+    warm = last = n < 0  # literals would have it compiled once more
+    if solve_islands(work, memory.time, settings.tolerance, warm, last, recorder) != RunStatus.DONE:
+        memory.number = work.number
         return UNSOLVED
-    note_certificate(work, recorder)
-    distribute(work)
+    answer_joints(work)
     apply_impulses(work.solved, work.row_body, 0, work.n_joint + n + work.n_tangents, work.p, work.dof, u)
-    account(work, memory, recorder, u)
+    account(model, work, memory, recorder, u)
     if compressed(model, settings, work, memory):
         memory.stage = EXPANDING
     else:

@@ -9,10 +9,11 @@ import math
 
 from lcpflex.contact.detection import RIGID
 from lcpflex.contact.rows import contact_point
-from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project
+from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project, room_for
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.joint_reactions import note_instant
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import SLIP, STICK, Model
@@ -90,6 +91,8 @@ def record(
         note_contact(recorder, work.table.law[k], place, work.table.normal[k], work.p[r], force_t, state)
     if work.compliant.n_contacts > 0:
         note_compliant(model, q, work.compliant, False, recorder)
+    if work.n_joint > 0:
+        note_instant(model, work, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
     return RunStatus.DONE
 
@@ -255,6 +258,9 @@ def advance(
                 if not gather(model, settings, work, memory):
                     return RunStatus.GROW
                 n = memory.n_found
+            if not room_for(model, memory.time, q, u, n, work, memory.sets):
+                memory.number = 0.0
+                return RunStatus.GROW
             joint_drift, gap_drift = project(model, memory.time, q, u, n, phase != GATHERING, work, memory.sets)
             if phase != GATHERING:
                 count_impulses(work, memory)

@@ -6,6 +6,7 @@ normal and tangential impulse of each declared contact [N s].
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -81,7 +82,7 @@ class EventMemory:
     bracket: Bracket  # of the root finder
     force: float  # scale of the contact forces [N]
     law_state: IntArray = array(3, "laws")  # of each contact before and after an event; whether, how it was hit
-    taken: IntArray  # (laws,) state where several motions were possible for the first time; -1: not closed
+    taken: IntArray = array("laws")  # state where several motions were possible for the first time; -1: not closed
     tied: IntArray = array(2)  # declared contacts of the first tie, the one that was struck first
     law_work: FloatArray = array("laws")  # work of its impulses [J]
     struck_key: IntArray = array(REMEMBERED)  # pairs struck last
@@ -135,8 +136,11 @@ class EventMemory:
     gentlest: float  # approach of the slowest impact since events were last counted anew [m/s]
 
 
-def event_memory(system: System, capacity: int, near: int) -> EventMemory:
-    """Allocate for ``system``, at its initial state; ``near``: pairs that may have touched between two looks."""
+def event_memory(system: System, capacity: int, near: int, dense: int) -> EventMemory:
+    """Allocate for ``system``, at its initial state.
+
+    ``near``: pairs that may have touched between two looks; ``dense``: contacts of the largest island.
+    """
     ndof = len(system.q)
     laws = system.n_laws
     ny = 2 * ndof + 3 + 2 * laws
@@ -144,9 +148,9 @@ def event_memory(system: System, capacity: int, near: int) -> EventMemory:
         EventMemory,
         {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
         trials=trials(),
-        sets=contact_sets(capacity),
+        sets=contact_sets(capacity, dense),
         seen=system.table(capacity),
-        near=system.table(near),
+        near=system.table(near, touching=-math.inf),
         bracket=allocate(Bracket, {}),
         section=allocate(Section, {}),
         taken=np.full(laws, -1, dtype=np.int64),

@@ -92,6 +92,12 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
 
 
 @kernel
+def used(memory: EventMemory) -> int:
+    """Components of the state but for those of laws that no pair has got yet."""
+    return 2 * len(memory.u) + 3 + 2 * memory.seen.pairs.n_laws
+
+
+@kernel
 def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> None:
     """Watched functions of all maintained contacts, after ``slope`` at the same state."""
     ndof = len(memory.u)
@@ -107,8 +113,8 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
         memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, y[:ndof], work.table, k))
         size = abs(p_n)
-        if work.problem.delassus[k, k] > 0.0:
-            size = max(size, abs(work.problem.free[k]) / work.problem.delassus[k, k])
+        if work.own[k] > 0.0:
+            size = max(size, abs(work.effect[k]) / work.own[k])
         memory.force = max(memory.force, size)
         tangent = memory.sets.tangent_of[k]
         if tangent >= 0:
@@ -209,7 +215,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
             stage_state(memory.y, memory.slopes, h, stage, memory.end)
             slope(model, t + C[stage] * h, memory.end, work, memory, memory.slopes[stage])
         # impulses and work, too: a body that sticks under a changing load does not move, and would hide it
-        error = error_norm(memory.y, memory.end, memory.slopes, h, len(memory.y), settings.rtol, settings.atol)
+        error = error_norm(memory.y, memory.end, memory.slopes, h, used(memory), settings.rtol, settings.atol)
         if error <= 1.0:
             share = 1.0
             contacts = work.compliant

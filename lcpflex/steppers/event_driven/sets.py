@@ -23,10 +23,10 @@ from lcpflex.dynamics.acceleration import (
     reduce_sets,
 )
 from lcpflex.dynamics.delassus import row_velocity
+from lcpflex.dynamics.islands import forget_islands, unfinished
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
-from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.several_motions import several_motions
 from lcpflex.steppers.event_driven.impacts import AGAIN, JAM, LOOKING, RESOLVED, SLOWEST, UNSOLVED
 from lcpflex.steppers.event_driven.memory import (
@@ -45,7 +45,9 @@ from lcpflex.steppers.event_driven.memory import (
     note_event,
 )
 from lcpflex.steppers.event_driven.segment import FORCE_TOLERANCE
-from lcpflex.steppers.recorder import Recorder, note_certificate
+from lcpflex.steppers.island_problems import solve_island
+from lcpflex.steppers.recorder import Recorder
+from lcpflex.steppers.status import RunStatus
 
 __all__ = ["choose", "fall_back", "gather", "note_changes", "note_paradox"]
 
@@ -86,42 +88,55 @@ def sort_tangents(settings: EventSettings, n: int, work: Workspace, memory: Even
 
 
 @kernel
-def read_sets(n: int, work: Workspace, memory: EventMemory) -> int:
-    """Modes from the solved LCP, contacts without force left out; returns how many stay.
+def read_sets(work: Workspace, memory: EventMemory) -> None:
+    """What each contact of the island just solved does: ``tried``, ``fallback``, and whether it is ``kept``.
 
-    A contact that is at the edge of its cone without moving (one of several that share a load) is set to stick for a
-    try; ``fallback`` keeps its mode at the edge.
+    Contacts without force are left out. A contact that is at the edge of its cone without moving (one of several that
+    share a load) is set to stick for a try; ``fallback`` keeps its mode at the edge.
     """
-    sets = memory.sets
-    forces = work.solver
+    sets, problem, forces = memory.sets, work.problem, work.solver
+    n = problem.n_contacts
     n_stick = reduce_sets(work, sets)
     largest = 0.0
-    for k in range(n):
-        largest = max(largest, forces.normal[k])
-        if work.problem.delassus[k, k] > 0.0:
-            largest = max(largest, abs(work.problem.free[k]) / work.problem.delassus[k, k])
-    kept = 0
+    for c in range(n):
+        largest = max(largest, forces.normal[c])
+        if problem.delassus[c, c] > 0.0:
+            largest = max(largest, abs(problem.free[c]) / problem.delassus[c, c])
+    others = False
     j = -1
-    for k in range(n):
+    for c in range(n):
+        k = work.part[c]
         mode = sets.mode[k]
         tried = mode
         if mode == STICKING:
             j += 1
             force = forces.tangential[j]
-            edge = work.mu[k] * forces.normal[k] * (1.0 - FORCE_TOLERANCE)
+            edge = work.mu[k] * forces.normal[c] * (1.0 - FORCE_TOLERANCE)
             if abs(force) >= edge:
                 mode = SLIDE_BACK if force > 0.0 else SLIDE_FORTH
                 if not rests(n, n_stick, n + j, work, sets):
                     tried = mode
-        if forces.normal[k] <= CARRIES * largest:
-            if kept > 0 and largest > 0.0 and rests(n, n_stick, k, work, sets):
-                memory.spared = 1 + work.table.law[k]
-        else:
+        kept = not forces.normal[c] <= CARRIES * largest
+        if not kept and others and largest > 0.0 and rests(n, n_stick, c, work, sets):
+            memory.spared = 1 + work.table.law[k]
+        others = others or kept
+        sets.kept[k] = 1 if kept else 0
+        sets.tried[k] = tried
+        sets.fallback[k] = mode
+
+
+@kernel
+def keep_sets(n: int, work: Workspace, memory: EventMemory) -> None:
+    """Leave those of n contacts in the table that are kept, with their modes."""
+    sets = memory.sets
+    kept = 0
+    for k in range(n):
+        if sets.kept[k] == 1:
             copy_entry(work.table, k, work.table, kept)
-            sets.mode[kept] = tried
-            sets.fallback[kept] = mode
+            sets.mode[kept] = sets.tried[k]
+            sets.fallback[kept] = sets.fallback[k]
             kept += 1
-    return kept
+    memory.n_contacts = kept
 
 
 @kernel
@@ -153,27 +168,27 @@ def fall_back(memory: EventMemory) -> None:
 
 
 @kernel
-def note_paradox(n: int, settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
-    """Remember that n contacts just chosen for may move in several ways, and which contacts the first ones were."""
-    memory.several_now = 0
+def note_paradox(settings: EventSettings, work: Workspace, memory: EventMemory) -> None:
+    """Remember that contacts of an island may move in several ways, and which contacts the first ones were."""
     if several_motions(work.problem, work.solver, settings.tolerance, memory.trials):
         memory.several_now = 1
         memory.several += 1
         if memory.several == 1:
             memory.first_several = memory.time
-            for k in range(n):
-                memory.taken[work.table.law[k]] = OPEN
+            for c in range(work.problem.n_contacts):
+                memory.taken[work.problem.pair[c]] = OPEN
 
 
 @kernel
-def still_approach(n: int, settings: EventSettings, work: Workspace, memory: EventMemory, u: FloatArray) -> bool:
+def still_approach(settings: EventSettings, work: Workspace, u: FloatArray) -> bool:
     """Whether contacts about to be let go approach, slower than the threshold: they would close again and again."""
+    problem, normal = work.problem, work.solver.normal
     largest = 0.0
-    for k in range(n):
-        largest = max(largest, work.solver.normal[k])
-    for k in range(n):
-        if work.solver.normal[k] <= CARRIES * largest:
-            v = row_velocity(work.rows, work.row_body, work.n_joint + k, work.dof, u)
+    for c in range(problem.n_contacts):
+        largest = max(largest, normal[c])
+    for c in range(problem.n_contacts):
+        if normal[c] <= CARRIES * largest:
+            v = row_velocity(work.rows, work.row_body, work.n_joint + work.part[c], work.dof, u)
             if v < -SLOWEST * settings.velocity_threshold:
                 return True
     return False
@@ -181,7 +196,7 @@ def still_approach(n: int, settings: EventSettings, work: Workspace, memory: Eve
 
 @kernel
 def choose(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
-    """Modes of the closed contacts from the acceleration-level LCP; the table keeps those that carry a force.
+    """Modes of the closed contacts from the acceleration-level LCPs; the table keeps those that carry a force.
 
     AGAIN: those let go have to be stopped first.
     """
@@ -189,23 +204,26 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
     ndof = len(memory.u)
     q = memory.y[:ndof]
     u = memory.y[ndof : 2 * ndof]
-    t = memory.time
-    kept = 0
-    if n > 0:
-        assemble(model, t, q, u, n, work, memory.sets)
+    islands = work.islands
+    if n > 0 and not unfinished(islands):
+        assemble(model, memory.time, q, u, n, work, memory.sets)
         sort_tangents(settings, n, work, memory, u)
         pose_sets(work, memory.sets)
-        status = solve_contacts(work.problem, work.solver)
-        memory.number = status
-        if status != 0 or not work.solver.residual <= settings.tolerance:
+        memory.several_now = 0
+    warm = n < 0  # a literal would have it compiled once more
+    while n > 0 and islands.next < islands.count:
+        status = solve_island(work, islands.next, settings.tolerance, warm, recorder)
+        if status != RunStatus.DONE:
+            memory.number = work.number
             return UNSOLVED
-        note_certificate(work, recorder)
-        if memory.stopping == 0 and still_approach(n, settings, work, memory, u):
+        if memory.stopping == 0 and still_approach(settings, work, u):
             memory.stopping = 1
+            forget_islands(islands)
             return AGAIN
-        note_paradox(n, settings, work, memory)
-        kept = read_sets(n, work, memory)
-    memory.n_contacts = kept
+        note_paradox(settings, work, memory)
+        read_sets(work, memory)
+        islands.next += 1
+    keep_sets(n, work, memory)
     return RESOLVED
 
 

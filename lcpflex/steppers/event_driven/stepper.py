@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton
+from lcpflex.dynamics.islands import forget_islands
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
-from lcpflex.jit.struct import copy_parts, numbers_of
+from lcpflex.jit.struct import copy_parts, lengthen, numbers_of
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, put_solution
 from lcpflex.solvers.lcp.enumeration import Enumeration
@@ -30,6 +31,7 @@ from lcpflex.steppers.event_driven.loop import (
     advance,
 )
 from lcpflex.steppers.event_driven.memory import (
+    EVENT_CAPACITY,
     EVENT_KINDS,
     WINDOW,
     EventSettings,
@@ -45,6 +47,7 @@ from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
+from lcpflex.steppers.time_stepping import FIRST_ROOM, grown
 from lcpflex.steppers.user_functions import watch_pair_laws
 
 __all__ = ["EventDriven"]
@@ -83,9 +86,9 @@ class EventDrivenSteps:
         self._first_jam = ""
         self._proven = True  # that there was no solution where none was found
         self._rescue = Rescue(stepper.solver, stepper.solver_tolerance)
-        self._work = system.workspace(16)
+        self._work = system.workspace(FIRST_ROOM)
         self._work.solver.method = solver_method(stepper.solver)
-        self.clock = event_memory(system, 16, 64)
+        self.clock = event_memory(system, FIRST_ROOM, 64, FIRST_ROOM)
         self.clock.step = 0.0 if stepper.first_step is None else stepper.first_step
         self.clock.last_event = -math.inf
         self.clock.gentlest = math.inf
@@ -180,7 +183,11 @@ class EventDrivenSteps:
             self._proven &= solution.status in (Status.NO_SOLUTION, Status.INFEASIBLE)
         else:
             self._proven = False
-        memory.target = int(own_pull(work.problem).argmin())  # < 0: its own force pulls this contact in
+        islands = work.islands
+        first = islands.start[islands.next]
+        # < 0: its own force pulls this contact in
+        memory.target = int(islands.contact[first + own_pull(work.problem).argmin()])
+        forget_islands(islands)
         memory.nudges += 1
         memory.nudging = 1
         memory.jams += 1
@@ -208,17 +215,29 @@ class EventDrivenSteps:
         return [f"bodies overlapped by {deepest:.3g} m without an impact: shorter steps (max_step) may find it"]
 
     def make_room(self, needed: int) -> None:
-        """Larger tables with the same content, of contacts or, negative, of what is near."""
+        """Larger tables with the same content: of contacts, of what is near (negative), of the largest island."""
         old_work, old = self._work, self.clock
         capacity, near = max(len(old.seen.key), 2 * needed), max(len(old.near.key), -2 * needed)
-        self._work = self.system.workspace(capacity, old_work.compliant, old_work.solver)
-        new = event_memory(self.system, capacity, near)
+        dense = grown(len(old_work.problem.friction), old_work.most)
+        self._work = self.system.workspace(capacity, before=old_work, dense=dense)
+        new = event_memory(self.system, capacity, near, dense)
         copy_parts(old_work.table, self._work.table)
         copy_parts(old.sets, new.sets)
         for name in CARRIED:
             getattr(new, name)[...] = getattr(old, name)
         numbers_of(new)[:] = numbers_of(old)
         self.clock = new
+
+    def more_laws(self) -> None:
+        """Room for more pairs under a rule that have touched."""
+        memory, old = self.clock, self.system.n_laws
+        self.records.more_laws(memory, self._work)
+        new = self.system.n_laws
+        length = len(memory.y)
+        lengthen(memory, "ny", length, length + 2 * (new - old))
+        lengthen(memory, "events", len(memory.events), EVENT_CAPACITY + 3 * new)
+        memory.taken[old:] = -1
+        self._thresholds.more_laws(2 * (new - old))
 
 
 # what of the memory goes on as it is where tables grow

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import numpy as np
+
 from lcpflex.steppers.event_driven.memory import EVENT_KINDS, LIFT_OFF, REVERSES, SLIPS, STICKS, WINDOW, EventSettings
 from lcpflex.steppers.event_driven.remarks import times
 from lcpflex.steppers.named import listed
@@ -69,6 +71,11 @@ class Thresholds:
     def fall(self) -> None:
         """Return to the thresholds that were asked for."""
         self.settings = self._base
+
+    def more_laws(self, components: int) -> None:
+        """The state has so many components more, all of them impulses."""
+        longer = np.pad(self._base.atol, (0, components), mode="edge")
+        self.settings, self._base = self.settings._replace(atol=longer), self._base._replace(atol=longer)
 
     def remarks(self, name: Callable[[int], str]) -> list[str]:
         """That thresholds were raised, if they were; ``name``: what a contact is called."""

@@ -92,9 +92,9 @@ def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme
         u=system.u.copy(),
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
-        sets=contact_sets(capacity),
-        resting=allocate(Held, sizes, table=system.table(capacity)),
-        pressed=allocate(Held, sizes, table=system.table(capacity)),
+        sets=contact_sets(capacity, 0),
+        resting=allocate(Held, sizes, table=system.held(capacity)),
+        pressed=allocate(Held, sizes, table=system.held(capacity)),
         **numbers,
     )
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
-from lcpflex.dynamics.contact_problem import pose_contacts
-from lcpflex.dynamics.delassus import apply_impulses, joint_impulses
+from lcpflex.dynamics.contact_problem import lay_contacts
+from lcpflex.dynamics.delassus import apply_impulses
+from lcpflex.dynamics.impulse import answer_joints
+from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import energies, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
@@ -104,11 +106,11 @@ def pose_position(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         work.free[r] = work.residual[r] / h
     for k in range(n):
         work.free[n_joint + k] = work.table.gap[k] / h
-    pose_contacts(work)
-    problem = work.problem
-    for k in range(n):
-        for c in range(n):
-            problem.free[k] -= problem.delassus[k, c] * scheme.total[c]
+        work.terms[k] = 0.0
+        work.counted[k] = scheme.total[k]
+    lay_contacts(work)
+    prepare_large(model, work)
+    work.lifted = 1
     scheme.warm = 1
     return n
 
@@ -120,15 +122,17 @@ def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, recorder:
     n = work.n_contacts
     meet = False
     for k in range(n):
-        work.p[n_joint + k] = work.solver.normal[k] - scheme.total[k]
-        meet = meet or (work.solver.normal[k] > 0.0 and scheme.total[k] == 0.0)
-    joint_impulses(work.free, n_joint, n_joint + n, work.lower, work.share, work.p)
+        pressed = work.p[n_joint + k]
+        work.normal[k] = pressed
+        work.p[n_joint + k] = pressed - scheme.total[k]
+        meet = meet or (pressed > 0.0 and scheme.total[k] == 0.0)
+    answer_joints(work)
     for r in range(n_joint + n):
         work.p[r] *= scheme.step
     scheme.pressed.count = 0
     for k in range(n):
-        if work.solver.normal[k] > 0.0:
-            hold(work.table, k, work.solver.normal[k], 0.0, FRICTIONLESS, scheme.pressed)
+        if work.normal[k] > 0.0:
+            hold(work.table, k, work.normal[k], 0.0, FRICTIONLESS, scheme.pressed)
     sign = 1.0
     for _ in range(2 if meet else 1):
         if meet:

@@ -13,10 +13,11 @@ from lcpflex.dynamics.acceleration import (
     SMOOTH as FRICTIONLESS,
     STICKING,
     pose_sets,
-    sliding_sign,
 )
-from lcpflex.dynamics.contact_problem import pose_contacts
-from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.dynamics.contact_problem import lay_contacts
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.impulse import answer_joints
+from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -150,7 +151,10 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
         work.free_u[i] += scheme.w_new[i]
     for r in range(n_joint + n + n_tangent):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
-    pose_contacts(work)
+    for r in range(n + n_tangent):
+        work.terms[r] = 0.0
+    lay_contacts(work)
+    prepare_large(model, work)
     for k in range(n):
         scheme.sets.tangent_of[k] = -1
     for j in range(n_tangent):
@@ -158,23 +162,6 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
     n_stick = pose_sets(work, scheme.sets)
     scheme.warm = 1 if n_stick == n_tangent else 0
     return n
-
-
-@kernel
-def spread_forces(work: Workspace, scheme: AlphaScheme) -> None:
-    """Forces p of all rows from the solution on the index sets."""
-    sets = scheme.sets
-    n_joint = work.n_joint
-    n = work.n_contacts
-    found = work.solver
-    total = n_joint + n + work.n_tangents
-    for k in range(n):
-        work.p[n_joint + k] = found.normal[k]
-        if sets.tangent_of[k] >= 0:
-            work.p[n_joint + n + sets.tangent_of[k]] = -sliding_sign(sets.mode[k]) * work.mu[k] * found.normal[k]
-    for j in range(found.n_stick):
-        work.p[n_joint + n + sets.tangent_of[found.stick[j]]] = found.tangential[j]
-    joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
 
 
 @kernel
@@ -247,7 +234,7 @@ def settled(h: float, work: Workspace, scheme: AlphaScheme) -> bool:
 @kernel
 def apply_smooth(h: float, work: Workspace, scheme: AlphaScheme) -> None:
     """A Newton step; after the last one what the next problem needs."""
-    spread_forces(work, scheme)
+    answer_joints(work)
     if not settled(h, work, scheme):
         return
     place_end(h, scheme)

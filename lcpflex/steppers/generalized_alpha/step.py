@@ -9,17 +9,18 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.acceleration import STICKING
-from lcpflex.dynamics.contact_problem import pose_contacts
+from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
-from lcpflex.dynamics.impulse import distribute
+from lcpflex.dynamics.impulse import answer_joints
+from lcpflex.dynamics.islands import Islands, forget_islands, unfinished
+from lcpflex.dynamics.joint_reactions import note_ahead, note_ends, note_impulses
+from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import copy_parts
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
 from lcpflex.steppers.clock import StepClock, StepCount
-from lcpflex.steppers.doubtful import keep_doubtful
 from lcpflex.steppers.generalized_alpha.memory import (
     POSITION,
     RESTART,
@@ -38,9 +39,10 @@ from lcpflex.steppers.generalized_alpha.smooth import (
     pose_smooth,
     slip_mode,
 )
+from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out_freely
-from lcpflex.steppers.recorder import Recorder, note_certificate, note_gain
+from lcpflex.steppers.recorder import Recorder, note_gain
 from lcpflex.steppers.scheme import record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 
@@ -94,7 +96,7 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         if i >= 0:
             work.p[n_joint + n + j] = -h * scheme.resting.load[i, 1]
     apply_impulses(work.solved, work.row_body, n_joint, total, work.p, work.dof, work.free_u)
-    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.problem.terms)
+    free_velocities(work.rows, work.row_body, n_joint, total, work.dof, work.free_u, work.free, work.terms)
     for r in range(n_joint):
         work.free[r] += work.rate[r]
     for k in range(n):
@@ -113,7 +115,8 @@ def pose_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme) 
         if e_t > 0.0 and scheme.matched[k] < 0:
             r = n_joint + n + j
             work.free[r] += e_t * row_velocity(work.rows, work.row_body, r, work.dof, u)
-    pose_contacts(work)
+    lay_contacts(work)
+    prepare_large(model, work)
     scheme.warm = 1
 
 
@@ -210,11 +213,19 @@ def broken(work: Workspace, scheme: AlphaScheme) -> bool:
 
 
 @kernel
-def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> bool:
+def struck(work: Workspace, scheme: AlphaScheme) -> bool:
+    """Whether a contact carries that did not rest."""
+    found = False
+    for k in range(work.n_contacts):
+        found = found or (work.p[work.n_joint + k] > 0.0 and scheme.matched[k] < 0)
+    return found
+
+
+@kernel
+def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> bool:
     """The state at the end of the step, in place. False where it is not finite."""
     q, u = scheme.q, scheme.u
-    keep_doubtful(work, t)
-    distribute(work)
+    answer_joints(work)
     n_joint = work.n_joint
     total = n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
@@ -224,6 +235,8 @@ def apply_velocity(t: float, work: Workspace, scheme: AlphaScheme, recorder: Rec
     for k in range(work.n_contacts):
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
     jumps = broken(work, scheme)
+    note_ends(scheme.step, recorder.reactions)
+    note_impulses(model, work, struck(work, scheme), recorder.reactions)
     finite = True
     for i in range(len(q)):
         q[i] = scheme.q_new[i]
@@ -255,12 +268,15 @@ def predict(model: Model, t: float, work: Workspace, scheme: AlphaScheme) -> int
 @kernel
 def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, recorder: Recorder) -> int:
     """Apply the solution of the problem posed: PART where the step has more of them, DONE or NOT_FINITE."""
-    note_certificate(work, recorder)
     if scheme.phase <= SMOOTH:
+        start = scheme.phase == RESTART
         apply_smooth(scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
+        note_ahead(model, work, recorder.reactions)
+        if start:
+            note_ends(0.0, recorder.reactions)
     elif scheme.phase == POSITION:
         apply_position(model, work, scheme, recorder)
-    elif apply_velocity(t, work, scheme, recorder):
+    elif apply_velocity(model, t, work, scheme, recorder):
         return RunStatus.DONE
     else:
         return RunStatus.NOT_FINITE
@@ -268,12 +284,13 @@ def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, record
 
 
 @kernel
-def give_up_smooth(scheme: AlphaScheme) -> bool:
+def give_up_smooth(scheme: AlphaScheme, islands: Islands) -> bool:
     """After an unsolved problem: whether it was one of accelerations, without which the impulses of the step do."""
     if scheme.phase > SMOOTH or scheme.n_found == 0:
         return False
     scheme.skip = 1
     scheme.turn = 0
+    forget_islands(islands)
     return True
 
 
@@ -285,18 +302,17 @@ def alpha_step(
     """The problems of a step, one after the other."""
     set_out_freely(model, scheme.q, scheme.u, scheme.step, recorder)
     while True:
-        clock.number = predict(model, t, work, scheme)
-        if clock.number > len(work.table.key):
-            return RunStatus.GROW
-        if scheme.warm == 1:
-            recall_basis(work.problem, work.solver)
-        clock.number = solve_contacts(work.problem, work.solver)
-        if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
-            if give_up_smooth(scheme):
-                continue
-            return RunStatus.SOLVER_FAILED
-        if scheme.phase == VELOCITY:
-            remember_basis(work.problem, work.solver)
+        if not unfinished(work.islands):
+            clock.number = predict(model, t, work, scheme)
+            if clock.number > len(work.table.key):
+                return RunStatus.GROW
+        last = scheme.phase == VELOCITY
+        status = solve_islands(work, t, scheme.tolerance, scheme.warm == 1, last, recorder)
+        if status == RunStatus.SOLVER_FAILED and give_up_smooth(scheme, work.islands):
+            continue
+        if status != RunStatus.DONE:
+            clock.number = work.number
+            return status
         status = correct(model, t, work, scheme, recorder)
         if status != RunStatus.PART:
             return status

@@ -35,7 +35,7 @@ from lcpflex.steppers.generalized_alpha import (
 )
 from lcpflex.steppers.generalized_alpha.memory import AlphaScheme, alpha_scheme, larger
 from lcpflex.steppers.law_run import refuse_laws
-from lcpflex.steppers.options import keep_solver
+from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import given_or, scales_of
 from lcpflex.steppers.start import started
@@ -83,6 +83,12 @@ class GeneralizedAlpha:
         see :class:`lcpflex.solvers.UserSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
     solver_tolerance
         Largest natural-map residual accepted.
+    on_unsolved
+        What a step does where an island of more than 128 contacts is not solved to ``solver_tolerance`` within its
+        budget, as may happen in piles while they collapse: "continue" with the best point, which the residual of the
+        result and a warning tell, or "raise". Smaller islands that are not solved end the run in any case.
+    budget
+        Sparse factors that an island of more than 20 contacts may take in a step. None: by their cost, 100 to 600.
 
     Raises
     ------
@@ -97,6 +103,8 @@ class GeneralizedAlpha:
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
+    on_unsolved: str = "continue"
+    budget: int | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)
@@ -104,6 +112,7 @@ class GeneralizedAlpha:
         for name in ("gap_tolerance", "velocity_threshold"):
             keep_number_or_none(self, name, 0.0, math.inf, open_ends=True)
         keep_solver(self)
+        keep_budget(self)
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
@@ -128,5 +137,5 @@ class GeneralizedAlpha:
             tolerance=self.solver_tolerance,
         )
         support = Support(grown=partial(larger, system), warnings=_unsettled)
-        stepping = TimeStepping(system, scheme, self.solver, support)
+        stepping = TimeStepping(system, scheme, self.solver, support, self.on_unsolved, self.budget)
         return started(stepping, self.adaptive, duration, interval, (0.5, 0.5))

@@ -13,7 +13,9 @@ from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
-from lcpflex.dynamics.delassus import apply_impulses, delassus, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.joint_reactions import note_ahead, note_ends
+from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
 from lcpflex.dynamics.workspace import Workspace
@@ -22,8 +24,8 @@ from lcpflex.kinematics.configuration import advance as move, difference
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, slip_of, solve_contacts
-from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
+from lcpflex.solvers.contact.compiled import slip_of, solve_contacts
+from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
 from lcpflex.steppers.clock import StepClock, StepCount
 from lcpflex.steppers.massless_boundary.memory import BoundaryScheme
 from lcpflex.steppers.passing import set_out
@@ -74,8 +76,7 @@ def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: 
     a = scheme.acceleration
     joint_rows(model, t, work.middle, scheme.guess, work.external, work.rows, work.row_body, work.rate, work.bias)
     solve_rows(model, work, 0, n_joint)
-    delassus(work.rows, work.solved, work.row_body, n_joint, work.G)
-    cholesky(work.G, n_joint, work.lower)
+    factorise_joints(work)
     for j in range(n_joint):
         work.p[j] = -row_velocity(work.rows, work.row_body, j, work.dof, a)
         if h > 0.0:
@@ -83,7 +84,7 @@ def hold_joints(model: Model, t: float, h: float, scheme: BoundaryScheme, work: 
             work.p[j] -= 2.0 / h * (velocity + work.rate[j])
         else:
             work.p[j] -= work.bias[j]
-    cholesky_solve(work.lower, n_joint, work.p)
+    solve_joints(work, work.p)
     apply_impulses(work.solved, work.row_body, 0, n_joint, work.p, work.dof, a)
     power = 0.0
     for j in range(n_joint):
@@ -196,6 +197,8 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
         u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])
     audit(h, drives, scheme, work, recorder)
+    note_ahead(model, work, recorder.reactions)
+    note_ends(h, recorder.reactions)
     return finite
 
 
@@ -296,11 +299,12 @@ def solve_contact_forces(
         clock.number = pose_position(model, h, n, scheme.q, scheme.flexibility, scheme.compliance, scheme.unit, work)
         if clock.number >= 0.0:
             return RunStatus.STIFF
-        recall_basis(work.problem, work.solver)
+        recall_basis(work.problem, work.solver, work.remembered)
         clock.number = solve_contacts(work.problem, work.solver)
         if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
             return RunStatus.SOLVER_FAILED
-        remember_basis(work.problem, work.solver)
+        remember_basis(work.problem, work.solver, work.remembered)
+        turn_over(work.remembered)
         passes += 1
         curved = deform(model, scheme, work)
         unsettled = misfit(scheme.compliance, scheme.unit, work) > 1.0
@@ -324,7 +328,8 @@ def boundary_step(
     while True:
         h = part_length(scheme, clock)
         clock.number = predict(model, scheme, t + h, h, work, recorder)
-        if clock.number > len(work.table.key):
+        work.most = max(work.most, int(clock.number))  # they make one problem: static modes couple what joints do not
+        if clock.number > len(work.table.key) or clock.number > len(work.problem.friction):
             return RunStatus.GROW
         status = solve_contact_forces(model, scheme, h, int(clock.number), work, clock)
         if status == RunStatus.DONE:

@@ -15,8 +15,10 @@ from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import distribute, pose
+from lcpflex.dynamics.impulse import answer_joints, pose
 from lcpflex.dynamics.inertia import stiffened
+from lcpflex.dynamics.islands import unfinished
+from lcpflex.dynamics.joint_reactions import note_impulses, note_step
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -33,15 +35,12 @@ from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
-from lcpflex.solvers.contact.least_forces import least_forces
 from lcpflex.steppers.clock import StepClock, StepCount
-from lcpflex.steppers.doubtful import keep_doubtful
+from lcpflex.steppers.island_problems import shorten_forces, solve_islands
 from lcpflex.steppers.passing import set_out
 from lcpflex.steppers.projection import project_contacts, project_joints
 from lcpflex.steppers.recorder import (
     Recorder,
-    note_certificate,
     note_compliant,
     note_contact,
     note_gain,
@@ -53,6 +52,7 @@ from lcpflex.steppers.status import RunStatus
 
 __all__ = ["MoreauJeanScheme", "record_impulses"]
 
+SLOWER = 10.0  # solver tolerances, times the velocities that cancel in it: such an approach is what solvers leave
 STICKING_SPEED = 1e-9  # [m/s] below which a touching point counts as sticking in the record
 
 
@@ -146,14 +146,13 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
             recorder.total_impulse[contacts.table.law[k], c] += scheme.step * contacts.p[k, c]
     for r in range(n_joint + n + work.n_tangents):
         p = work.p[r]
-        if p == 0.0:
+        if p == 0.0 or (r < n_joint and work.rate[r] == 0.0):
             continue
         before = row_velocity(work.rows, work.row_body, r, work.dof, u)
         after = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u)
         done = 0.5 * p * (before + after)
         if r < n_joint:
-            if work.rate[r] != 0.0:
-                recorder.counts.supplied += done
+            recorder.counts.supplied += done
         elif r < n_joint + n:
             gained += done
             recorder.counts.lost_impacts -= done
@@ -163,7 +162,26 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
             recorder.counts.lost_friction -= done
             recorder.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
     note_gain(recorder, t, gained)
-    note_certificate(work, recorder)
+    if n_joint > 0:
+        if n > 0 and struck(model, scheme, work):
+            note_impulses(model, work, True, recorder.reactions)
+        else:
+            note_step(model, work, scheme.step, recorder.reactions)
+
+
+@kernel
+def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> bool:
+    """Whether a contact carries that approached faster than forces let it within two steps: then it was an impact."""
+    for k in range(work.n_contacts):
+        r = work.n_joint + k
+        if work.p[r] > 0.0:
+            before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+            free = work.effect[k]
+            if abs(before) > scheme.velocity_threshold:
+                free -= model.contacts.restitution[work.table.law[k]] * before
+            if -before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
+                return True
+    return False
 
 
 @kernel
@@ -171,8 +189,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     """Second half of a step: impulses, then u+ and q+ in place. False where they are not finite."""
     q, u, h = scheme.q, scheme.u, scheme.step
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
-    keep_doubtful(work, t)
-    distribute(work)
+    answer_joints(work)
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(model, scheme, t, work, recorder)
@@ -198,7 +215,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
 def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
-    least_forces(work.problem, work.solver, work.p[work.n_joint :])
+    shorten_forces(work)
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):
         return needed
@@ -230,16 +247,17 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
 def moreau_jean_step(
     model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, recorder: Recorder, clock: StepCount | StepClock
 ) -> int:
-    """Predict, detect and pose, solve, correct."""
-    set_out(scheme.q, recorder)
-    clock.number = predict(model, scheme, t, work)
-    if clock.number > len(work.table.key):
-        return RunStatus.GROW
-    recall_basis(work.problem, work.solver)
-    clock.number = solve_contacts(work.problem, work.solver)
-    if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
-        return RunStatus.SOLVER_FAILED
-    remember_basis(work.problem, work.solver)
+    """Predict, detect and pose, solve, correct; from the problem on that was not solved, if one was not."""
+    if not unfinished(work.islands):
+        set_out(scheme.q, recorder)
+        clock.number = predict(model, scheme, t, work)
+        if clock.number > len(work.table.key):
+            return RunStatus.GROW
+    warm = last = t == t  # a literal would have the kernels below compiled once more
+    status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
+    if status != RunStatus.DONE:
+        clock.number = work.number
+        return status
     if not correct(model, scheme, t, work, recorder):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE

@@ -23,7 +23,7 @@ from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.law_run import refuse_states
 from lcpflex.steppers.moreau_jean import adaptive as _adaptive  # noqa: F401  (what error control asks)
 from lcpflex.steppers.moreau_jean.step import MoreauJeanScheme
-from lcpflex.steppers.options import keep_solver
+from lcpflex.steppers.options import keep_budget, keep_solver
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.start import started
@@ -70,6 +70,12 @@ class MoreauJean:
     solver
         One of this package, a function of (M, q) or of (problem) that returns z, or an object with ``solve(problem)``:
         see :class:`lcpflex.solvers.UserSolver`. ``Auto()`` and ``Lemke()`` keep the whole loop compiled.
+    on_unsolved
+        What a step does where an island of more than 128 contacts is not solved to ``solver_tolerance`` within its
+        budget, as may happen in piles while they collapse: "continue" with the best point, which the residual of the
+        result and a warning tell, or "raise". Smaller islands that are not solved end the run in any case.
+    budget
+        Sparse factors that an island of more than 20 contacts may take in a step. None: by their cost, 100 to 600.
 
     Raises
     ------
@@ -85,6 +91,8 @@ class MoreauJean:
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
+    on_unsolved: str = "continue"
+    budget: int | None = None
 
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)
@@ -93,6 +101,7 @@ class MoreauJean:
         keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
         keep_flag(self, "projection")
         keep_solver(self)
+        keep_budget(self)
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant about every ``interval`` [s].
@@ -111,7 +120,9 @@ class MoreauJean:
             q=system.q.copy(),
             u=system.u.copy(),
         )
-        stepping = TimeStepping(system, scheme, self.solver, Support(warnings=_instability))
+        stepping = TimeStepping(
+            system, scheme, self.solver, Support(warnings=_instability), self.on_unsolved, self.budget
+        )
         run = started(stepping, self.adaptive, duration, interval, (self.theta, 1.0 - self.theta))
         watch_pair_laws(run.records, system)
         return run

@@ -112,6 +112,10 @@ class SmoothSteps:
         )
         return status
 
+    def more_laws(self) -> None:
+        """Its rules are listed: laws do not grow."""
+        raise AssertionError("a rule that is not listed, under Smooth")
+
     def make_room(self, contacts: int) -> None:
         """Memory for more contacts than are near."""
         span, before = self.work.span, self.work.compliant

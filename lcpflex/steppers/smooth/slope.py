@@ -28,14 +28,15 @@ from lcpflex.dynamics.contact_forces import (
     pair_stiffness,
     parting_time,
 )
-from lcpflex.dynamics.delassus import apply_impulses, delassus, joint_impulses, row_velocity
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.joint_reactions import note_instant
+from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.semidefinite import cholesky
 from lcpflex.steppers.recorder import Recorder, note_compliant, store_contacts, store_state
 from lcpflex.steppers.short_steps import travel_time
 from lcpflex.steppers.smooth.memory import (
@@ -99,10 +100,9 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
         first = int(np.int64(0))  # a literal would have kernels compiled once more
         solve_rows(model, work, first, n_joint)
         for r in range(n_joint):
-            work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
-        delassus(work.rows, work.solved, work.row_body, n_joint, work.G)
-        cholesky(work.G, n_joint, work.lower)
-        joint_impulses(work.free, n_joint, n_joint, work.lower, work.share, work.p)
+            work.p[r] = -(row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r])
+        factorise_joints(work)
+        solve_joints(work, work.p)
         apply_impulses(work.solved, work.row_body, first, n_joint, work.p, work.dof, work.free_u)
         for r in range(n_joint):
             if work.rate[r] != 0.0:
@@ -190,5 +190,7 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     for k in range(n):
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
     note_compliant(model, q, contacts, True, recorder)
+    if len(work.residual) > 0:
+        note_instant(model, work, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, contacts), recorder)
     return RunStatus.DONE

@@ -31,7 +31,10 @@ from lcpflex.dynamics.acceleration import (
     lay_rows,
     pose_sets,
 )
-from lcpflex.dynamics.delassus import apply_impulses, joint_impulses, row_velocity
+from lcpflex.dynamics.contact_problem import pose_island
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.islands import one_island
+from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
 from lcpflex.scene.scene import Scene
@@ -232,6 +235,9 @@ class _Instant:
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
+        one_island(work.islands, n)
+        one_island(work.islands, n)
+        pose_island(work, 0)
         return posed_lcp(work.problem, work.solver)
 
     def motion(self, z: FloatArray) -> AdmissibleMotion:
@@ -243,7 +249,7 @@ class _Instant:
         force = np.zeros((n, 2))
         force[:, 0] = work.p[n_joint : n_joint + n]
         force[work.tangent[:n_tangent], 1] = work.p[n_joint + n : total]
-        joint_impulses(work.free, n_joint, total, work.lower, work.share, work.p)
+        joint_impulses(work, total, work.p)
         change = np.zeros_like(self._free)
         apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, change)
         gaining = np.full((n, 2), np.nan)

@@ -7,8 +7,8 @@ import pytest
 
 from lcpflex.bodies import surface as shapes
 from lcpflex.bodies.body import MaterialPoint
-from lcpflex.contact.detection import load_entry
 from lcpflex.contact.narrow_phase.feature import contact_bias, refresh
+from lcpflex.contact.passes import load_entry
 from lcpflex.contact.rows import contact_point, contact_rows
 
 NODE_RADII = (0.0, 0.15)

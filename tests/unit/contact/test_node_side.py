@@ -112,7 +112,7 @@ def test_what_cannot_be_a_slave():
 
 def gaps_and_rows(model, table, n, q, u):
     """Gaps (n,), rows (n, 2, ndof) and biases (n, 2) of the entries that detection has found."""
-    from lcpflex.contact.detection import refresh
+    from lcpflex.contact.narrow_phase.feature import refresh
 
     dof = np.asarray(model.bodies.dof)
     rows, bias = np.zeros((n, 2, dof[-1])), np.zeros((n, 2))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
 from lcpflex.dynamics.inertia import Arrow, arrow, factorise, multiply, solve_block
+from lcpflex.dynamics.whitening import whiten_rows
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Loads, frozen
 
@@ -222,3 +225,23 @@ def test_forces_are_those_of_the_lagrangian(
     inertial_forces(bodies, loads, q, u, force)
     elastic_forces(bodies, q, u, force, dissipative)
     np.testing.assert_allclose(force, gradient - change, rtol=0, atol=1e-6 * np.abs(force).max())
+
+
+@pytest.mark.parametrize(("modes", "shortened"), [((0, 0), ()), ((5, 0, 3), ()), ((4, 0, 5, 3), (0, 2))])
+def test_products_of_white_rows_are_those_with_the_inverse(modes: tuple[int, ...], shortened: tuple[int, ...]) -> None:
+    bodies = random_bodies(modes, (), shortened)
+    q = 0.2 * RNG.normal(size=bodies.dof[-1])
+    work = dense_work(bodies)
+    factorise(bodies, q, 0.4, 0.2, work)
+    row_body = RNG.integers(-1, len(modes), (12, 2))
+    rows, white = np.zeros((12, 2, 3 + max(modes))), np.zeros((12, 2, 3 + max(modes)))
+    for r, i in zip(*np.nonzero(row_body >= 0), strict=True):
+        rows[r, i, : 3 + modes[row_body[r, i]]] = RNG.normal(size=3 + modes[row_body[r, i]])
+    whiten_rows(bodies, work, rows, row_body, 0, 12, white)
+    for (r, i), (s, j) in itertools.combinations_with_replacement(np.argwhere(row_body >= 0).tolist(), 2):
+        b = row_body[r, i]
+        if row_body[s, j] == b:
+            solved = np.zeros(3 + modes[b])
+            solve_block(bodies, work, b, rows[s, j, : len(solved)], solved)
+            product = rows[r, i, : len(solved)] @ solved
+            assert white[r, i] @ white[s, j] == pytest.approx(product, rel=1e-9, abs=1e-9)

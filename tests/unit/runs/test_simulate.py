@@ -59,7 +59,8 @@ def test_more_contacts_than_expected_make_room_for_themselves() -> None:
     scene.contact_all(friction=0.3)
     result = lf.simulate(scene, 0.2, lf.MoreauJean(1e-3))
     assert np.abs(result.q[-1, 1::3] - 0.1).max() < 1e-3
-    assert result.size.max() == 120
+    assert (result.state[-1] > 0).sum() == 40
+    assert result.size.max() == 3  # each ball is a problem of its own
     weight = result.force[-1, :, 0].sum()
     assert weight == pytest.approx(40 * 10.0, rel=1e-9)
 

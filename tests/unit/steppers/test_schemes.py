@@ -12,17 +12,17 @@ import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.contact.detection import detect
 from lcpflex.dynamics.delassus import apply_impulses
-from lcpflex.dynamics.impulse import distribute, pose
+from lcpflex.dynamics.impulse import answer_joints, pose
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import struct
 from lcpflex.kinematics.configuration import advance
 from lcpflex.model.arrays import Model
-from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
+from lcpflex.steppers.island_problems import solve_islands
 from lcpflex.steppers.moreau_jean.step import record_impulses
 from lcpflex.steppers.passing import set_out
-from lcpflex.steppers.recorder import Recorder, note_certificate
+from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.scheme import record, take_step
@@ -69,14 +69,13 @@ def euler_step(model: Model, scheme: EulerScheme, t: float, work: Workspace, rec
     work.n_tangents = fill_contact_rows(model, q, n, 0, work)
     solve_rows(model, work, 0, n + work.n_tangents)
     pose(model, work, u, 0.0, 0.0)
-    recall_basis(work.problem, work.solver)
-    clock.number = solve_contacts(work.problem, work.solver)
-    if clock.number != 0 or not work.solver.residual <= scheme.tolerance:
-        return RunStatus.SOLVER_FAILED
-    remember_basis(work.problem, work.solver)
-    distribute(work)
+    warm = last = n >= 0
+    status = solve_islands(work, t, scheme.tolerance, warm, last, recorder)
+    if status != RunStatus.DONE:
+        clock.number = work.number
+        return status
+    answer_joints(work)
     apply_impulses(work.solved, work.row_body, 0, n + work.n_tangents, work.p, work.dof, work.free_u)
-    note_certificate(work, recorder)
     for i in range(len(q)):
         u[i] = work.free_u[i]
     advance(model, q, u, h, q)

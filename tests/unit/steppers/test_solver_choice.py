@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.dynamics.workspace import Workspace
+from lcpflex.dynamics.workspace import NO_LIMIT, Workspace
 from lcpflex.gallery import scenes
 from lcpflex.solvers import ContactProblem, ConvexFriction, Lcp
-from lcpflex.solvers.contact.compiled import recall_basis, remember_basis, solve_contacts
+from lcpflex.solvers.contact.compiled import solve_contacts
 from lcpflex.solvers.contact.index_sets import SLIDE_BACK, SLIDE_FORTH, SMOOTH, STICKING
 from lcpflex.solvers.contact.memory import SOLUTION_KNOWN
 from lcpflex.solvers.contact.methods import AUTO
 from lcpflex.solvers.contact.posed import own_pull, posed_lcp, posed_problem
+from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, turn_over
 from lcpflex.steppers.driver import MOST_RESCUES, Rescue
 from lcpflex.steppers.status import RunStatus
 
@@ -28,6 +29,7 @@ def stack_memory(steps: int = 5) -> tuple[Workspace, Any]:
     """Work memory of a stack of boxes with redundant frictional contacts, after some steps."""
     case = scenes()["stack"]
     run: Any = case.stepper.start(case.build().compiled().system(), 1.0, 1.0)
+    run.method.stepping.work.dense_limit = NO_LIMIT  # as one dense problem
     assert run.advance(steps) == ""
     return run.method.stepping.work, run
 
@@ -47,8 +49,8 @@ def test_the_last_basis_solves_the_next_problem_at_once() -> None:
     work, _ = stack_memory()
     data, memory = work.problem, work.solver
     assert memory.method == AUTO
-    assert memory.n_remembered == data.n_contacts > 10
-    recall_basis(data, memory)
+    assert work.remembered.n == data.n_contacts > 10
+    recall_basis(data, memory, work.remembered)
     assert solve_contacts(data, memory) == 0
     assert memory.iterations == 1  # one linear solve
     assert solve_contacts(data, memory) == 0  # what is known counts once: this one starts cold
@@ -62,10 +64,11 @@ def test_a_basis_follows_its_contact_to_another_place() -> None:
     keys = data.key[:n].copy()
     basis = np.arange(n + 2 * n_tangent) % 2
     memory.basis[: len(basis)] = basis
-    remember_basis(data, memory)
+    remember_basis(data, memory, work.remembered)
+    turn_over(work.remembered)
     data.key[: n - 1] = keys[1:]  # the first contact has opened, a new one stands last
     data.key[n - 1] = keys.max() + 1
-    recall_basis(data, memory)
+    recall_basis(data, memory, work.remembered)
     for part in range(3):
         first = part * n  # all contacts of the stack have friction
         assert (memory.basis[first : first + n - 1] == basis[first + 1 : first + n]).all()

@@ -104,7 +104,7 @@ def test_ordinary_wedges_are_solved(scene, stepper):
 HARD = (
     {"mu": 10.0, "half": 40.0, "decades": 7.0, "seed": 3},  # off by more than 1e-4 under Moreau-Jean
     {"mu": 1.0, "half": 40.0, "decades": 7.0, "seed": 1},
-    {"mu": 10.0, "half": 20.0, "decades": 6.0, "seed": 2},
+    {"mu": 10.0, "half": 20.0, "decades": 6.0, "seed": 15},
 )
 
 

@@ -1,0 +1,187 @@
+"""Islands: bodies that closed contacts and joints connect, with no path between one island and another.
+
+The contact problem of a step falls into one for each island. The ground connects nothing, and neither does a body
+whose motion joints with the ground prescribe altogether: no impulse goes through it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.solvers.semidefinite import REDUNDANT
+
+__all__ = ["Islands", "find_islands", "forget_islands", "islands", "one_island", "unfinished"]
+
+NONE = -1
+HELD = 3  # independent rows that leave a rigid body no motion
+
+
+@struct
+class Islands:
+    """The islands of the present contacts, in the order of their first contacts."""
+
+    count: int
+    next: int  # the first whose problem is not solved yet
+    start: IntArray = array("starts")  # offsets into ``contact``
+    contact: IntArray = array("contacts")  # those of one island after the other, ascending in each
+    parent: IntArray = array("bodies")  # of union-find
+    island: IntArray = array("bodies")  # of the roots
+    of_contact: IntArray = array("contacts")
+    held: IntArray = array("bodies")  # 1: joints with the ground prescribe its motion
+    first_row: IntArray = array("bodies")  # of the joint rows between the body and the ground
+    next_row: IntArray = array("joints")
+    base: FloatArray = array(6, 3)  # orthogonal rows of one body, and A^-1 times each
+
+
+def islands(bodies: int, contacts: int, joints: int) -> Islands:
+    """Memory for so many bodies, contacts and joint rows."""
+    sizes = {"bodies": bodies, "contacts": contacts, "starts": contacts + 2, "joints": joints}
+    return allocate(Islands, sizes)
+
+
+@kernel
+def unfinished(of: Islands) -> bool:
+    """Whether there are problems of the present contacts left to be solved."""
+    return of.next < of.count
+
+
+@kernel
+def forget_islands(of: Islands) -> None:
+    """Leave what is unfinished."""
+    of.next = 0
+    of.count = 0
+
+
+@kernel
+def one_island(of: Islands, n: int) -> None:
+    """All n contacts together, if there are any or none: a problem without contacts is one, too."""
+    of.count = 1
+    of.next = 0
+    of.start[0] = 0
+    of.start[1] = n
+    for k in range(n):
+        of.contact[k] = k
+
+
+@kernel
+def root(parent: IntArray, b: int) -> int:
+    """The body that stands for all that are connected to body b; paths are halved on the way."""
+    while parent[b] != b:
+        parent[b] = parent[parent[b]]
+        b = parent[b]
+    return b
+
+
+@kernel
+def connect(of: Islands, a: int, b: int) -> None:
+    """Bodies a and b belong together, unless one of them passes nothing on."""
+    if a >= 0 and b >= 0 and of.held[a] == 0 and of.held[b] == 0:
+        i, j = root(of.parent, a), root(of.parent, b)
+        if i < j:
+            of.parent[j] = i
+        else:
+            of.parent[i] = j
+
+
+@kernel
+def find_islands(
+    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, n: int
+) -> None:
+    """Islands of n contacts; joint rows first in ``rows``, then the normal rows of the contacts."""
+    if n < 2:
+        one_island(of, n)
+        return
+    for b in range(len(of.parent)):
+        of.parent[b] = b
+    find_held(of, rows, solved, row_body, dof, n_joint)
+    for r in range(n_joint + n):
+        connect(of, row_body[r, 0], row_body[r, 1])
+    for b in range(len(of.parent)):
+        of.island[b] = NONE
+    count = 0
+    for k in range(n):
+        at = NONE
+        for i in range(2):
+            b = row_body[n_joint + k, i]
+            if b >= 0 and of.held[b] == 0:
+                b = root(of.parent, b)
+                if of.island[b] == NONE:
+                    of.island[b] = count
+                    count += 1
+                at = of.island[b]
+        if at == NONE:  # between bodies that nothing moves
+            at = count
+            count += 1
+        of.of_contact[k] = at
+    of.count = count
+    of.next = 0
+    sort_contacts(of, n)
+
+
+@kernel
+def sort_contacts(of: Islands, n: int) -> None:
+    """Contacts by islands, ascending in each."""
+    for i in range(of.count + 1):
+        of.start[i] = 0
+    for k in range(n):
+        of.start[of.of_contact[k] + 1] += 1
+    for i in range(of.count):
+        of.start[i + 1] += of.start[i]
+    for k in range(n):
+        i = of.of_contact[k]
+        of.contact[of.start[i]] = k
+        of.start[i] += 1
+    for i in range(of.count, 0, -1):
+        of.start[i] = of.start[i - 1]
+    of.start[0] = 0
+
+
+@kernel
+def find_held(
+    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int
+) -> None:
+    """Which rigid bodies have three independent joint rows with the ground."""
+    for b in range(len(of.held)):
+        of.held[b] = 0
+        of.first_row[b] = NONE
+    for r in range(n_joint):
+        a, b = row_body[r, 0], row_body[r, 1]
+        if (a < 0) != (b < 0):
+            moving = max(a, b)
+            of.next_row[r] = of.first_row[moving]
+            of.first_row[moving] = r
+            of.held[moving] += 1  # counted first
+    for b in range(len(of.held)):
+        enough = of.held[b] >= HELD and dof[b + 1] - dof[b] == HELD
+        of.held[b] = 1 if enough and rank(of, rows, solved, row_body, b) == HELD else 0
+
+
+@kernel
+def rank(of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, b: int) -> int:
+    """Independent ones of the joint rows between body b and the ground, in the metric A^-1: at most three."""
+    base = of.base
+    found = 0
+    r = of.first_row[b]
+    while r >= 0 and found < HELD:
+        i = 0 if row_body[r, 0] == b else 1
+        row, turned = base[found], base[HELD + found]
+        for c in range(HELD):
+            row[c], turned[c] = rows[r, i, c], solved[r, i, c]
+        size = row[0] * turned[0] + row[1] * turned[1] + row[2] * turned[2]
+        for other in range(found):
+            part = 0.0
+            for c in range(HELD):
+                part += base[other, c] * turned[c]
+            for c in range(HELD):
+                row[c] -= part * base[other, c]
+                turned[c] -= part * base[HELD + other, c]
+        left = row[0] * turned[0] + row[1] * turned[1] + row[2] * turned[2]
+        if left > REDUNDANT * size:
+            for c in range(HELD):
+                row[c] /= math.sqrt(left)
+                turned[c] /= math.sqrt(left)
+            found += 1
+        r = of.next_row[r]
+    return found

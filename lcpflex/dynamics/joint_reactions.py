@@ -1,0 +1,111 @@
+"""Reactions of joints: what a joint does to the body of its point P, by the virtual work of its rows.
+
+A row prescribes a coordinate c with cdot = g.(rdot_P - rdot_Q) + g_P alphadot_P + g_Q alphadot_Q
+(:mod:`lcpflex.kinematics.relative`). Its multiplier lambda makes the power lambda cdot, so it is
+
+    the force  F = lambda g       on the body of P, at P,    -F on the body of Q,
+    the moment M = lambda g_P     on the body of P, and -M on that of Q, if its force is taken to act at P, too.
+
+Where joints are redundant, those of the least norm are taken: :mod:`lcpflex.dynamics.least_reactions`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lcpflex.dynamics.least_reactions import take_least
+from lcpflex.dynamics.reaction_memory import Reactions, reaction
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
+from lcpflex.model.arrays import Model
+
+__all__ = [
+    "note_ahead",
+    "note_ends",
+    "note_impulses",
+    "note_instant",
+    "note_step",
+    "settle",
+]
+
+
+@kernel
+def raise_peak(reactions: Reactions, joint: int, x: float, y: float, moment: float) -> None:
+    """Keep the largest force and moment."""
+    reactions.peak[joint, 0] = max(reactions.peak[joint, 0], x * x + y * y)
+    reactions.peak[joint, 1] = max(reactions.peak[joint, 1], abs(moment))
+
+
+@kernel
+def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reactions) -> None:
+    """Impulses ``work.p`` beside the forces of a step; those of an impact, where something was ``struck``, apart."""
+    total = reactions.impulse if struck else reactions.sum
+    for joint in range(len(total)):
+        impulse = reaction(model, work, joint, work.p)
+        for i in range(3):
+            total[joint, i] += impulse[i]
+
+
+@kernel
+def note_step(model: Model, work: Workspace, h: float, reactions: Reactions) -> None:
+    """A step of h [s] in which nothing was struck: its impulses ``work.p`` are those of forces."""
+    total = reactions.sum
+    for joint in range(len(total)):
+        x, y, moment = reaction(model, work, joint, work.p)
+        total[joint, 0] += x
+        total[joint, 1] += y
+        total[joint, 2] += moment
+        raise_peak(reactions, joint, x / h, y / h, moment / h)
+    reactions.time += h
+
+
+@kernel
+def note_ahead(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """Forces ``work.p`` at the end of the step that is being made."""
+    for joint in range(len(reactions.peak)):
+        force = reaction(model, work, joint, work.p)
+        for i in range(3):
+            reactions.ahead[joint, i] = force[i]
+
+
+@kernel
+def note_ends(h: float, reactions: Reactions) -> None:
+    """A step of h [s] with the forces ``now`` and ``ahead`` at its ends; h = 0: the forces at the start are known."""
+    for joint in range(len(reactions.sum)):
+        for i in range(3):
+            mean = 0.5 * (reactions.now[joint, i] + reactions.ahead[joint, i])
+            reactions.sum[joint, i] += h * mean
+            reactions.now[joint, i] = reactions.ahead[joint, i]
+        now = reactions.now[joint]
+        raise_peak(reactions, joint, now[0], now[1], now[2])
+    reactions.known = 1
+    reactions.time += h
+
+
+@kernel
+def note_instant(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """Forces ``work.p`` at the instant that is about to be stored, in the place of a mean."""
+    for joint in range(len(reactions.peak)):
+        x, y, moment = reaction(model, work, joint, work.p)
+        reactions.sum[joint, 0] = x
+        reactions.sum[joint, 1] = y
+        reactions.sum[joint, 2] = moment
+        raise_peak(reactions, joint, x, y, moment)
+    reactions.time = 1.0
+
+
+@kernel
+def settle(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """``reactions.mean`` and which of it is unique, of all since the last call; NaN where no step made forces known."""
+    time = reactions.time
+    for joint in range(len(reactions.sum)):
+        for i in range(3):
+            if time > 0.0:
+                reactions.mean[joint, i] = reactions.sum[joint, i] / time
+            else:
+                reactions.mean[joint, i] = reactions.now[joint, i] if reactions.known == 1 else np.nan
+            reactions.sum[joint, i] = 0.0
+        reactions.unique[joint] = 1
+    reactions.time = 0.0
+    if work.joints.factor.weak > 0 and (time > 0.0 or reactions.known == 1):
+        take_least(model, work, reactions)

@@ -1,0 +1,166 @@
+"""Islands of many contacts as problems in the velocities of their bodies, joints included.
+
+Which bodies, joint rows and contacts belong to it: a body that the ground holds by joints belongs to each island that
+touches it, with these joints.
+"""
+
+from __future__ import annotations
+
+from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.islands import root
+from lcpflex.dynamics.mechanics import whiten_rows
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
+from lcpflex.model.arrays import Model
+from lcpflex.solvers.contact.index_sets import STICKING
+from lcpflex.solvers.contact.recollection import place_of
+
+__all__ = [
+    "begin_with_remembered",
+    "count_forces",
+    "describe_island",
+    "is_free",
+    "is_large",
+    "prepare_large",
+    "restore_free",
+]
+
+
+@kernel
+def is_large(work: Workspace, i: int) -> bool:
+    """Whether island i is solved in the velocities of its bodies."""
+    return bool(work.islands.start[i + 1] - work.islands.start[i] > work.dense_limit)
+
+
+@kernel
+def is_free(work: Workspace, i: int) -> bool:
+    """Whether no contact of island i has a force that is bound otherwise than by Coulomb's law and contact.
+
+    Bound are those that are known to slide one way, whose friction acts in the column of the normal force, and normal
+    forces with a least value.
+    """
+    if work.shifted == 1:
+        return False
+    if work.on_sets == 1:
+        islands = work.islands
+        for c in range(islands.start[i], islands.start[i + 1]):
+            if work.mode[islands.contact[c]] > STICKING:
+                return False
+    return True
+
+
+@kernel
+def count_forces(work: Workspace) -> None:
+    """Take normal forces that ``free`` counts already out of it, in all rows of the large problem; see restore_free."""
+    large, aside, total = work.large, work.aside, work.middle
+    for i in range(len(total)):
+        total[i] = 0.0
+    for c in range(large.n_contacts):
+        r = large.normal_row[c]
+        start = work.p[r]
+        work.p[r] = -work.counted[r - work.n_joint]
+        apply_impulses(work.solved, work.row_body, r, r + 1, work.p, work.dof, total)
+        work.p[r] = start
+    for k in range(large.n_contacts + large.n_joints):
+        r = large.normal_row[k] if k < large.n_contacts else large.joint_row[k - large.n_contacts]
+        aside[k, 1] = work.free[r]
+        work.free[r] += row_velocity(work.rows, work.row_body, r, work.dof, total)
+
+
+@kernel
+def restore_free(work: Workspace) -> None:
+    """The right-hand side as it was before :func:`count_forces`."""
+    large = work.large
+    for k in range(large.n_contacts + large.n_joints):
+        r = large.normal_row[k] if k < large.n_contacts else large.joint_row[k - large.n_contacts]
+        work.free[r] = work.aside[k, 1]
+
+
+@kernel
+def prepare_large(model: Model, work: Workspace) -> None:
+    """Rows by L^-1 where there are large islands."""
+    for i in range(work.islands.count):
+        if is_large(work, i) and len(work.white) > 0:
+            whiten_rows(model, work, 0, work.n_joint + work.n_contacts + work.n_tangents)
+            return
+
+
+@kernel
+def describe_island(work: Workspace, i: int) -> None:
+    """``work.large``: the contacts of island i, its bodies and joint rows; ``work.effect`` without those of joints."""
+    large, islands, row_body = work.large, work.islands, work.row_body
+    first, n_joint = islands.start[i], work.n_joint
+    n = islands.start[i + 1] - first
+    for b in range(len(work.marked)):
+        own = islands.held[b] == 0 and islands.island[root(islands.parent, b)] == i
+        work.marked[b] = 1 if own else 0
+    for c in range(n):
+        k = islands.contact[first + c]
+        r = n_joint + k
+        large.normal_row[c] = r
+        work.effect[k] = work.free[r]
+        j = work.tangent_of[k]
+        rough = j >= 0 and (work.on_sets == 0 or work.mode[k] == STICKING)
+        large.tangent_row[c] = n_joint + work.n_contacts + j if rough else -1
+        if j >= 0 and not rough:
+            work.p[n_joint + work.n_contacts + j] = 0.0
+        large.friction[c] = work.mu[k]
+        for side in range(2):
+            if row_body[r, side] >= 0:
+                work.marked[row_body[r, side]] = 1
+    large.n_contacts = n
+    list_joints(work)
+    list_bodies(work)
+
+
+@kernel
+def list_joints(work: Workspace) -> None:
+    """Joint rows of the bodies marked; bodies that the ground holds, at the other end of such a joint, are marked."""
+    large, row_body, held = work.large, work.row_body, work.islands.held
+    found = 0
+    for r in range(work.n_joint):
+        a, b = row_body[r, 0], row_body[r, 1]
+        own = (a >= 0 and work.marked[a] == 1 and held[a] == 0) or (b >= 0 and work.marked[b] == 1 and held[b] == 0)
+        if own:
+            for side in range(2):
+                if row_body[r, side] >= 0:
+                    work.marked[row_body[r, side]] = 1
+    for r in range(work.n_joint):
+        a, b = row_body[r, 0], row_body[r, 1]
+        inside = (a < 0 or work.marked[a] == 1) and (b < 0 or work.marked[b] == 1)
+        moving = (a >= 0 and held[a] == 0) or (b >= 0 and held[b] == 0)
+        if inside and (moving or a < 0 or b < 0):
+            large.joint_row[found] = r
+            found += 1
+    large.n_joints = found
+
+
+@kernel
+def list_bodies(work: Workspace) -> None:
+    """The bodies marked."""
+    found = 0
+    for b in range(len(work.marked)):
+        if work.marked[b] == 1:
+            work.large.bodies[found] = b
+            found += 1
+    work.large.n_bodies = found
+
+
+@kernel
+def begin_with_remembered(work: Workspace, last: bool) -> None:
+    """Impulses ``work.p`` of the contacts of the large problem as in the last step, or none: of another problem."""
+    large, known, n_joint = work.large, work.remembered, work.n_joint
+    force = known.force[known.now]
+    guess = 0
+    for c in range(large.n_contacts):
+        k = large.normal_row[c] - n_joint
+        place = place_of(known, work.table.key[k], guess) if last else -1
+        normal, tangential = 0.0, 0.0
+        if place >= 0:
+            normal, tangential = force[place, 0], force[place, 1]
+            guess = place + 1 if place + 1 < known.n else 0
+        work.p[large.normal_row[c]] = normal
+        if large.tangent_row[c] >= 0:
+            work.p[large.tangent_row[c]] = tangential
+    for j in range(large.n_joints):
+        work.p[large.joint_row[j]] = 0.0

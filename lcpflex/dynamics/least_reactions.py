@@ -1,0 +1,171 @@
+"""Reactions of redundant joints: of all that make the same motion those of the least norm.
+
+With the multipliers p of all rows, S = J A^-1 J^T and the norm p^T W p = sum over joints |F|^2 + (M / L)^2, L being the
+extent of the largest body, what is to be taken off p is the limit of
+
+    n_0 = p,   (S + eps W) n_k+1 = eps W n_k,
+
+as each turn leaves eps / (lambda + eps) of what has an effect on the motion, and all of what has none. Nothing is
+asked of the rank: rounding hides some dependent rows from the factor of S, while that of S + eps W has none. What
+rounding adds goes with the size of n: the same again for p - n leaves the rounding of what is left. A vector with a
+part of every row shows which joints have some in what has no effect: the others have a reaction of their own.
+
+Source: inverse iteration; the proximal point method for least squares (iterated Tikhonov regularisation).
+"""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.dynamics.joint_response import assemble_joints, factorise_joints
+from lcpflex.dynamics.reaction_memory import Reactions, reaction
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
+from lcpflex.kinematics.relative import ANGLE
+from lcpflex.model.arrays import Model
+from lcpflex.solvers.sparse_cholesky import factorise_sparse, solve_sparse
+
+__all__ = ["take_least"]
+
+WEIGHT = 1e-8  # eps, in units of S / W
+TURNS = 60
+SETTLED = 1e-12  # of the largest multiplier: change that ends turns and passes
+SLOW = 0.5  # of the change before: what is left then is rounding, or without an effect to eps
+CONVERGED = 1e-3  # of the largest multiplier: change that must be reached
+PASSES = 6
+SWEEPS = 30  # over rows of a joint that are not at right angles
+OPEN_PART = 1e-4  # of a row's part of the vector: more without an effect is a reaction that is not determined
+GOLDEN = 0.6180339887498949
+
+
+@kernel
+def weight(model: Model, work: Workspace, r: int, s: int, size: float) -> float:
+    """W[r, s] of two rows of one joint."""
+    kind = model.joints.kind
+    if kind[r] == ANGLE or kind[s] == ANGLE:
+        return 1.0 / (size * size) if kind[r] == kind[s] else 0.0
+    i = 0 if work.row_body[r, 0] >= 0 else 1
+    return work.rows[r, i, 0] * work.rows[s, i, 0] + work.rows[r, i, 1] * work.rows[s, i, 1]
+
+
+@kernel
+def factorise_weighted(model: Model, work: Workspace, reactions: Reactions) -> float:
+    """The factor of S + eps W in the place of that of S; returns eps."""
+    factor, owner = work.joints.factor, reactions.owner
+    order, start, column, value = factor.order, factor.start, factor.column, factor.value
+    assemble_joints(work)
+    mean, count = 0.0, 0
+    for i in range(len(order)):
+        own, unit = value[start[i + 1] - 1], weight(model, work, order[i], order[i], reactions.size)
+        if own > 0.0 and unit > 0.0:
+            mean += math.log(own / unit)
+            count += 1
+    scale = WEIGHT * math.exp(mean / max(count, 1))
+    for i in range(len(order)):
+        for e in range(start[i], start[i + 1]):
+            r, s = order[i], order[column[e]]
+            if owner[r] == owner[s]:
+                value[e] += scale * weight(model, work, r, s, reactions.size)
+    factorise_sparse(factor)
+    return scale
+
+
+@kernel
+def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, reactions: Reactions) -> bool:
+    """reactions.least: the part of the multipliers p without an effect on the motion; whether it converged."""
+    factor, owner, part, load = work.joints.factor, reactions.owner, reactions.least, reactions.load
+    order, row, size = factor.order, model.joints.row, reactions.size
+    largest = 0.0
+    for r in range(len(p)):
+        part[r] = p[r]
+        largest = max(largest, abs(p[r]))
+    moved = largest
+    for turn in range(TURNS):
+        for i in range(len(p)):
+            r = order[i]
+            load[i] = 0.0
+            for s in range(row[owner[r]], row[owner[r] + 1]):
+                load[i] += scale * weight(model, work, r, s, size) * part[s]
+        solve_sparse(factor, load)
+        before = moved
+        moved = 0.0
+        for i in range(len(p)):
+            moved = max(moved, abs(load[i] - part[order[i]]))
+            part[order[i]] = load[i]
+        if not moved > SETTLED * largest or (turn > 1 and moved > SLOW * before):
+            break
+    return moved <= CONVERGED * largest
+
+
+@kernel
+def multipliers(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """reactions.rows: multipliers with the force and moment ``reactions.mean`` of each joint, as near as they come."""
+    p, row, size = reactions.rows, model.joints.row, reactions.size
+    for joint in range(len(reactions.mean)):
+        for r in range(row[joint], row[joint + 1]):
+            p[r] = 0.0
+        force = abs(reactions.mean[joint, 0]) + abs(reactions.mean[joint, 1]) + abs(reactions.mean[joint, 2])
+        for _ in range(SWEEPS):
+            largest = 0.0
+            for r in range(row[joint], row[joint + 1]):
+                x, y, moment = reaction(model, work, joint, p)
+                left = reactions.mean[joint, 2] - moment
+                if model.joints.kind[r] != ANGLE:
+                    i = 0 if work.row_body[r, 0] >= 0 else 1
+                    sign = 1.0 - 2.0 * i
+                    left = sign * work.rows[r, i, 0] * (reactions.mean[joint, 0] - x)
+                    left += sign * work.rows[r, i, 1] * (reactions.mean[joint, 1] - y)
+                    unit = weight(model, work, r, r, size)
+                    left = left / unit if unit > 0.0 else 0.0
+                p[r] += left
+                largest = max(largest, abs(left))
+            if not largest > 1e-14 * force:
+                break
+
+
+@kernel
+def mark(model: Model, work: Workspace, scale: float, reactions: Reactions) -> bool:
+    """``reactions.unique`` of each joint; whether there is one that is not."""
+    p, part = reactions.rows, reactions.least
+    for r in range(len(p)):
+        p[r] = 0.5 + (GOLDEN * r) % 1.0
+        if model.joints.kind[r] == ANGLE:
+            p[r] *= reactions.size
+    converged = without_effect(model, work, scale, p, reactions)
+    some = False
+    for joint in range(len(reactions.unique)):
+        unique = 1 if converged else 0
+        for r in range(model.joints.row[joint], model.joints.row[joint + 1]):
+            if abs(part[r]) > OPEN_PART * p[r]:
+                unique = 0
+        reactions.unique[joint] = unique
+        some = some or unique == 0
+    return some
+
+
+@late_kernel
+def take_least(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """Make ``reactions.mean`` that of the least norm where joints are redundant, and mark these.
+
+    Where the turns do not converge, all are marked and stay as they are.
+    """
+    scale = factorise_weighted(model, work, reactions)
+    if mark(model, work, scale, reactions):
+        p, part = reactions.rows, reactions.least
+        multipliers(model, work, reactions)
+        for _ in range(PASSES):
+            if not without_effect(model, work, scale, p, reactions):
+                break
+            largest, taken = 0.0, 0.0
+            for r in range(len(p)):
+                p[r] -= part[r]
+                largest = max(largest, abs(p[r]))
+                taken = max(taken, abs(part[r]))
+            for joint in range(len(reactions.mean)):
+                if reactions.unique[joint] == 0:
+                    force = reaction(model, work, joint, part)
+                    for i in range(3):
+                        reactions.mean[joint, i] -= force[i]
+            if not taken > SETTLED * largest:
+                break
+    factorise_joints(work)

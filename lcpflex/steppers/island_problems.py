@@ -1,0 +1,165 @@
+"""The contact problems of a step, one for each island, solved one after the other.
+
+Where one is not solved, the loop returns with it in ``work.problem``; once an answer waits in ``work.solver``, it
+goes on there. Islands of many contacts are solved in the velocities of their bodies; where that does not reach the
+tolerance within its budget, a step goes on with the best point unless it is to be an error.
+"""
+
+from __future__ import annotations
+
+from lcpflex.dynamics.contact_problem import fits, pose_island, take_forces
+from lcpflex.dynamics.large_island import (
+    begin_with_remembered,
+    count_forces,
+    describe_island,
+    is_free,
+    is_large,
+    restore_free,
+)
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import kernel
+from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.large.least import least_impulses
+from lcpflex.solvers.contact.large.solving import ROOM, solve_large, take_impulses
+from lcpflex.solvers.contact.least_forces import least_forces
+from lcpflex.solvers.contact.recollection import recall_basis, remember_basis, remember_forces, turn_over
+from lcpflex.solvers.status import SOLVED
+from lcpflex.steppers.doubtful import keep_doubtful
+from lcpflex.steppers.recorder import Recorder, note_certificate, note_large
+from lcpflex.steppers.status import RunStatus
+
+__all__ = ["shorten_forces", "solve_island", "solve_islands", "tell_island"]
+
+LAST_WORD = 128  # contacts of the largest island that is posed densely where another way has failed
+
+
+@kernel
+def solve_island(work: Workspace, i: int, tolerance: float, warm: bool, recorder: Recorder) -> int:
+    """Forces of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED with the reason in the workspace.
+
+    As one dense problem; warm: from what contacts did in the last step.
+    """
+    if not fits(work, i):
+        return RunStatus.GROW
+    pose_island(work, i)
+    if warm:
+        recall_basis(work.problem, work.solver, work.remembered)
+    work.number = solve_contacts(work.problem, work.solver)
+    if work.number != 0 or not work.solver.residual <= tolerance:
+        return RunStatus.SOLVER_FAILED
+    note_certificate(work, recorder)
+    take_forces(work)
+    return RunStatus.DONE
+
+
+@kernel
+def solve_dense_island(work: Workspace, i: int, tolerance: float, warm: bool, last: bool, recorder: Recorder) -> int:
+    """:func:`solve_island`; where it is the ``last`` problem of a step, the next one begins from it."""
+    status = solve_island(work, i, tolerance, warm, recorder)
+    if status == RunStatus.DONE and last:
+        remember_basis(work.problem, work.solver, work.remembered)
+    return status
+
+
+@kernel
+def tell_island(work: Workspace, i: int) -> None:
+    """Island i was solved in the velocities of its bodies; in a run that keeps contact problems, it is told of it."""
+
+
+@kernel
+def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, recorder: Recorder) -> int:
+    """Impulses of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED where that is to be told.
+
+    Where they are not too many, and not found in this way, the dense problem has the last word. last: as of
+    :func:`solve_islands`.
+    """
+    large, solver = work.large, work.large_solver
+    work.largest = max(work.largest, work.islands.start[i + 1] - work.islands.start[i])
+    if len(work.white) == 0:
+        return RunStatus.GROW
+    describe_island(work, i)
+    begin_with_remembered(work, last)
+    solver.tolerance = tolerance
+    if work.lifted == 1:
+        count_forces(work)
+    status = solve_large(large, solver)
+    if work.lifted == 1:
+        restore_free(work)
+    if status == ROOM:
+        return RunStatus.GROW
+    if status != SOLVED:
+        if large.n_contacts <= LAST_WORD:
+            warm = last
+            return solve_dense_island(work, i, tolerance, warm, last, recorder)
+        if work.strict_large == 1 or work.on_sets == 1:
+            work.unsolved_large = 1
+            return RunStatus.SOLVER_FAILED
+        work.unsolved += 1
+    note_large(work, status != SOLVED, recorder)
+    tell_island(work, i)
+    if last:
+        remember_forces(large, work.table.key, work.n_joint, work.remembered)
+    return RunStatus.DONE
+
+
+@kernel
+def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last: bool, recorder: Recorder) -> int:
+    """The problems laid that are not solved yet; DONE, or as :func:`solve_island`.
+
+    last: they are the last ones of the step from t [s]. The next one begins from them, and those that may have several
+    solutions are kept.
+    """
+    islands = work.islands
+    if islands.next == 0:
+        work.remembered.n_next = 0
+        work.unsolved = 0
+    work.unsolved_large = 0
+    while islands.next < islands.count:
+        if is_large(work, islands.next) and is_free(work, islands.next):
+            status = solve_large_island(work, islands.next, tolerance, last, recorder)
+        else:
+            status = solve_dense_island(work, islands.next, tolerance, warm, last, recorder)
+            if status == RunStatus.DONE and last:
+                keep_doubtful(work, t)
+        if status != RunStatus.DONE:
+            return status
+        islands.next += 1
+    if last:
+        turn_over(work.remembered)
+    return RunStatus.DONE
+
+
+@kernel
+def shorten_forces(work: Workspace) -> None:
+    """Of all contact forces in ``work.p`` with the same effect the least ones."""
+    islands = work.islands
+    for i in range(islands.count):
+        n = islands.start[i + 1] - islands.start[i]
+        if is_large(work, i):
+            shorten_large(work, i)
+            continue
+        if n < 2:
+            continue
+        if islands.count > 1:
+            pose_island(work, i)
+        m, n_joint = n + work.problem.n_tangents, work.n_joint
+        for r in range(m):
+            work.bias[r] = work.p[n_joint + work.part[r]]
+        least_forces(work.problem, work.solver, work.bias)
+        for r in range(m):
+            work.p[n_joint + work.part[r]] = work.bias[r]
+
+
+@kernel
+def shorten_large(work: Workspace, i: int) -> None:
+    """The same of island i in the velocities of its bodies, not solved again; what was not solved stays as it is.
+
+    The residual that the next step looks back to stays; a pattern made here may change its rounding.
+    """
+    solver = work.large_solver
+    if len(work.white) > 0:
+        strict, residual = solver.strict, solver.residual
+        describe_island(work, i)
+        if take_impulses(work.large, solver):
+            least_impulses(work.large, solver)
+        solver.strict, solver.residual = strict, residual

@@ -1,0 +1,35 @@
+"""Steps that went on with the best point of a large contact problem, in words."""
+
+from __future__ import annotations
+
+import math
+
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.steppers.recorder import Counts
+
+__all__ = ["unsolved_large", "unsolved_remarks"]
+
+
+def unsolved_remarks(counts: Counts) -> list[str]:
+    """The warning of a run in which large islands were not solved to the tolerance; empty where there was none."""
+    steps, islands = int(counts.unsolved), int(counts.unsolved_islands)
+    if not islands:
+        return []
+    typical = math.exp(counts.typical_unsolved / islands)
+    often = "one step" if steps == 1 else f"{steps:,} steps"
+    return [
+        f"in {often}, islands of many contacts were not solved to the tolerance within their budget, and the step went "
+        f"on with the best point: residuals up to {counts.worst_unsolved:.1e} of the terms that cancel, up to "
+        f"{counts.worst_unsolved_strict:.1e} and typically {typical:.1e} of the velocity that contacts would have "
+        "without their forces (a shorter step, or a larger budget, may solve them)"
+    ]
+
+
+def unsolved_large(work: Workspace, tolerance: float) -> str:
+    """Why a run ends that is not to go on with the best point."""
+    solver = work.large_solver
+    return (
+        f"the contact problem of an island of {work.large.n_contacts} contacts was not solved in {solver.factors} "
+        f"sparse factors and {solver.sweeps} sweeps: natural-map residual {solver.residual:.3g} "
+        f"(tolerance {tolerance:g})"
+    )
