@@ -34,6 +34,14 @@ if TYPE_CHECKING:
         pendulum as pendulum,
         sliding_beam as sliding_beam,
     )
+    from lcpflex.gallery.mechanisms.piles import (
+        brick_wall as brick_wall,
+        heap as heap,
+        hopper as hopper,
+        link_chain as link_chain,
+        silo as silo,
+        strip_pile as strip_pile,
+    )
     from lcpflex.gallery.mechanisms.rigid import (
         block_on_incline as block_on_incline,
         bouncing_ball as bouncing_ball,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.mechanisms import bars, coaxial, flexible, rigid, stops, user_systems
+from lcpflex.gallery.mechanisms import bars, coaxial, flexible, piles, rigid, stops, user_systems
 from lcpflex.runs.case import Case
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven.stepper import EventDriven
@@ -21,7 +21,9 @@ __all__ = ["scenes", "warmup_cases"]
 def scenes() -> dict[str, Case]:
     """All cases by name."""
     return {
-        case.name: case for module in (flexible, rigid, bars, user_systems, stops, coaxial) for case in module.cases()
+        case.name: case
+        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles)
+        for case in module.cases()
     }
 
 

@@ -112,7 +112,7 @@ def test_a_hundred_thousand():
 
 @pytest.mark.parametrize(
     ("seed", "kind"),
-    [(13314, "undetermined"), (72807, "undetermined"), (35080, "tolerance"), (47115, "tolerance"), (784, "")],
+    [(13314, "undetermined"), (72807, "undetermined"), (35080, "undetermined"), (47115, "tolerance"), (784, "")],
 )
 def test_answers_that_differ_are_exempt_only_where_the_data_do_not_tell(seed, kind):
     """The exact judge accepts either, and none that is off by a millionth. The last has impulses of little effect."""

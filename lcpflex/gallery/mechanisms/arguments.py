@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
-from lcpflex.basics.arguments import whole_number
+from lcpflex.basics.arguments import flag, whole_number
 from lcpflex.errors import ModelError, in_range, shown
 
 __all__ = ["checked"]
@@ -19,7 +19,7 @@ R = TypeVar("R")
 
 
 def checked(build: Callable[P, R]) -> Callable[P, R]:
-    """The builder, whose ``float`` parameters have to be finite numbers, and ``int`` ones whole numbers >= 0."""
+    """The builder; ``float`` parameters have to be finite numbers, ``int`` whole ones >= 0, ``bool`` True or False."""
     signature = inspect.signature(build)
     kinds = {name: str(parameter.annotation) for name, parameter in signature.parameters.items()}
 
@@ -45,6 +45,8 @@ def _told(given: dict[str, Any]) -> str:
 def _number(name: str, value: Any, kind: str) -> Any:
     if value is None and kind.endswith(" | None"):
         return None
+    if kind == "bool":
+        return flag(name, value)
     if kind.startswith("int"):
         return whole_number(name, value, 0, MOST)
     return in_range(name, value, -math.inf, math.inf)

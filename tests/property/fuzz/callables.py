@@ -57,6 +57,7 @@ INTERNAL = {
         "ask",
         "attempt",
         "check",
+        "holder",
         "compiled",
         "indents",
         "judged",
@@ -66,6 +67,7 @@ INTERNAL = {
         "measured_in",
         "outside",
         "pieces",
+        "residual_parts",
     ),
     *("put", "settings", "start", "system", "told_apart"),
 }

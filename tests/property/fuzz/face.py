@@ -76,6 +76,14 @@ def result() -> lf.Result:
     return lf.simulate(small_scene(), 0.01, lf.MoreauJean(step=1e-3), progress=False)
 
 
+@cache
+def jointed_result() -> lf.Result:
+    """A short run with a joint."""
+    scene = small_scene()
+    scene.join(lf.Revolute(scene.body("box").at(0.0, 0.0), scene.ground.at(1.0, 0.5), name="hinge"))
+    return lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3), progress=False)
+
+
 def points() -> dict[str, Any]:
     scene = small_scene()
     return {"P": scene.body("disc").point("center"), "Q": scene.ground.at(0.0, 0.0)}

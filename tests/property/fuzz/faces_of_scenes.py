@@ -17,6 +17,7 @@ from tests.property.fuzz.face import (
     beam,
     body,
     continuum,
+    jointed_result,
     matrices,
     mesh,
     points,
@@ -242,6 +243,7 @@ def run_faces() -> list[Face]:
         Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
+        Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge"}, jointed_result),
         Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
         *(
             Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)
