@@ -63,6 +63,8 @@ class _Iteration:
         self.lcp = problem.lcp() if lcp is None and dense and problem.size <= PIVOTING else lcp
         self.blocks = problem.coupling if problem.delassus is not None and self.lcp is None else None
         self.dense = problem.data[0] if problem.delassus is not None and self.blocks is None else None
+        if lcp is not None:  # without friction: its matrix is the operator, and dense whatever its size
+            self.dense = lcp.data[0]
         self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
         start = None if guess is None else aligned(guess, problem.unknown_keys)
         if start is not None and start.z.shape == (problem.size,):
@@ -165,13 +167,13 @@ class BlockGaussSeidel:
     def _compiled(self, run: _Iteration, lcp: Lcp) -> Solution:
         problem, n = run.problem, lcp.size
         z, (table, basis) = np.empty(n), lemke_workspace(n)
-        delassus, free, friction, _ = problem.data
+        free, friction = problem.data[1:3]
         work, start = np.empty(n), (run.forces.copy(), run.states.copy())
 
         def swept(most: int) -> tuple[int, int, int]:
             run.forces[:], run.states[:] = start
             return block_gauss_seidel(
-                delassus, free, friction, run.tangent_of, *lcp.data, run.forces, run.states,
+                run.dense, free, friction, run.tangent_of, *lcp.data, run.forces, run.states,
                 z, work, table, basis, self.tolerance, most,
             )  # fmt: skip
 

@@ -69,15 +69,15 @@ def read_delassus(value: Any, rows: int) -> Any:
     if value is None:
         return None
     if not is_sparse(value):
-        if not rows:
-            return np.zeros((0, 0))
         given = numbers(value)
+        if not rows and given is not None and not given.size:  # [] and the like, whatever their shape
+            return np.zeros((0, 0))
         if given is None or given.ndim != 2 or len(given) <= DENSE_LARGEST:
             dense = as_array("delassus", value, 2)
             check_finite("delassus", dense)
             return dense
         value = scipy.sparse.csr_array(given)
-    return np.zeros((0, 0)) if not rows else _read_sparse("delassus", value)
+    return np.zeros((0, 0)) if not rows and 0 in value.shape else _read_sparse("delassus", value)
 
 
 def read_factor(value: Any) -> Any:

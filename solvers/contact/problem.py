@@ -179,7 +179,8 @@ class ContactProblem:
         alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
         alike._kept["units"] = np.ones(len(self.friction))
         if self._kept.get("coupling") is not None:
-            alike._kept["coupling"] = self._kept["coupling"]
+            known = self._kept["coupling"]
+            alike._kept["coupling"] = replace(known, free=known.free / alike.unknown_units.load)
         self._kept["balanced"] = alike
         return alike
 

@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse
 
 from lcpflex.errors import ModelError
-from lcpflex.solvers import Auto, BlockGaussSeidel, ContactProblem, Lemke, load_problems, save_problems
-from lcpflex.solvers.contact import problem as contact_problem
+from lcpflex.solvers import Auto, BlockGaussSeidel, ContactProblem, Lcp, Lemke, load_problems, save_problems
+from lcpflex.solvers.contact import matrices, problem as contact_problem
 from lcpflex.solvers.contact.matrices import DENSE_LARGEST
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from tests.piles import columns, shuffled
@@ -95,8 +95,37 @@ class TestTheSameAsDense:
         assert Auto().solve(sparse).z == pytest.approx(Auto().solve(dense).z, abs=1e-12)
         assert BlockGaussSeidel().solve(sparse).solved
 
+    @pytest.mark.parametrize("asked", ["balanced first", "coupling first"])
+    def test_the_balanced_problem_does_not_depend_on_what_was_asked_before(self, pile, asked):
+        J, free, mu = pile
+        for problem in kinds((1e3 * J, 1e3 * free, mu)):  # a thousandth of a gram: units far from one
+            if asked == "coupling first":
+                assert problem.coupling is not None
+            alike = problem.balanced()
+            z = np.random.default_rng(2).random(problem.size)
+            assert alike.residuals(z) == pytest.approx(alike.lcp().residuals(z), rel=1e-9)
+            assert alike.residuals(z) == pytest.approx(problem.residuals(problem.unknown_units.outward(z)), rel=1e-9)
+            for solver in (Auto(), BlockGaussSeidel()):
+                assert solver.solve(problem).solved
+                found = solver.solve(alike)
+                assert found.solved
+                assert alike.lcp().residual(found.z) <= 1e-9
+
+    def test_sweeps_over_an_lcp_of_any_size(self, monkeypatch):
+        monkeypatch.setattr(matrices, "DENSE_LARGEST", 5)
+        found = BlockGaussSeidel().solve(Lcp(np.eye(6) + 0.1, -np.ones(6)))
+        assert found.solved
+        assert found.z == pytest.approx(np.full(6, 1.0 / 1.6), rel=1e-9)
+
 
 class TestArguments:
+    @pytest.mark.parametrize("matrix", [np.eye(3), scipy.sparse.eye_array(3), "none", [[np.nan]]])
+    def test_a_matrix_of_no_contacts(self, matrix):
+        with pytest.raises(ModelError, match=r"delassus.*expected"):
+            ContactProblem(matrix, [], [])
+        for nothing in ([], [[]], np.zeros((0, 3)), scipy.sparse.csr_array((0, 0))):
+            assert Auto().solve(ContactProblem(nothing, [], [])).solved
+
     @pytest.mark.parametrize(
         ("matrix", "words"),
         [
