@@ -18,10 +18,12 @@ def check_tolerance(tolerance: float) -> None:
         raise ModelError(f"tolerance is {shown(tolerance)}: expected a number between 0 and 0.01 (relative residual)")
 
 
-def check_limit(name: str, limit: int | None) -> None:
-    """A limit of pivots or iterations: a positive integer, or None for the solver's own."""
-    if limit is not None and not (isinstance(limit, int) and not isinstance(limit, bool) and 0 < limit < 2**62):
-        raise ModelError(f"{name} is {shown(limit)}: expected a positive integer or None")
+def check_limit(name: str, limit: int | None, needed: bool = False) -> None:
+    """A limit of pivots or iterations: a positive integer or, unless it is ``needed``, None for the solver's own."""
+    if limit is None and not needed:
+        return
+    if not (isinstance(limit, int) and not isinstance(limit, bool) and 0 < limit < 2**62):
+        raise ModelError(f"{name} is {shown(limit)}: expected a positive integer{'' if needed else ' or None'}")
 
 
 def keep_settings(solver: Any, *limits: str, needed: bool = False) -> None:
@@ -35,8 +37,6 @@ def keep_settings(solver: Any, *limits: str, needed: bool = False) -> None:
     object.__setattr__(solver, "tolerance", float(solver.tolerance))
     for name in limits:
         limit = getattr(solver, name)
-        if needed and limit is None:
-            raise ModelError(f"{name} is None: expected a positive integer")
         if isinstance(limit, np.integer | np.ndarray) and is_number(limit) and limit == int(limit):
             object.__setattr__(solver, name, int(limit))
-        check_limit(name, getattr(solver, name))
+        check_limit(name, getattr(solver, name), needed)

@@ -133,8 +133,7 @@ class Search:
 
     def finished(self) -> str:
         """The equations of the states of the best point, with little, then next to nothing, added to them."""
-        alike = self.problem.balanced()
-        states = states_of(alike, self.best, alike.velocity(self.best))
+        alike, states = self.problem.balanced(), self._states()
         for least in (REGULAR, TINY):
             if self.spent or self.done:
                 break
@@ -166,12 +165,17 @@ class Search:
                 break
             self.factors += method.run(self.best, eps, min(factors, self.budget - self.factors), self.tolerance)
             if self.done:
-                self.states = states_of(method.problem, self.best, method.problem.velocity(self.best))
+                self.states = self._states()
             if self.done or self.finished():
                 break
             self.forces = self.best.copy()
             self._sweep(BETWEEN)
         return NEWTON
+
+    def _states(self) -> IntArray:
+        """In which states the best point puts the contacts."""
+        alike = self.problem.balanced()
+        return states_of(alike, self.best, alike.velocity(self.best))
 
     def _symmetric(self) -> bool:
         """Whether the operator is, as the relaxation needs it."""
@@ -212,6 +216,8 @@ class Search:
         self.sweeps += made
         if least < self.least:
             self.best, self.least = best, least
+            if not made:  # no sweep has told the states of the forces that it began from
+                self.states = self._states()
 
     def _sweep_bodies(self, sweeps: int) -> None:
         """The same through the factor, where nearly all contacts touch one body."""

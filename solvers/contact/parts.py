@@ -80,6 +80,8 @@ def solved_by_parts(
     parts = parts_of(problem)
     if len(parts) < 2:
         return None
+    if guess is not None and guess.z.shape != (problem.size,):
+        guess = None  # of another problem, and without names to tell whose its unknowns are
     found: list[Solution] = []
     for contacts in parts:
         part, place = part_of(problem, contacts), unknowns_of(problem, contacts)
@@ -91,7 +93,7 @@ def solved_by_parts(
 
 
 def _guess_of(part: ContactProblem, guess: Solution | None, place: IntArray) -> Solution | None:
-    if guess is None or not len(guess.z):
+    if guess is None:
         return None
     active = None if guess.active is None else guess.active[place]
     return replace(guess, z=guess.z[place], w=guess.w[place], active=active, keys=part.unknown_keys)

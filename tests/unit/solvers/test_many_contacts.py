@@ -136,6 +136,18 @@ class TestAnswers:
         assert warm.solved
         assert warm.iterations < cold.iterations / 2
 
+    @pytest.mark.parametrize("name", ["towers", "pushed"])
+    def test_a_guess_that_is_the_solution_is_returned_with_its_basis(self, name):
+        problem = by_matrix(PILES[name])
+        cold = Auto().solve(problem)
+        warm = Auto().solve(problem, cold)
+        assert warm.route == "block Gauss-Seidel"
+        assert warm.iterations == 0
+        z = problem.unknown_units.inward(warm.z)
+        w = problem.balanced().slack(z)
+        assert np.abs(z[warm.active == 0]).max() <= 1e-9 * z.max()
+        assert np.abs(w[warm.active == 1]).max() <= 1e-9 * z.max()
+
     def test_unsymmetric_operators(self):
         rng = np.random.default_rng(4)
         n = 60

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from lcpflex.solvers import Auto, ContactProblem, Status, TimeLimit, accept
+from lcpflex.solvers import Auto, ContactProblem, Status, TimeLimit, accept, solve_lcp
 from lcpflex.solvers.contact.parts import part_of, parts_of, solved_by_parts, unknowns_of
 from tests.piles import columns, shuffled
 
@@ -54,6 +54,13 @@ class TestParts:
         monkeypatch.setattr(module, "MOST_BLOCKS", 1)
         problem = ContactProblem(None, free[rows], mu, factor=J[rows])
         assert [part.tolist() for part in parts_of(problem)] == expected
+
+    def test_a_guess_of_another_problem_is_none(self):
+        problem = beside(NEVER, TWO_WAYS, BOX)
+        guess = solve_lcp(np.eye(3), -np.ones(3))  # without names
+        found = Auto().solve(problem, guess)
+        assert found.status is Auto().solve(problem).status is Status.NO_SOLUTION
+        assert solved_by_parts(beside(BOX, BOX), guess, 1e-10, Auto().solve).solved
 
     def test_no_contacts(self):
         assert parts_of(ContactProblem(np.zeros((0, 0)), [], [])) == []
