@@ -85,8 +85,8 @@ def term_size(memory: LargeMemory, q: FloatArray) -> float:
 
 @kernel
 def is_exact(memory: LargeMemory) -> bool:
-    """Whether the residual of the best point is within the tolerance even of the free velocities."""
-    return bool(memory.worst <= memory.tolerance * memory.load)
+    """Whether the residual of the best point is within the tolerance even of the free velocities, which are finite."""
+    return bool(memory.worst <= memory.tolerance * memory.load < np.inf)
 
 
 @kernel

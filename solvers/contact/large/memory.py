@@ -132,7 +132,7 @@ class LargeMemory:
     body: IntArray = array("units", 2)
     J: FloatArray = array("units", 2, 2, "width")
     W: FloatArray = array("units", 3)  # J_k J_k^T: NN, NT, TT
-    scale: FloatArray = array("units")  # sqrt(D)
+    scale: FloatArray = array("units")  # 1 / sqrt(D)
     mu: FloatArray = array("units")
     free: FloatArray = array("units", 2)
     rows: IntArray = array("units", 2)  # of the scene

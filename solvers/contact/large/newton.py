@@ -267,7 +267,6 @@ def proximal_newton(memory: LargeMemory, eps: float, limit: int) -> bool:
             break
         if ended == 0:
             failed = eps
-
             eps *= 10.0
             if eps > LARGEST_EPS:
                 break
@@ -286,7 +285,6 @@ def proximal_newton(memory: LargeMemory, eps: float, limit: int) -> bool:
             now = go_on(memory, now)
             keep_best(memory, q, now)
         spent = memory.factors - before
-
         wanted = 0.2 * eps if spent <= 4 else (0.5 * eps if spent <= 8 else eps)
         if failed > 0.0 and wanted < 2.0 * failed:
             wanted = max(wanted, 0.6 * eps)

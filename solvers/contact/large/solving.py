@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.large.fronts import has_room
 from lcpflex.solvers.contact.large.judging import conclude, is_enough, is_exact, judge, keep_best, term_size
@@ -155,10 +157,18 @@ def find(memory: LargeMemory) -> int:
 
 
 @kernel
-def take_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
-    """Take the impulses p as they are for the answer; whether they are within the tolerance."""
+def begin(problem: BodyContacts, memory: LargeMemory) -> None:
+    """The problem in units; the best point is none yet, and no impulses until there is one that is finite."""
     memory.worst = 1e300
     pack(problem, memory)
+    for k in range(memory.n_units):
+        memory.best[k, 0], memory.best[k, 1] = 0.0, 0.0
+
+
+@kernel
+def take_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
+    """Take the impulses p as they are for the answer; whether they are within the tolerance."""
+    begin(problem, memory)
     keep_best(memory, memory.q, judge(memory, memory.q))
     conclude(memory)
     return is_enough(memory)
@@ -172,12 +182,12 @@ def solve_large(problem: BodyContacts, memory: LargeMemory) -> int:
     """
     memory.factors, memory.sweeps = 0, 0
     memory.usual = memory.strict if memory.tolerance < memory.strict <= USUAL else 0.0
-    memory.worst = 1e300
-    pack(problem, memory)
+    begin(problem, memory)
     route = find(memory)
     if route == ROOM:
         return ROOM
     memory.route = route
     conclude(memory)
     unpack(problem, memory, memory.best)
-    return SOLVED if is_enough(memory) else ITERATION_LIMIT
+    # Where the rounding of the velocities is a part of the free ones, no residual says anything: it is inf.
+    return SOLVED if is_enough(memory) and memory.residual < np.inf else ITERATION_LIMIT

@@ -213,12 +213,29 @@ def test_the_budget_ends_it_in_the_best_point():
     assert wall.residual() == pytest.approx(memory.strict, rel=1e-3)
 
 
-def test_what_is_not_finite_is_not_solved():
+@pytest.mark.parametrize("place", ["free", "white"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_what_is_not_finite_is_not_solved(value, place):
+    """Nor is the answer to the problem before, which the memory holds, given for one."""
     wall = brick_wall(3, 3)
-    wall.free[4] = np.nan
-    status, memory = wall.solve()
+    _, memory = wall.solve()
+    assert wall.p.any()
+    getattr(wall, place).flat[0] = value
+    wall.p[:] = 0.0
+    status, memory = wall.solve(memory)
     assert status == ITERATION_LIMIT
     assert not memory.strict <= 1e-8
+    assert memory.residual == np.inf
+    assert not wall.p.any()
+
+
+def test_a_residual_that_rounding_hides_solves_nothing():
+    """A row far beyond the others: what is lost in the sum of its terms is more than the free velocities."""
+    wall = brick_wall(4, 3, 0.5, 2, 0.02)
+    wall.white[0, 0, 0] = -1e160
+    status, memory = wall.solve()
+    assert memory.residual == np.inf
+    assert status == ITERATION_LIMIT
 
 
 def test_two_runs_give_the_same_bits():
