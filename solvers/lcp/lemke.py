@@ -106,13 +106,20 @@ def _peak(row: FloatArray, scale: FloatArray, n: int) -> float:
 
 @kernel
 def _start(
-    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, cover: int, size: float, load: float
-) -> int:
-    """Fill the tableau with the scaled problem; the row in which z0 enters. Labels: w_i is i, z_i n + i, z0 2 n.
+    M: FloatArray, q: FloatArray, n: int, table: FloatArray, basis: IntArray, cover: int, size: float
+) -> tuple[int, float]:
+    """Fill the tableau with the scaled problem; the row in which z0 enters, -1 if |q| as scaled is no number, and that.
 
-    cover: number of the vector c, ones for 0; size: of the perturbation, relative to |q|; load: |q| as scaled.
+    Labels: w_i is i, z_i n + i, z0 2 n. cover: number of the vector c, ones for 0; size: of the perturbation, relative
+    to |q|. The candidate, whose row the scaling has used, is zero.
     """
     scale, true, shifted, c = table[n + SCALE], table[n + TRUE], table[n + SHIFTED], table[n + COLUMNS]
+    load = 0.0
+    for i in range(n):
+        load = max(load, abs(q[i]) * scale[i])
+        table[n + CANDIDATE, i] = 0.0
+    if not 0.0 < load < np.inf:
+        return -1, load
     for i in range(n):
         row, source, factor = table[i], M[i], scale[i]
         for j in range(n):
@@ -125,7 +132,7 @@ def _start(
         basis[k] = k
     for k in range(n + 1):
         basis[3 * n + 1 + k] = k  # column of the label n + k
-    return _lowest(n, shifted, c)
+    return _lowest(n, shifted, c), load
 
 
 @kernel
@@ -245,17 +252,12 @@ def attempt(
         if number == 0 or number >= LATE:
             sweeps = (number + 1) % 2
         _scale(M, n, sweeps, table)
-    load = 0.0
-    for i in range(n):
-        load = max(load, abs(q[i]) * table[n + SCALE, i])
-    if not 0.0 < load < np.inf:
-        for i in range(n):
-            table[n + CANDIDATE, i] = 0.0
-        return NUMERICAL_FAILURE, 0, np.inf
     perturbation = 1e-5 if number % 4 < 2 else 1e-4
     if number < len(PERTURBATIONS):
         perturbation = PERTURBATIONS[number]
-    r = _start(M, q, n, table, basis, number, perturbation, load)
+    r, load = _start(M, q, n, table, basis, number, perturbation)
+    if r < 0:
+        return NUMERICAL_FAILURE, 0, np.inf
     status, pivots = _path(table, basis, n, r, perturbation, load, pivot_limit)
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
 
@@ -267,14 +269,9 @@ def lexicographic_attempt(
     """As :func:`attempt`, without a perturbation, ties broken lexicographically."""
     none = min(n, 0)  # a literal would compile callees twice
     _scale(M, n, none + 2, table)
-    load = 0.0
-    for i in range(n):
-        load = max(load, abs(q[i]) * table[n + SCALE, i])
-    if not 0.0 < load < np.inf:
-        for i in range(n):
-            table[n + CANDIDATE, i] = 0.0
+    r, load = _start(M, q, n, table, basis, none, 0.0)
+    if r < 0:
         return NUMERICAL_FAILURE, 0, np.inf
-    _start(M, q, n, table, basis, none, 0.0 * load, load)
     status, pivots, s = lexicographic_path(table, basis, n, pivot_limit)
     _read_off(table, basis, n, s, none, load, status)
     return status, pivots, judge(M, q, table[n + CANDIDATE], n, table[n])
