@@ -62,7 +62,7 @@ class _Iteration:
         dense = isinstance(problem.delassus, np.ndarray)
         self.lcp = problem.lcp() if lcp is None and dense and problem.size <= PIVOTING else lcp
         self.blocks = problem.coupling if problem.delassus is not None and self.lcp is None else None
-        self.dense = problem.data[0] if problem.delassus is not None and self.blocks is None else None
+        self.dense: Any = problem.data[0] if problem.delassus is not None and self.blocks is None else None
         if lcp is not None:  # without friction: its matrix is the operator, and dense whatever its size
             self.dense = lcp.data[0]
         self.judge: Lcp | ContactProblem = problem if self.lcp is None else self.lcp
