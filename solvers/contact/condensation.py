@@ -24,6 +24,7 @@ __all__ = ["condensed", "condensed_sparse", "contact_problem", "planar_rows"]
 
 COLUMNS = 64  # of the solves with sparse equations that are dense at a time
 SMALL = 200  # rows up to which a sparse matrix saves nothing
+SINGULAR = "M is singular: expected bodies whose motion can be eliminated"
 CONDITION = 1e-14  # reciprocal condition number below which the equations of the bodies are singular
 
 
@@ -68,14 +69,22 @@ def condensed_sparse(M: Any, H: Any, f: FloatArray, w: FloatArray) -> tuple[Any,
     Raises ModelError for singular equations.
     """
     M, H = scipy.sparse.csc_array(M), scipy.sparse.csc_array(H)
+    diagonal, peaks = np.abs(M.diagonal()), as_dense(abs(M).max(axis=1)).ravel()
+    size = np.where(diagonal > 0.0, diagonal, peaks)  # of coordinates in any units
+    scale = scipy.sparse.diags_array(1.0 / np.sqrt(np.maximum(size, np.finfo(float).tiny)))
+    load = scipy.sparse.csc_array(scale @ H)
     try:
-        factor = scipy.sparse.linalg.splu(M)
-        caused = [factor.solve(H[:, first : first + COLUMNS].toarray()) for first in range(0, H.shape[1], COLUMNS)]
+        factor = scipy.sparse.linalg.splu(scipy.sparse.csc_array(scale @ M @ scale))
     except RuntimeError:
-        raise ModelError("M is singular: expected bodies whose motion can be eliminated") from None
+        raise ModelError(SINGULAR) from None
+    if not np.abs(factor.U.diagonal()).min(initial=1.0) > CONDITION:  # of rows of size 1
+        raise ModelError(SINGULAR)
+    caused = [factor.solve(load[:, first : first + COLUMNS].toarray()) for first in range(0, H.shape[1], COLUMNS)]
     moved = scipy.sparse.hstack([scipy.sparse.csc_array(part) for part in caused], format="csc")
-    W = H.T @ moved
-    return scipy.sparse.csr_array(W), H.T @ factor.solve(f) + w
+    W = scipy.sparse.csr_array(load.T @ moved)
+    if abs(M - M.T).max() <= 1e-12 * peaks.max():
+        W = scipy.sparse.csr_array(0.5 * (W + W.T))
+    return W, load.T @ factor.solve(scale @ f) + w
 
 
 def _rcond(factor: FloatArray, norm: float) -> float:

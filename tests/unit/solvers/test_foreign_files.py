@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.sparse
 
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, MixedLcp, solve_lcp
@@ -11,7 +12,7 @@ from lcpflex.solvers.benchmark.siconos_files import (
     load_siconos_lcp,
     load_siconos_mlcp,
 )
-from lcpflex.solvers.contact.condensation import condensed, planar_rows
+from lcpflex.solvers.contact.condensation import condensed, condensed_sparse, planar_rows
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
 RNG = np.random.default_rng(5)
@@ -202,6 +203,32 @@ def test_joints_are_eliminated_too():
     W, q = condensed(M, H, np.array([2.0, 3.0]), np.array([0.5]), G, np.array([0.0]))
     assert pytest.approx(np.array([[0.2]]), abs=1e-15) == W
     assert q == pytest.approx([1.5], abs=1e-15)
+
+
+class TestManyBodies:
+    """Bodies of which there are too many for a dense matrix: the same as with one."""
+
+    @pytest.mark.parametrize("asymmetry", [0.0, 0.1])
+    def test_the_same_as_dense(self, asymmetry):
+        rng = np.random.default_rng(1)
+        root = scipy.sparse.random_array((90, 90), density=0.03, rng=rng) + scipy.sparse.eye_array(90)
+        unit = scipy.sparse.diags_array(10.0 ** rng.integers(-3, 4, 90))
+        skew = asymmetry * scipy.sparse.random_array((90, 90), density=0.03, rng=rng)
+        M = unit @ (root @ root.T + skew) @ unit
+        H = unit @ scipy.sparse.random_array((90, 70), density=0.05, rng=rng)
+        f, w = unit @ rng.standard_normal(90), rng.standard_normal(70)
+        W, q = condensed_sparse(M, H, f, w)
+        expected, load = condensed(M.toarray(), H.toarray(), f, w)
+        assert W.toarray() == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
+        assert q == pytest.approx(load, abs=1e-12 * np.abs(load).max())
+        assert (abs(W - W.T).max() == 0.0) == (asymmetry == 0.0)
+
+    @pytest.mark.parametrize("apart", [0.0, 1e-16, 1e-15])
+    def test_singular_bodies(self, apart):
+        """Two that move together but for the last digits."""
+        M = scipy.sparse.csc_array([[1.0, 1.0 - apart, 0.0], [1.0 - apart, 1.0, 0.0], [0.0, 0.0, 1e-30]])
+        with pytest.raises(ModelError, match="singular: expected bodies whose motion"):
+            condensed_sparse(M, scipy.sparse.eye_array(3), np.ones(3), np.zeros(3))
 
 
 class TestFclib:
