@@ -258,13 +258,15 @@ def infeasible(rng: Rng, n: int) -> Iterator[Example]:
     k = max(1, n // 2)
     half = rng.standard_normal((k, k + 1))
     J = np.vstack([half, -half])
+    G = half @ half.T
+    M = np.block([[G, -G], [-G, G]])  # J J^T of which M u = 0 holds in floats, however BLAS sums
     q = J @ rng.standard_normal(k + 1) - 1.0  # rows i and k + i ask for opposite velocities of at least 1
-    yield Example(f"squeeze {2 * k}", Lcp(J @ J.T, q), "symmetric", Status.INFEASIBLE, certificate=np.ones(2 * k))
+    yield Example(f"squeeze {2 * k}", Lcp(M, q), "symmetric", Status.INFEASIBLE, certificate=np.ones(2 * k))
     one = np.zeros(2 * k)
     one[[0, k]] = 1.0
     q = J @ rng.standard_normal(k + 1) + 1.0
     q[[0, k]] -= 2.0  # one pair squeezes, all others leave room
-    yield Example(f"squeeze of one pair {2 * k}", Lcp(J @ J.T, q), "symmetric", Status.INFEASIBLE, certificate=one)
+    yield Example(f"squeeze of one pair {2 * k}", Lcp(M, q), "symmetric", Status.INFEASIBLE, certificate=one)
     last = np.zeros(n)
     last[-1] = 1.0
     yield Example(
