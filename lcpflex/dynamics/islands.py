@@ -12,7 +12,16 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.solvers.semidefinite import REDUNDANT
 
-__all__ = ["Islands", "find_islands", "forget_islands", "islands", "one_island", "unfinished"]
+__all__ = [
+    "Islands",
+    "connect_bodies",
+    "find_islands",
+    "forget_islands",
+    "islands",
+    "one_island",
+    "root",
+    "unfinished",
+]
 
 NONE = -1
 HELD = 3  # independent rows that leave a rigid body no motion
@@ -86,6 +95,18 @@ def connect(of: Islands, a: int, b: int) -> None:
 
 
 @kernel
+def connect_bodies(
+    of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, n: int
+) -> None:
+    """Which bodies are held, and which of the others joints and n contacts connect; rows as of find_islands."""
+    for b in range(len(of.parent)):
+        of.parent[b] = b
+    find_held(of, rows, solved, row_body, dof, n_joint)
+    for r in range(n_joint + n):
+        connect(of, row_body[r, 0], row_body[r, 1])
+
+
+@kernel
 def find_islands(
     of: Islands, rows: FloatArray, solved: FloatArray, row_body: IntArray, dof: IntArray, n_joint: int, n: int
 ) -> None:
@@ -93,11 +114,7 @@ def find_islands(
     if n < 2:
         one_island(of, n)
         return
-    for b in range(len(of.parent)):
-        of.parent[b] = b
-    find_held(of, rows, solved, row_body, dof, n_joint)
-    for r in range(n_joint + n):
-        connect(of, row_body[r, 0], row_body[r, 1])
+    connect_bodies(of, rows, solved, row_body, dof, n_joint, n)
     for b in range(len(of.parent)):
         of.island[b] = NONE
     count = 0

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.islands import connect_bodies, root
 from lcpflex.dynamics.least_reactions import take_least
 from lcpflex.dynamics.reaction_memory import Reactions, reaction
 from lcpflex.dynamics.workspace import Workspace
@@ -20,12 +21,15 @@ from lcpflex.jit.kernel import kernel
 from lcpflex.model.arrays import Model
 
 __all__ = [
+    "begin_reached",
     "note_ahead",
     "note_ends",
     "note_impulses",
     "note_instant",
     "note_step",
     "settle",
+    "spread_reached",
+    "strike",
 ]
 
 
@@ -47,16 +51,73 @@ def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reacti
 
 
 @kernel
-def note_step(model: Model, work: Workspace, h: float, reactions: Reactions) -> None:
-    """A step of h [s] in which nothing was struck: its impulses ``work.p`` are those of forces."""
-    total = reactions.sum
-    for joint in range(len(total)):
+def note_step(model: Model, work: Workspace, h: float, struck: bool, reactions: Reactions) -> None:
+    """A step of h [s]: its impulses ``work.p`` are those of forces, but where those of an impact pass.
+
+    struck: there was one, and ``reactions.reached`` tells which bodies it reached.
+    """
+    for joint in range(len(reactions.sum)):
+        apart = struck and is_reached(model, work, joint, reactions)
+        total = reactions.impulse if apart else reactions.sum
         x, y, moment = reaction(model, work, joint, work.p)
         total[joint, 0] += x
         total[joint, 1] += y
         total[joint, 2] += moment
-        raise_peak(reactions, joint, x / h, y / h, moment / h)
-    reactions.time += h
+        if not apart:
+            raise_peak(reactions, joint, x / h, y / h, moment / h)
+            reactions.time[joint] += h
+
+
+@kernel
+def is_reached(model: Model, work: Workspace, joint: int, reactions: Reactions) -> bool:
+    """Whether impulses of an impact pass through a joint: through one of a held body where they reach the other."""
+    held, reached = work.islands.held, reactions.reached
+    some, free = False, False
+    for i in range(2):
+        b = model.points.body[model.joints.point[joint, i]]
+        if b >= 0 and held[b] == 0:
+            free = True
+            if reached[b] == 1:
+                return True
+        some = some or (b >= 0 and reached[b] == 1)
+    return some and not free
+
+
+@kernel
+def begin_reached(work: Workspace, reactions: Reactions) -> None:
+    """No body is reached; bodies are connected where that is not known yet: a single contact asks for no islands."""
+    if work.n_contacts == 1:
+        connect_bodies(work.islands, work.rows, work.solved, work.row_body, work.dof, work.n_joint, work.n_contacts)
+    for b in range(len(reactions.reached)):
+        reactions.reached[b] = 0
+
+
+@kernel
+def strike(work: Workspace, k: int, reactions: Reactions) -> None:
+    """Contact k closed with an impact: of all bodies connected to its own, one is marked, and held ones."""
+    islands = work.islands
+    for i in range(2):
+        b = work.row_body[work.n_joint + k, i]
+        if b >= 0:
+            reactions.reached[b if islands.held[b] == 1 else root(islands.parent, b)] = 1
+
+
+@kernel
+def spread_reached(work: Workspace, reactions: Reactions) -> None:
+    """From the marked bodies to those connected to them, and on to held ones, which pass impulses to the ground."""
+    held, reached, row_body = work.islands.held, reactions.reached, work.row_body
+    for b in range(len(reached)):
+        if held[b] == 0 and reached[root(work.islands.parent, b)] == 1:
+            reached[b] = 1
+    more = True
+    while more:
+        more = False
+        for r in range(work.n_joint):
+            for i in range(2):
+                a, b = row_body[r, i], row_body[r, 1 - i]
+                if a >= 0 and b >= 0 and reached[a] == 1 and reached[b] == 0 and held[b] == 1:
+                    reached[b] = 1
+                    more = True
 
 
 @kernel
@@ -78,8 +139,8 @@ def note_ends(h: float, reactions: Reactions) -> None:
             reactions.now[joint, i] = reactions.ahead[joint, i]
         now = reactions.now[joint]
         raise_peak(reactions, joint, now[0], now[1], now[2])
+        reactions.time[joint] += h
     reactions.known = 1
-    reactions.time += h
 
 
 @kernel
@@ -91,14 +152,16 @@ def note_instant(model: Model, work: Workspace, reactions: Reactions) -> None:
         reactions.sum[joint, 1] = y
         reactions.sum[joint, 2] = moment
         raise_peak(reactions, joint, x, y, moment)
-    reactions.time = 1.0
+        reactions.time[joint] = 1.0
 
 
 @kernel
 def settle(model: Model, work: Workspace, reactions: Reactions) -> None:
     """``reactions.mean`` and which of it is unique, of all since the last call; NaN where no step made forces known."""
-    time = reactions.time
+    some = reactions.known == 1
     for joint in range(len(reactions.sum)):
+        time = reactions.time[joint]
+        some = some or time > 0.0
         for i in range(3):
             if time > 0.0:
                 reactions.mean[joint, i] = reactions.sum[joint, i] / time
@@ -106,6 +169,6 @@ def settle(model: Model, work: Workspace, reactions: Reactions) -> None:
                 reactions.mean[joint, i] = reactions.now[joint, i] if reactions.known == 1 else np.nan
             reactions.sum[joint, i] = 0.0
         reactions.unique[joint] = 1
-    reactions.time = 0.0
-    if work.joints.factor.weak > 0 and (time > 0.0 or reactions.known == 1):
+        reactions.time[joint] = 0.0
+    if work.joints.factor.weak > 0 and some:
         take_least(model, work, reactions)

@@ -99,12 +99,17 @@ def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, r
 
 @kernel
 def multipliers(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """reactions.rows: multipliers with the force and moment ``reactions.mean`` of each joint, as near as they come."""
+    """reactions.rows: multipliers with the force and moment ``reactions.mean`` of each joint, as near as they come.
+
+    Zero of joints whose forces no step has told.
+    """
     p, row, size = reactions.rows, model.joints.row, reactions.size
     for joint in range(len(reactions.mean)):
         for r in range(row[joint], row[joint + 1]):
             p[r] = 0.0
         force = abs(reactions.mean[joint, 0]) + abs(reactions.mean[joint, 1]) + abs(reactions.mean[joint, 2])
+        if not force < math.inf:
+            continue
         for _ in range(SWEEPS):
             largest = 0.0
             for r in range(row[joint], row[joint + 1]):

@@ -21,8 +21,8 @@ class Reactions:
     """Reactions of the joints since the last stored instant: (F_x, F_y, M) of each [N], [N], [N m]."""
 
     size: float  # L [m]
-    time: float  # [s] of the steps in ``sum``
     known: int  # 1: ``now`` is known
+    time: FloatArray = array("joints")  # [s] of the steps in ``sum``
     sum: FloatArray = array("joints", 3)  # their integral over time
     peak: FloatArray = array("joints", 2)  # largest |F|^2 and |M|
     impulse: FloatArray = array("joints", 3)  # of impacts, since the start [N s], [N m s]
@@ -31,19 +31,20 @@ class Reactions:
     mean: FloatArray = array("joints", 3)  # scratch
     change: FloatArray = array("joints", 3)  # scratch
     unique: IntArray = array("joints")  # scratch: 1 where the motion determines the reaction
+    reached: IntArray = array("bodies")  # scratch: 1 where impulses of an impact of the present step pass
     owner: IntArray  # (rows,) joint that each row belongs to
     rows: FloatArray = array("rows")  # scratch
     least: FloatArray = array("rows")
     load: FloatArray = array("rows")
 
 
-def reactions(joints: Joints, size: float) -> Reactions:
-    """Memory for the reactions of joints in a scene whose largest body has that ``size`` [m].
+def reactions(joints: Joints, bodies: int, size: float) -> Reactions:
+    """Memory for the reactions of joints between so many bodies, the largest of them of that ``size`` [m].
 
     Of a user's own system, whose joints have no points, for none.
     """
     owner = np.repeat(np.arange(len(joints.point)), np.diff(joints.row)[: len(joints.point)])
-    sizes = {"joints": len(joints.point), "rows": len(owner)}
+    sizes = {"joints": len(joints.point), "rows": len(owner), "bodies": bodies}
     return allocate(Reactions, sizes, size=size if size > 0.0 else 1.0, owner=owner)
 
 

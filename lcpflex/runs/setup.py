@@ -114,9 +114,11 @@ def set_up(
     _check_solver(stepper, system)
     problem_log = None
     if record_problems is not None:
-        problem_log = ProblemLog(record_problems, system.name_of if system.names else names.__getitem__)
+        # asked when a problem comes: the pairs of a run that is restored are those of its file
+        problem_log = ProblemLog(record_problems, lambda law: made.contact_name(law))
         system = replace(system, watch=problem_log.watch)
-    return Setup(options, stepper, system, source, names, problem_log)
+    made = Setup(options, stepper, system, source, names, problem_log)
+    return made
 
 
 def _indents(stepper: Stepper) -> Callable[[str], bool] | None:

@@ -69,6 +69,7 @@ def save(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None
 def restore(scheme: Any, work: Workspace, recorder: Recorder, kept: Backup) -> None:
     """Undo everything since ``save``."""
     forget_islands(work.islands)
+    work.unsolved = 0
     copy_parts(kept.scheme, scheme)
     copy_parts(kept.counts, recorder.counts)
     copy_parts(kept.reactions, recorder.reactions)

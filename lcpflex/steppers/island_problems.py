@@ -112,7 +112,6 @@ def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last:
     islands = work.islands
     if islands.next == 0:
         work.remembered.n_next = 0
-        work.unsolved = 0
     work.unsolved_large = 0
     while islands.next < islands.count:
         if is_large(work, islands.next) and is_free(work, islands.next):

@@ -198,7 +198,7 @@ class System:
 
     def reactions(self) -> Reactions:
         """Memory for the reactions of the joints; a user's own system tells no points that they act at."""
-        return reactions(self.model.joints, self.size)
+        return reactions(self.model.joints, len(self.model.bodies.dof) - 1, self.size)
 
     def _deflection(self) -> FloatArray:
         """How far a mode moves the surfaces of each body."""

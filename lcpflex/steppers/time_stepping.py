@@ -121,7 +121,7 @@ class TimeStepping:
         work.n_held = held
         work.held_key[:, :held] = old.held_key[:, :held]
         work.held_gap[:, :held] = old.held_gap[:, :held]
-        work.stopped = old.stopped
+        work.stopped, work.unsolved = old.stopped, old.unsolved
         work.span[:] = old.span
         work.doubtful[:] = old.doubtful
         work.doubtful_kind[:], work.n_doubtful = old.doubtful_kind, old.n_doubtful
@@ -141,7 +141,7 @@ class TimeStepping:
             *(self.support.warnings(self.scheme, self.work, steps) if steps is not None else []),
             *self._several.remarks(self.work, name),
             *self._rescue.remarks(name),
-            *unsolved_remarks(self.records.recorder.counts),
+            *unsolved_remarks(self.records.recorder.counts, steps),
         ]
 
     def trouble(self, status: int, number: int, time: float) -> str:

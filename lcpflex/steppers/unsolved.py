@@ -10,13 +10,16 @@ from lcpflex.steppers.recorder import Counts
 __all__ = ["unsolved_large", "unsolved_remarks"]
 
 
-def unsolved_remarks(counts: Counts) -> list[str]:
-    """The warning of a run in which large islands were not solved to the tolerance; empty where there was none."""
-    steps, islands = int(counts.unsolved), int(counts.unsolved_islands)
+def unsolved_remarks(counts: Counts, steps: int | None) -> list[str]:
+    """The warning of a run in which large islands were not solved to the tolerance; empty where there was none.
+
+    ``steps``: how many there were, each made once; None under error control, which makes them in halves.
+    """
+    islands = int(counts.unsolved_islands)
     if not islands:
         return []
     typical = math.exp(counts.typical_unsolved / islands)
-    often = "one step" if steps == 1 else f"{steps:,} steps"
+    often = f"{int(counts.unsolved):,} " + ("steps or halves of steps" if steps is None else f"of {steps:,} steps")
     return [
         f"in {often}, islands of many contacts were not solved to the tolerance within their budget, and the step went "
         f"on with the best point: residuals up to {counts.worst_unsolved:.1e} of the terms that cancel, up to "

@@ -283,6 +283,47 @@ def test_impulses_stand_apart(e: float) -> None:
         assert result.reaction("hinge").impulse[-1, 1] >= hinge.impulse[k, 1] * (1.0 - rough)
 
 
+def with_balls(count: int) -> lf.Scene:
+    """A redundant parallelogram, and balls that fall on a floor far away."""
+    scene = parallelogram(3)
+    floor = scene.ground.half_plane((0.0, -50.0), (0.0, 1.0))
+    for k in range(count):
+        ball = scene.add(lf.Disc(0.1, mass=1.0), f"ball{k}", position=(k, -49.85), velocity=(0.0, -1.0))
+        scene.contact(ball.surface(), floor, restitution=0.8)
+    return scene
+
+
+def test_an_impact_elsewhere_takes_no_force_away() -> None:
+    """One contact, which makes no islands, and several."""
+    alone, *others = (run(with_balls(count), lf.MoreauJean(1e-3), 0.1) for count in (0, 1, 3))
+    assert alone.joint_force is not None
+    for other in others:
+        assert other.impulse[-1, 0, 0] > 1.0
+        assert np.array_equal(other.joint_force, alone.joint_force, equal_nan=True)  # type: ignore[arg-type]
+        assert not np.any(other.joint_impulse)
+
+
+def test_an_impact_is_told_of_the_joints_that_it_reaches() -> None:
+    """A ball on a welded plank: it reaches the weld, but not what hangs on the plank; and a lever beside is struck."""
+    scene = stop(0.5)
+    plank = scene.add(lf.Box(1.0, 0.1, mass=1.0), "plank", position=(5.0, 0.0))
+    scene.join(lf.Weld(plank.at(0.0, 0.0), scene.ground.at(5.0, 0.0), name="weld"))
+    rider = scene.add(lf.RigidBody(mass=1.0, inertia=0.1), "rider", position=(4.5, -0.5))
+    scene.join(lf.Revolute(rider.at(0.0, 0.5), plank.at(-0.5, 0.0), name="rider"))
+    ball = scene.add(lf.Disc(0.1, mass=1.0), "ball", position=(5.2, 0.155), velocity=(0.0, -1.0))
+    scene.contact(ball.surface(), plank.surface(), restitution=0.5, name="ball")
+    result = run(scene, lf.MoreauJean(1e-3), 0.07)
+    weld, hinge, hanging = (result.reaction(name) for name in ("weld", "hinge", "rider"))
+    strikes = [np.flatnonzero(np.isnan(one.moment[1:])) for one in (weld, hinge, hanging)]
+    assert [len(steps) for steps in strikes] == [1, 1, 0]
+    assert strikes[0] != strikes[1]  # each has the force of the step in which only the other is struck
+    assert hanging.force[1:] == pytest.approx(np.tile([0.0, G], (70, 1)), abs=1e-9)
+    assert not hanging.impulse.any()
+    struck = result.contact("ball").impulse[-1, 0]
+    assert weld.impulse[-1, 1] == pytest.approx(struck + 2.0 * G * 1e-3, rel=1e-9)
+    assert hinge.impulse[-1, 1] > 0.5
+
+
 def test_a_resting_contact_is_no_impact() -> None:
     """A lever rests on a stop from the start: its hinge has a force at once, and no impulse."""
     scene = lf.Scene(gravity=(0, -G))

@@ -247,6 +247,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     copy_parts(scheme.end, scheme.start)
     scheme.phase = RESTART if jumps else SMOOTH
     scheme.turn = 0
+    work.unsolved = 0  # of the next step
     return finite
 
 

@@ -18,7 +18,7 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import answer_joints, pose
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.islands import unfinished
-from lcpflex.dynamics.joint_reactions import note_impulses, note_step
+from lcpflex.dynamics.joint_reactions import begin_reached, note_step, spread_reached, strike
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -28,6 +28,7 @@ from lcpflex.dynamics.mechanics import (
     solve_vector,
     supply,
 )
+from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.struct import struct
@@ -162,26 +163,37 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
             recorder.counts.lost_friction -= done
             recorder.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
     note_gain(recorder, t, gained)
-    if n_joint > 0:
-        if n > 0 and struck(model, scheme, work):
-            note_impulses(model, work, True, recorder.reactions)
-        else:
-            note_step(model, work, scheme.step, recorder.reactions)
+    if len(recorder.reactions.peak) > 0:
+        hit = n > 0 and struck(model, scheme, work, recorder.reactions)
+        note_step(model, work, scheme.step, hit, recorder.reactions)
 
 
 @kernel
-def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace) -> bool:
-    """Whether a contact carries that approached faster than forces let it within two steps: then it was an impact."""
+def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace, reactions: Reactions) -> bool:
+    """Whether something was struck; ``reactions.reached``: the bodies that it reached."""
+    some = False
     for k in range(work.n_contacts):
-        r = work.n_joint + k
-        if work.p[r] > 0.0:
-            before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
-            free = work.effect[k]
-            if abs(before) > scheme.velocity_threshold:
-                free -= model.contacts.restitution[work.table.law[k]] * before
-            if -before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
-                return True
-    return False
+        if closes_with_impact(model, scheme, work, k):
+            if not some:
+                begin_reached(work, reactions)
+            some = True
+            strike(work, k, reactions)
+    if some:
+        spread_reached(work, reactions)
+    return some
+
+
+@kernel
+def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, k: int) -> bool:
+    """Whether contact k carries, and approached faster than forces let it within two steps: then it was an impact."""
+    r = work.n_joint + k
+    if not work.p[r] > 0.0:
+        return False
+    before = row_velocity(work.rows, work.row_body, r, work.dof, scheme.u)
+    free = work.effect[k]
+    if abs(before) > scheme.velocity_threshold:
+        free -= model.contacts.restitution[work.table.law[k]] * before
+    return bool(-before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k])
 
 
 @kernel
@@ -258,6 +270,7 @@ def moreau_jean_step(
     if status != RunStatus.DONE:
         clock.number = work.number
         return status
+    work.unsolved = 0  # of the next step
     if not correct(model, scheme, t, work, recorder):
         return RunStatus.NOT_FINITE
     return RunStatus.DONE

@@ -62,4 +62,5 @@ def contradictions(search: Search, found: State | None) -> list[str]:
 
 def _expected(search: Search, name: str) -> bool:
     """Whether an output that is zero should not be: not those of contacts where none is declared."""
-    return bool(search.fidelities.scene.compiled(project=True).layout.contacts) or name not in OF_CONTACTS
+    layout = search.fidelities.scene.compiled(project=True).layout
+    return bool(layout.contacts or layout.rule_surfaces) or name not in OF_CONTACTS

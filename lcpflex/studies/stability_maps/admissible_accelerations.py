@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from lcpflex.basics.arguments import numbers
 from lcpflex.contact.detection import detect
+from lcpflex.contact.rule_pairs import MORE_LAWS
 from lcpflex.dynamics.acceleration import (
     SLIDE_BACK,
     SLIDE_FORTH,
@@ -140,9 +141,9 @@ def admissible_accelerations(
     """
     gap_tolerance = in_range("gap_tolerance", gap_tolerance, 0.0, np.inf)
     threshold = in_range("velocity_threshold", velocity_threshold, 0.0, np.inf, open_ends=True)
-    system, names = _system(scene)
+    system = _system(scene)
     state_q, state_u = _state("q", q, system.q), _state("u", u, system.u)
-    instant = _Instant(system, names, in_range("time", time, -np.inf, np.inf), state_q, state_u)
+    instant = _Instant(system, in_range("time", time, -np.inf, np.inf), state_q, state_u)
     instant.gather(gap_tolerance, threshold)
     problem = instant.pose(threshold)
     if problem.size > LARGEST:
@@ -167,13 +168,12 @@ def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
     return bool(np.abs(a.acceleration - b.acceleration).max() <= SAME * size)
 
 
-def _system(scene: Scene | UserSystem) -> tuple[System, tuple[str, ...]]:
+def _system(scene: Scene | UserSystem) -> System:
     if isinstance(scene, UserSystem):
-        return scene.system(), tuple(scene.names)
+        return scene.system()
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
-    compiled = scene.compiled()
-    return compiled.system(), compiled.layout.contacts
+    return scene.compiled().system()
 
 
 def _state(name: str, given: npt.ArrayLike | None, start: FloatArray) -> FloatArray:
@@ -186,8 +186,8 @@ def _state(name: str, given: npt.ArrayLike | None, start: FloatArray) -> FloatAr
 class _Instant:
     """The contact problem of one state."""
 
-    def __init__(self, system: System, names: tuple[str, ...], t: float, q: FloatArray, u: FloatArray) -> None:
-        self._system, self._names = system, names
+    def __init__(self, system: System, t: float, q: FloatArray, u: FloatArray) -> None:
+        self._system = system
         self._t, self._q, self._u = t, q, u
         self._work: Workspace = system.workspace(16)
         self._sets: ContactSets = contact_sets(16)
@@ -199,19 +199,22 @@ class _Instant:
 
     @property
     def contacts(self) -> tuple[str, ...]:
-        return tuple(self._names[law] for law in self._work.table.law[: self._n])
+        return tuple(self._system.name_of(int(law)) for law in self._work.table.law[: self._n])
 
     def gather(self, gap_tolerance: float, threshold: float) -> None:
         """The closed contacts that neither approach nor separate into the table."""
         model, capacity = self._system.model, len(self._work.table.key)
         found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
+        while found == MORE_LAWS:
+            self._system.more_laws()
+            found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
         if found > capacity:
             self._work, self._sets = self._system.workspace(2 * found), contact_sets(2 * found)
             found = int(self._detect(model, self._q, gap_tolerance, self._work.table))
         self._lay(model, self._t, self._q, self._u, found, self._work, self._sets)
         for k in range(found):
             speed = self._speed(self._work.n_joint + k)
-            name = self._names[self._work.table.law[k]]
+            name = self._system.name_of(int(self._work.table.law[k]))
             if speed < -threshold:
                 raise ModelError(f"u: contact {name!r} approaches at {-speed:.6g} m/s: an impact comes first")
             if speed <= threshold:
@@ -235,7 +238,6 @@ class _Instant:
                 if abs(slip) <= 1e-3 * threshold:
                     sets.mode[k] = STICKING
         pose_sets(work, sets)
-        one_island(work.islands, n)
         one_island(work.islands, n)
         pose_island(work, 0)
         return posed_lcp(work.problem, work.solver)

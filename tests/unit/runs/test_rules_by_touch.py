@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from lcpflex.scene.scene import Scene
 from lcpflex.solvers import load_problems
 from lcpflex.steppers.run import Run
 from lcpflex.steppers.system import System
+from lcpflex.studies.model_order import verdict
 
 BY_CONTACT = ("force", "impulse", "state")
 STEPPERS = {
@@ -187,6 +189,41 @@ def test_problems_are_recorded_by_the_names_of_pairs(tmp_path: Path) -> None:
     names = {key.rsplit("#", 1)[0] for one in kept for key in one.problem.keys}
     assert names
     assert names <= set(result.contact_names)
+
+
+def row(n: int) -> Scene:
+    """Discs beside each other on a floor, with no contact but those of the rule."""
+    scene = lf.Scene()
+    scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    for k in range(n):
+        scene.add(lf.Disc(0.05, density=1.0), position=(0.2 * k, 0.05))
+    scene.contact_all(friction=0.5)
+    return scene
+
+
+def test_problems_are_recorded_where_all_contacts_are_those_of_a_rule(tmp_path: Path) -> None:
+    for stepper in (STEPPERS["Moreau-Jean"], lf.EventDriven()):
+        problems = lf.RecordProblems(tmp_path / "problems.npz", every=1)
+        lf.simulate(row(4), 0.02, stepper, record=0.02, record_problems=problems)
+        keys = {key.rsplit("#", 1)[0] for one in load_problems(problems.path) for key in one.problem.keys}
+        assert keys == {f"body{k}.outline/ground.half_plane1" for k in range(1, 5)}
+
+
+def test_admissible_motions_name_the_pairs_of_a_rule() -> None:
+    """More of them than there is room for at first."""
+    motions = lf.admissible_accelerations(row(5))
+    assert motions.contacts == tuple(f"body{k}.outline/ground.half_plane1" for k in range(1, 6))
+    assert np.abs(motions.solutions[0].acceleration).max() < 1e-9
+    assert motions.solutions[0].force[:, 0] == pytest.approx(np.full(5, 9.81 * np.pi * 0.05**2))
+
+
+def test_impulses_are_expected_of_a_scene_with_a_rule_alone() -> None:
+    """Of a choice of modes, that none was seen is worth a word where bodies may touch."""
+    for scene, expected in ((row(4), True), (lf.Scene(), False)):
+        if not expected:
+            scene.add(lf.Disc(0.05, density=1.0))
+        search = SimpleNamespace(fidelities=SimpleNamespace(scene=scene))
+        assert verdict._expected(search, "impulses") is expected  # type: ignore[arg-type]
 
 
 def test_steppers_with_laws_of_their_own_have_all_pairs() -> None:

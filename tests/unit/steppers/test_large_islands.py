@@ -101,6 +101,17 @@ def test_what_is_not_solved_is_told_or_an_error() -> None:
         lf.simulate(heap(150), 0.4, replace(stepper, on_unsolved="raise"), progress=False)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(1e-3, budget=1), lf.GeneralizedAlpha(1e-3, budget=1)])
+def test_steps_that_are_told_of_are_those_with_a_residual(stepper: Any) -> None:
+    """Once each, however many problems of a step were not solved."""
+    result = lf.simulate(heap(150), 0.36, stepper, record=1e-3, progress=False)
+    count = np.count_nonzero(result.residual > stepper.solver_tolerance)
+    assert count > 5
+    [told] = [text for text in result.warnings if WORDS in text]
+    assert told.startswith(f"in {count} of 360 steps, ")
+
+
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [
