@@ -183,7 +183,7 @@ class Auto:
             apart = self._by_parts(problem, found, guess, trials) if whole else None
             found = self._dense(problem, found, trials) if apart is None else apart
         found = self._told(problem, found)
-        return found if swept is None else _after(swept, found)
+        return found if swept is None else _best(swept, found)
 
     def _by_parts(
         self, problem: ContactProblem, first: Solution, guess: Solution | None, trials: int
@@ -192,8 +192,7 @@ class Auto:
         apart = solved_by_parts(problem, guess, self.tolerance, lambda part, its: self._part(part, its, trials))
         if apart is None:
             return None
-        route, iterations = f"{joined(first)} > {apart.route}", first.iterations + apart.iterations
-        return replace(apart, route=route, iterations=iterations)
+        return replace(_best(first, apart), route=f"{joined(first)} > {apart.route}")
 
     def _part(self, part: ContactProblem, guess: Solution | None, trials: int) -> Solution:
         """Contacts that do not fall into parts."""
@@ -211,7 +210,7 @@ class Auto:
             if pivoted.settled:
                 return self._told(problem, _after(search.solution(), pivoted))
         search.run(search.swept_on, search.relaxed, search.finished, search.newton)
-        found = search.solution() if pivoted is None else _after(pivoted, search.solution())
+        found = search.solution() if pivoted is None else _best(pivoted, search.solution())
         if search.done or problem.size > TOO_MANY or out_of_time():
             return found
         return self._told(problem, self._last_word(problem, found, pivoted, trials))
@@ -225,9 +224,7 @@ class Auto:
             return _descend(problem.lcp(), first, steps, self.tolerance)
         if pivoted is None:
             pivoted = self._first(problem.lcp(), None)
-        found = pivoted if pivoted.settled else self._dense(problem, pivoted, trials)
-        better = found.settled or found.residual <= first.residual
-        return _after(first, found) if better else replace(first, status=found.status, route=_after(first, found).route)
+        return _best(first, pivoted if pivoted.settled else self._dense(problem, pivoted, trials))
 
     def _dense(self, problem: ContactProblem, first: Solution, trials: int) -> Solution:
         """After a first attempt at the LCP, all that can be tried on it."""
@@ -318,6 +315,17 @@ def _after(first: Solution, found: Solution) -> Solution:
     """The second, with the route and the iterations of both."""
     route = f"{joined(first)} > {joined(found)}"
     return replace(found, route=route, iterations=first.iterations + found.iterations)
+
+
+def _best(first: Solution, found: Solution) -> Solution:
+    """The same, at the point of the first where that one is better; why it is no solution is what the second says."""
+    told = _after(first, found)
+    if found.settled or found.residual <= first.residual:
+        return told
+    kept = replace(first, route=told.route, iterations=told.iterations)
+    if first.status in (Status.INACCURATE, Status.TIME_LIMIT):
+        return kept
+    return replace(kept, status=told.status, message=told.message)
 
 
 def _words(status: Status) -> str:
