@@ -71,7 +71,7 @@ def condensed_sparse(M: Any, H: Any, f: FloatArray, w: FloatArray) -> tuple[Any,
     M, H = scipy.sparse.csc_array(M), scipy.sparse.csc_array(H)
     diagonal, peaks = np.abs(M.diagonal()), as_dense(abs(M).max(axis=1)).ravel()
     size = np.where(diagonal > 0.0, diagonal, peaks)  # of coordinates in any units
-    scale = scipy.sparse.diags_array(1.0 / np.sqrt(np.maximum(size, np.finfo(float).tiny)))
+    scale: Any = scipy.sparse.diags_array(1.0 / np.sqrt(np.maximum(size, np.finfo(float).tiny)))
     load = scipy.sparse.csc_array(scale @ H)
     try:
         factor = scipy.sparse.linalg.splu(scipy.sparse.csc_array(scale @ M @ scale))
