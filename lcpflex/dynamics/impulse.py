@@ -17,7 +17,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 
-__all__ = ["answer_joints", "lay_impulse", "pose"]
+__all__ = ["answer_joints", "lay_impulse", "pose", "recall_joints"]
 
 
 @kernel
@@ -60,6 +60,13 @@ def pose(model: Model, work: Workspace, u_before: FloatArray, lead: float, veloc
 def answer_joints(work: Workspace) -> None:
     """Impulses ``work.p`` of the joints, those of the contacts being known."""
     joint_impulses(work, work.n_joint + work.n_contacts + work.n_tangents, work.p)
+
+
+@kernel
+def recall_joints(work: Workspace) -> None:
+    """Impulses of the joints are those that large islands of the next step begin from."""
+    for r in range(work.n_joint):
+        work.recalled[r] = work.p[r]
 
 
 @kernel

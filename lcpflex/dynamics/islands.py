@@ -33,6 +33,7 @@ class Islands:
 
     count: int
     next: int  # the first whose problem is not solved yet
+    shortened: int  # the first whose forces are not the least ones yet, which records tell
     start: IntArray = array("starts")  # offsets into ``contact``
     contact: IntArray = array("contacts")  # those of one island after the other, ascending in each
     parent: IntArray = array("bodies")  # of union-find
@@ -68,6 +69,7 @@ def one_island(of: Islands, n: int) -> None:
     """All n contacts together, if there are any or none: a problem without contacts is one, too."""
     of.count = 1
     of.next = 0
+    of.shortened = 0
     of.start[0] = 0
     of.start[1] = n
     for k in range(n):

@@ -148,7 +148,7 @@ def list_bodies(work: Workspace) -> None:
 
 @kernel
 def begin_with_remembered(work: Workspace, last: bool) -> None:
-    """Impulses ``work.p`` of the contacts of the large problem as in the last step, or none: of another problem."""
+    """Impulses ``work.p`` of the large problem as in the last step, or none: of another problem."""
     large, known, n_joint = work.large, work.remembered, work.n_joint
     force = known.force[known.now]
     guess = 0
@@ -163,4 +163,4 @@ def begin_with_remembered(work: Workspace, last: bool) -> None:
         if large.tangent_row[c] >= 0:
             work.p[large.tangent_row[c]] = tangential
     for j in range(large.n_joints):
-        work.p[large.joint_row[j]] = 0.0
+        work.p[large.joint_row[j]] = work.recalled[large.joint_row[j]] if last else 0.0

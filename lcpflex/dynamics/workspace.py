@@ -81,11 +81,12 @@ class Workspace:
     strict_large: int  # 1: a large island that is not solved is an error
     unsolved_large: int  # 1: it was an error
     unsolved: int  # large islands of the present step that were not solved to the tolerance
-    aside: FloatArray = array("white", 2)  # impulses and right-hand sides kept while others are sought
+    aside: FloatArray = array("white", 3)  # impulses, right-hand sides and their terms kept while others are sought
     marked: IntArray = array("bodies")  # of the present large island
     normal: FloatArray = array("contacts")  # forces where contacts give way [N]
     tangential: FloatArray = array("contacts")  # one for each tangential row
     p: FloatArray = array("rows")  # impulses or forces of all rows
+    recalled: FloatArray = array("joints")  # impulses of joint rows in the step before
     n_joint: int  # joint rows of this step
     n_contacts: int
     n_tangents: int  # tangential rows
@@ -134,7 +135,8 @@ def workspace(
         "dense": 2 * dense,
         "bodies": len(dof) - 1,
     }
-    sizes["white"] = sizes["rows"] if before is not None and before.largest > before.dense_limit else 0
+    large = before is not None and max(before.largest, capacity // 2) > before.dense_limit  # twice what is needed
+    sizes["white"] = sizes["rows"] if large else 0
     shared = {
         "white": np.zeros((sizes["white"], 2, sizes["width"])),
         "row_body": np.full((sizes["rows"], 2), -1, dtype=np.int64),

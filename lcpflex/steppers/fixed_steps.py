@@ -14,7 +14,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.passing import may_pass
 from lcpflex.steppers.recorder import Recorder, has_room
-from lcpflex.steppers.scheme import end_step, record, set_length, take_step
+from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.step_error import UNSTORED, Sampling
 from lcpflex.steppers.time_stepping import TimeStepping
@@ -38,6 +38,8 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, record
                 if not has_room(work, recorder):
                     return RunStatus.TAPE_FULL
                 clock.number = record(model, scheme, t, work, recorder)
+                if clock.number == NO_FACTOR:
+                    return RunStatus.GROW_FACTOR
                 if clock.number > len(recorder.table.key):
                     return RunStatus.GROW_TAPE
                 clock.stored = clock.steps

@@ -19,6 +19,7 @@ from lcpflex.dynamics.large_island import (
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.solvers.contact.compiled import solve_contacts
+from lcpflex.solvers.contact.large.fronts import lacks_room
 from lcpflex.solvers.contact.large.least import least_impulses
 from lcpflex.solvers.contact.large.solving import ROOM, solve_large, take_impulses
 from lcpflex.solvers.contact.least_forces import least_forces
@@ -75,7 +76,7 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
     """
     large, solver = work.large, work.large_solver
     work.largest = max(work.largest, work.islands.start[i + 1] - work.islands.start[i])
-    if len(work.white) == 0:
+    if len(work.white) == 0 or lacks_room(solver.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_island(work, i)
     begin_with_remembered(work, last)
@@ -129,36 +130,50 @@ def solve_islands(work: Workspace, t: float, tolerance: float, warm: bool, last:
 
 
 @kernel
-def shorten_forces(work: Workspace) -> None:
-    """Of all contact forces in ``work.p`` with the same effect the least ones."""
+def shorten_forces(work: Workspace) -> bool:
+    """Of all contact forces in ``work.p`` with the same effect the least ones, once a step.
+
+    False where ``work.large_solver.apart`` needs more room first: the next call goes on with that island.
+    """
     islands = work.islands
-    for i in range(islands.count):
-        n = islands.start[i + 1] - islands.start[i]
-        if is_large(work, i):
-            shorten_large(work, i)
-            continue
-        if n < 2:
-            continue
-        if islands.count > 1:
-            pose_island(work, i)
-        m, n_joint = n + work.problem.n_tangents, work.n_joint
-        for r in range(m):
-            work.bias[r] = work.p[n_joint + work.part[r]]
-        least_forces(work.problem, work.solver, work.bias)
-        for r in range(m):
-            work.p[n_joint + work.part[r]] = work.bias[r]
+    while islands.shortened < islands.count:
+        if is_large(work, islands.shortened):
+            if not shorten_large(work, islands.shortened):
+                return False
+        else:
+            shorten_dense(work, islands.shortened)
+        islands.shortened += 1
+    return True
 
 
 @kernel
-def shorten_large(work: Workspace, i: int) -> None:
+def shorten_dense(work: Workspace, i: int) -> None:
+    """The same of island i as one dense problem."""
+    islands, n_joint = work.islands, work.n_joint
+    n = islands.start[i + 1] - islands.start[i]
+    if n < 2:
+        return
+    if islands.count > 1:
+        pose_island(work, i)
+    m = n + work.problem.n_tangents
+    for r in range(m):
+        work.bias[r] = work.p[n_joint + work.part[r]]
+    least_forces(work.problem, work.solver, work.bias)
+    for r in range(m):
+        work.p[n_joint + work.part[r]] = work.bias[r]
+
+
+@kernel
+def shorten_large(work: Workspace, i: int) -> bool:
     """The same of island i in the velocities of its bodies, not solved again; what was not solved stays as it is.
 
-    The residual that the next step looks back to stays; a pattern made here may change its rounding.
+    The residual that the next step looks back to stays. False where there is no room.
     """
-    solver = work.large_solver
+    solver, room = work.large_solver, True
     if len(work.white) > 0:
         strict, residual = solver.strict, solver.residual
         describe_island(work, i)
         if take_impulses(work.large, solver):
-            least_impulses(work.large, solver)
+            room = least_impulses(work.large, solver) != ROOM
         solver.strict, solver.residual = strict, residual
+    return room

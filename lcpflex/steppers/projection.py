@@ -137,9 +137,10 @@ def lift_island(work: Workspace, i: int, q: FloatArray) -> bool:
 def lift_large_island(work: Workspace, i: int, m: int, q: FloatArray) -> bool:
     """Lift the m contacts ``work.closed`` of a large island, its joints held: without friction, in place of impulses.
 
-    The right-hand side and the impulses of the step come back.
+    The right-hand side and the impulses of the step come back, and the residual that the next step looks back to.
     """
-    large, aside, first = work.large, work.aside, work.n_joint
+    large, solver, aside, first = work.large, work.large_solver, work.aside, work.n_joint
+    strict, residual = solver.strict, solver.residual
     describe_island(work, i)
     for c in range(m):
         large.normal_row[c] = large.normal_row[work.closed[c]]
@@ -151,11 +152,15 @@ def lift_large_island(work: Workspace, i: int, m: int, q: FloatArray) -> bool:
         work.p[row] = 0.0
         work.free[row] = work.drift[r] if r < m else 0.0
         if r < m:
+            aside[r, 2] = work.terms[row - first]
             work.terms[row - first] = 0.0
-    solved = solve_large(large, work.large_solver) != ROOM  # as far as it goes: the rest is for the next step
+    solved = solve_large(large, solver) != ROOM  # as far as it goes: the rest is for the next step
     for r in range(m + large.n_joints):
         row = large.normal_row[r] if r < m else large.joint_row[r - m]
         if solved:
             apply_impulses(work.solved, work.row_body, row, row + 1, work.p, work.dof, q)
         work.p[row], work.free[row] = aside[r, 0], aside[r, 1]
+        if r < m:
+            work.terms[row - first] = aside[r, 2]
+    solver.strict, solver.residual = strict, residual
     return solved

@@ -29,6 +29,7 @@ from lcpflex.steppers.recorder import Recorder
 
 __all__ = [
     "NEVER",
+    "NO_FACTOR",
     "begin_part",
     "begin_trial",
     "end_step",
@@ -41,6 +42,7 @@ __all__ = [
 ]
 
 NEVER = 2.0  # share of a step
+NO_FACTOR = -1
 
 
 @leaf
@@ -54,7 +56,10 @@ def take_step(model: Model, scheme: Any, t: float, work: Workspace, recorder: Re
 
 @leaf
 def record(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
-    """Store the present instant; returns the entries that the contact table of the recorder must hold."""
+    """Store the present instant; returns the entries that the contact table of the recorder must hold, or NO_FACTOR.
+
+    Then the memory ``work.large_solver.apart`` is to be widened first.
+    """
     raise NotImplementedError
 
 

@@ -30,6 +30,7 @@ class RunStatus(IntEnum):
     GROW = 2
     GROW_TAPE = 3
     EVENTS_FULL = 4
+    GROW_FACTOR = 18  # of the forces of large islands that are stored
     # the run has something to do before the loop goes on
     PASSED = 5  # a body may have passed through another one
     CALM = 6  # raised thresholds are to be lowered

@@ -30,6 +30,7 @@ from lcpflex.steppers.clock import ALONE, FRESH, LONG, SECOND, StepClock
 from lcpflex.steppers.pace import Pace, stopped_note
 from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import (
+    NO_FACTOR,
     begin_part,
     begin_trial,
     end_step,
@@ -55,6 +56,8 @@ def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work:
         if not has_room(work, recorder):
             return RunStatus.TAPE_FULL
         clock.number = record(model, scheme, clock.time, work, recorder)
+        if clock.number == NO_FACTOR:
+            return RunStatus.GROW_FACTOR
         if clock.number > len(recorder.table.key):
             return RunStatus.GROW_TAPE
         clock.due = math.inf if ended else clock.time + limits.interval

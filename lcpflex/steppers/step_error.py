@@ -97,7 +97,7 @@ class Advancing(Protocol):
 
 def carried(work: Workspace) -> tuple[np.ndarray[Any, Any], ...]:
     """What a step takes over from the one before; all else is written anew in each."""
-    held = (work.held_key, work.held_gap, work.span, numbers_of(work), numbers_of(work.problem))
+    held = (work.held_key, work.held_gap, work.recalled, work.span, numbers_of(work), numbers_of(work.problem))
     return (*held, numbers_of(work.islands), *carried_over(work.solver, work.remembered))
 
 

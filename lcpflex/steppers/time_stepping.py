@@ -10,6 +10,7 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts
+from lcpflex.solvers.contact.large.memory import widen
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.driver import Rescue, dense_limit, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
@@ -111,8 +112,15 @@ class TimeStepping:
         return self.work.table.law[: self.work.n_contacts]
 
     def make_room(self, contacts: int) -> None:
-        """Larger memory with the same content: for ``contacts``, and for the largest island so far."""
+        """Larger memory with the same content: for ``contacts``, and for the largest island so far.
+
+        Where a sparse factor alone lacks room, it gets that, and the step goes on at the island that asked for it.
+        """
         old = self.work
+        large = len(old.white) > 0 or old.largest <= old.dense_limit
+        if contacts <= len(old.table.key) and old.most <= len(old.problem.friction) and large:
+            widen(old.large_solver.factor)
+            return
         room, dense = grown(len(old.table.key), contacts), grown(len(old.problem.friction), old.most)
         dense = room if self.system.watch else dense  # who is told of problems is told of all
         work = self.work = self.system.workspace(room, before=old, dense=dense)
@@ -121,6 +129,7 @@ class TimeStepping:
         work.n_held = held
         work.held_key[:, :held] = old.held_key[:, :held]
         work.held_gap[:, :held] = old.held_gap[:, :held]
+        work.recalled[:] = old.recalled
         work.stopped, work.unsolved = old.stopped, old.unsolved
         work.span[:] = old.span
         work.doubtful[:] = old.doubtful
@@ -146,6 +155,9 @@ class TimeStepping:
 
     def trouble(self, status: int, number: int, time: float) -> str:
         """Why a loop that returned ``status`` cannot go on at ``time`` [s]; empty where it can after all."""
+        if status == RunStatus.GROW_FACTOR:
+            widen(self.work.large_solver.apart)
+            return ""
         words = self.support.trouble(status, number, self.scheme, self.work)
         if words:
             return words

@@ -15,7 +15,7 @@ from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.contact_forces_history import update_history
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.impulse import answer_joints, pose
+from lcpflex.dynamics.impulse import answer_joints, pose, recall_joints
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.islands import unfinished
 from lcpflex.dynamics.joint_reactions import begin_reached, note_step, spread_reached, strike
@@ -48,7 +48,7 @@ from lcpflex.steppers.recorder import (
     store_contacts,
     store_state,
 )
-from lcpflex.steppers.scheme import end_step, record, take_step
+from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, take_step
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["MoreauJeanScheme", "record_impulses"]
@@ -202,6 +202,7 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     q, u, h = scheme.q, scheme.u, scheme.step
     theta = scheme.theta  # numbers of structs are read again behind each store: not in loops over coordinates
     answer_joints(work)
+    recall_joints(work)
     total = work.n_joint + work.n_contacts + work.n_tangents
     apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, work.free_u)
     audit(model, scheme, t, work, recorder)
@@ -227,7 +228,8 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
 def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
-    shorten_forces(work)
+    if not shorten_forces(work):
+        return NO_FACTOR
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):
         return needed

@@ -11,28 +11,33 @@ from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.solvers.contact.large.memory import LargeMemory, SparseFactor
 from lcpflex.solvers.semidefinite import dot
 
-__all__ = ["factorise", "has_room", "solve"]
+__all__ = ["factorise", "has_room", "lacks_room", "solve"]
 
 WEAK = 1e-14  # of the largest entry of its front: a pivot below it ends the factor
 
 
 @kernel
-def has_room(memory: LargeMemory) -> bool:
-    """Whether the numbers of the factor fit; what is wanting else, to ``memory.room_values`` and so on."""
-    factor = memory.factor
+def has_room(factor: SparseFactor) -> bool:
+    """Whether the numbers of the factor fit; what is wanting else, to ``room_values`` and so on."""
     widest = factor.widest * factor.widest
     fits = factor.entries <= len(factor.values) and factor.highest <= len(factor.stack) and widest <= len(factor.front)
     if not fits:
-        memory.room_values = factor.entries + factor.entries // 4
-        memory.room_stack = factor.highest + factor.highest // 4
-        memory.room_front = widest + widest // 4
+        factor.room_values = factor.entries + factor.entries // 4
+        factor.room_stack = factor.highest + factor.highest // 4
+        factor.room_front = widest + widest // 4
     return bool(fits)
 
 
 @kernel
-def factorise(memory: LargeMemory) -> bool:
-    """LU factor of I + J^T C J; False where a pivot is too small."""
-    factor = memory.factor
+def lacks_room(factor: SparseFactor) -> bool:
+    """Whether something was wanting since the memory was made."""
+    lacks = factor.room_pool > len(factor.pool) or factor.room_values > len(factor.values)
+    return bool(lacks or factor.room_stack > len(factor.stack) or factor.room_front > len(factor.front))
+
+
+@kernel
+def factorise(memory: LargeMemory, factor: SparseFactor) -> bool:
+    """LU factor of I + J^T C J in the pattern of ``factor``; False where a pivot is too small."""
     values, front = factor.values, factor.front
     height, count = 0, 0
     sizes = factor.following
@@ -197,9 +202,9 @@ def update_rest(front: FloatArray, width: int, start: int, panel: int) -> None:
 
 
 @kernel
-def solve(memory: LargeMemory, x: FloatArray) -> None:
+def solve(memory: LargeMemory, factor: SparseFactor, x: FloatArray) -> None:
     """x <- H^-1 x in place."""
-    factor, pos = memory.factor, memory.pos
+    pos = memory.pos
     order, size, pool, values, swap = factor.order, factor.size, factor.pool, factor.values, factor.swap
     z = factor.gathered
     start = int(0 * factor.n_nodes)  # a literal would have dot compiled once more

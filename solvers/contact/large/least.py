@@ -23,6 +23,8 @@ from lcpflex.solvers.contact.large.memory import FRICTIONAL, NORMAL, BodyContact
 from lcpflex.solvers.contact.large.newton import BACK, FORTH, OPEN, STICKING
 from lcpflex.solvers.contact.large.ordering import make_pattern
 from lcpflex.solvers.contact.large.packing import add_impulses, unpack, velocities
+from lcpflex.solvers.contact.large.solving import ROOM
+from lcpflex.solvers.status import ITERATION_LIMIT, SOLVED
 
 __all__ = ["least_impulses"]
 
@@ -112,12 +114,12 @@ def next_multipliers(memory: LargeMemory, delta: float, free: float, goal: float
     for _ in range(STEPS):
         if size <= goal:
             break
-        if not factorise(memory):
+        if not factorise(memory, memory.apart):
             return False
         slope = 0.0
         for i in range(n):
             step[i] = -rest[i]
-        solve(memory, step)
+        solve(memory, memory.apart, step)
         for i in range(n):
             slope += delta * rest[i] * step[i]
         length, before = 1.0, size
@@ -139,14 +141,18 @@ def next_multipliers(memory: LargeMemory, delta: float, free: float, goal: float
 
 
 @kernel
-def least_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
-    """Replace the impulses p that were just found by the least of the same effect; whether that was done.
+def least_impulses(problem: BodyContacts, memory: LargeMemory) -> int:
+    """Replace the impulses p that were just found by the least of the same effect; SOLVED, ITERATION_LIMIT or ROOM.
 
-    Right after ``solve_large`` of the same problem, and where there is room for the factor. Impulses whose effect
-    differs, so that the residual would be larger and above the tolerance, are not taken.
+    Right after ``solve_large`` of the same problem. Impulses whose effect differs, so that the residual would be larger
+    and above the tolerance, are not taken. After ROOM, which ``memory.apart`` lacks, p is as it was. The pattern is one
+    of its own, of these contacts alone: neither do later steps depend on it, nor does it depend on earlier ones.
     """
-    if memory.n_units < 2 or not make_pattern(memory) or not has_room(memory):
-        return False
+    if memory.n_units < 2:
+        return ITERATION_LIMIT
+    memory.apart.known = 0
+    if not make_pattern(memory, memory.apart) or not has_room(memory.apart):
+        return ROOM
     residual, factors = judge(memory, memory.best), memory.factors
     read_states(memory, residual)
     mean, effect = 0.0, 0.0
@@ -169,11 +175,11 @@ def least_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
         delta = max(0.1 * delta, LEAST * mean)
     memory.factors = factors
     if not found or squares(memory, memory.q) > before:
-        return False
+        return ITERATION_LIMIT
     for k in range(memory.n_units):
         memory.best[k, 0], memory.best[k, 1] = memory.q[k, 0], memory.q[k, 1]
     unpack(problem, memory, memory.best)
-    return True
+    return SOLVED
 
 
 @kernel

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.jit.struct import allocate, array, copy_parts, struct
+from lcpflex.jit.struct import allocate, array, copy_parts, put_array, struct
 
 __all__ = [
     "FRICTIONAL",
@@ -15,6 +17,7 @@ __all__ = [
     "SparseFactor",
     "grown",
     "large_memory",
+    "widen",
 ]
 
 NORMAL, FRICTIONAL, JOINT_ROW, HINGE = 0, 1, 2, 3  # kinds of units: contacts, and one or two joint rows
@@ -61,6 +64,10 @@ class SparseFactor:
     widest: int  # unknowns of the largest front
     highest: int  # numbers on the stack
     work: float  # operations of one factor
+    room_pool: int  # how much is wanting, where something is too small
+    room_values: int
+    room_front: int
+    room_stack: int
     body: IntArray = array("bodies")  # bodies of the scene
     size: IntArray = array("bodies")  # unknowns of each
     near: IntArray = array("links")  # neighbours of each body while the order is sought
@@ -113,10 +120,6 @@ class LargeMemory:
     allowed: int  # factors that the limits come to
     sweeps: int
     route: int  # how the answer was found, see lcpflex.solvers.contact.large.solving
-    room_pool: int  # how much is wanting, where the status is ROOM
-    room_values: int
-    room_front: int
-    room_stack: int
     # the problem in units
     n_units: int
     n_bodies: int
@@ -159,6 +162,7 @@ class LargeMemory:
     good_point: FloatArray = array("unknowns")
     terms: FloatArray = array("unknowns")
     factor: SparseFactor
+    apart: SparseFactor  # of what is only recorded: the patterns that steps find must not depend on it
 
 
 STARTING = {"pool": 8, "values": 200, "front": 400, "stack": 400}  # numbers a body to begin with
@@ -177,8 +181,8 @@ def large_memory(scene_bodies: int, contacts: int, joints: int, bodies: int, wid
         "links": 2 * units,
         **{name: each * bodies for name, each in STARTING.items()},
     }
-    factor = allocate(SparseFactor, sizes)
-    memory = allocate(LargeMemory, sizes, factor=factor)
+    apart = allocate(SparseFactor, sizes | dict.fromkeys(STARTING, 0))
+    memory = allocate(LargeMemory, sizes, factor=allocate(SparseFactor, sizes), apart=apart)
     memory.local[:] = -1
     memory.tolerance, memory.factor_limit, memory.sweep_limit = 1e-8, 600, 1000
     memory.operation_limit = 4e9
@@ -187,22 +191,34 @@ def large_memory(scene_bodies: int, contacts: int, joints: int, bodies: int, wid
 
 def grown(memory: LargeMemory, more: dict[str, int]) -> LargeMemory:
     """Another memory, with what this one knows and wants, and room for ``more`` units, bodies and so on."""
-    own = memory.factor
     sizes = {
         "scene": len(memory.local),
         "units": len(memory.kind),
-        "bodies": len(own.body),
+        "bodies": len(memory.factor.body),
         "width": memory.J.shape[3],
         "unknowns": len(memory.x),
-        "pool": max(len(own.pool), memory.room_pool),
-        "values": max(len(own.values), memory.room_values),
-        "front": max(len(own.front), memory.room_front),
-        "stack": max(len(own.stack), memory.room_stack),
     }
     sizes = {name: max(size, more.get(name, 0)) for name, size in sizes.items()}
     sizes |= {"offsets": sizes["bodies"] + 1, "links": 2 * sizes["units"]}
     sizes["unknowns"] = max(sizes["unknowns"], sizes["bodies"] * sizes["width"])
-    other = allocate(LargeMemory, sizes, factor=allocate(SparseFactor, sizes))
+    factor, apart = (
+        allocate(SparseFactor, sizes | {name: max(size, more.get(name, 0)) for name, size in _wanted(own).items()})
+        for own in (memory.factor, memory.apart)
+    )
+    other = allocate(LargeMemory, sizes, factor=factor, apart=apart)
     other.local[:] = -1
     copy_parts(memory, other)
     return other
+
+
+def _wanted(factor: SparseFactor) -> dict[str, int]:
+    """How many numbers each of its arrays that are too small at times is to hold."""
+    return {name: max(len(getattr(factor, name)), getattr(factor, f"room_{name}")) for name in STARTING}
+
+
+def widen(factor: SparseFactor) -> None:
+    """Room in place for what a factor lacks; its numbers, and a pattern that there was no room for, are made anew."""
+    for name, size in _wanted(factor).items():
+        kept = getattr(factor, name)
+        if size > len(kept):
+            put_array(factor, name, np.zeros(size, kept.dtype))

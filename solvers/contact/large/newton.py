@@ -177,12 +177,12 @@ def solve_inner(memory: LargeMemory, eps: float, residual: float, limit: int, fr
             if memory.factors >= limit:
                 return -1
             linearise(memory, eps)
-            if not factorise(memory):
+            if not factorise(memory, memory.factor):
                 return 0
             fresh = False
         for i in range(n):
             step[i] = -rest[i]
-        solve(memory, step)
+        solve(memory, memory.factor, step)
         cost, slope, length = memory.cost, 0.0, 1.0
         for i in range(n):
             slope += rest[i] * step[i]

@@ -18,12 +18,11 @@ WASTE = 0.15  # of a front that may be zero where two are joined
 
 
 @kernel
-def make_pattern(memory: LargeMemory) -> bool:
-    """The pattern of the factor for the pairs of bodies of all units; False where ``pool`` is too small.
+def make_pattern(memory: LargeMemory, factor: SparseFactor) -> bool:
+    """The pattern of ``factor`` for the pairs of bodies of all units; False where ``pool`` is too small.
 
     A pattern that is known and holds all pairs is kept, unless half of them are gone.
     """
-    factor = memory.factor
     pairs = list_neighbours(memory, factor)
     if keeps(memory, factor, pairs):
         hand_units(memory, factor)
@@ -33,7 +32,7 @@ def make_pattern(memory: LargeMemory) -> bool:
         factor.size[b] = memory.pos[b + 1] - memory.pos[b]
     factor.n_bodies = memory.n_bodies
     if not eliminate(factor):
-        memory.room_pool = 2 * len(factor.pool) + memory.n_units
+        factor.room_pool = 2 * len(factor.pool) + memory.n_units
         return False
     put_children_first(factor)
     join_nodes(factor)

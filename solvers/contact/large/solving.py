@@ -133,7 +133,7 @@ def find(memory: LargeMemory) -> int:
         return AT_ONCE
     if sweep_and_look(memory, SWEEPS, False):
         return SWEPT
-    if not make_pattern(memory) or not has_room(memory):
+    if not make_pattern(memory, memory.factor) or not has_room(memory.factor):
         return ROOM
     bound_factors(memory)
     if newton(memory, 1e-6, 6) and (is_exact(memory) or memory.worst <= 2.0 * memory.usual * memory.load):
@@ -178,7 +178,7 @@ def take_impulses(problem: BodyContacts, memory: LargeMemory) -> bool:
 def solve_large(problem: BodyContacts, memory: LargeMemory) -> int:
     """Solve a large contact problem from the impulses p, which are replaced; SOLVED, ITERATION_LIMIT or ROOM.
 
-    After ROOM nothing is changed but what is wanting in ``memory``.
+    After ROOM nothing is changed but what is wanting in ``memory.factor``.
     """
     memory.factors, memory.sweeps = 0, 0
     memory.usual = memory.strict if memory.tolerance < memory.strict <= USUAL else 0.0

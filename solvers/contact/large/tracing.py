@@ -65,7 +65,7 @@ def direction(memory: LargeMemory) -> None:
     for i in range(memory.n_unknowns):
         step[i] = 0.0
     add_impulses(memory, 1.0, push, step)
-    solve(memory, step)
+    solve(memory, memory.factor, step)
     velocities(memory, added, step, memory.slope)  # added + J dx: less 2 added is dy/dt
     for k in range(memory.n_units):
         memory.slope[k, 0] -= 2.0 * added[k, 0]
@@ -143,7 +143,7 @@ def trace(memory: LargeMemory, eps: float, limit: int) -> bool:
     limit += memory.factors
     while memory.factors < limit:
         linearise(memory, eps)
-        if not factorise(memory):
+        if not factorise(memory, memory.factor):
             return False
         for _ in range(2):  # what was lost on the way
             size = impulses_in_states(memory, t, point, eps)
@@ -151,7 +151,7 @@ def trace(memory: LargeMemory, eps: float, limit: int) -> bool:
                 break
             for i in range(n):
                 step[i] = -rest[i]
-            solve(memory, step)
+            solve(memory, memory.factor, step)
             for i in range(n):
                 point[i] += step[i]
         size = impulses_in_states(memory, t, point, eps)

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
+from lcpflex.gallery.mechanisms.piles import brick_wall
 from lcpflex.gallery.mechanisms.rigid import stack
+from lcpflex.steppers.projection import lift_large_island
 
 WEIGHT = 9.81
 WORDS = "islands of many contacts were not solved"
@@ -218,3 +220,57 @@ def test_forces_of_a_large_island_are_the_least() -> None:
         law = result.contact_names.index(name)
         corners = points.force[last & (points.contact == law), 0]
         assert corners == pytest.approx(np.full(len(corners), corners.mean() if len(corners) else 0.0), rel=1e-5)
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(1e-3), lf.GeneralizedAlpha(1e-3)], ids=["mj", "ga"])
+def test_neither_motion_nor_forces_depend_on_which_instants_are_stored(stepper: Any) -> None:
+    """To the bit: least forces are sought in a pattern of their own, in memory of their own, and once."""
+    duration = 0.06 if isinstance(stepper, lf.MoreauJean) else 0.01
+    scene = brick_wall(5, 3, speed=3.0)
+    often, seldom = (lf.simulate(scene, duration, stepper, record=each, progress=False) for each in (1e-3, 5e-3))
+    assert often.size.max() > 3 * 60
+    assert np.array_equal(often.q[::5], seldom.q)
+    assert np.array_equal(often.u[::5], seldom.u)
+    assert often.contact_names == seldom.contact_names
+    assert np.array_equal(often.force[::5], seldom.force)
+
+
+def started(scene: lf.Scene, steps: int) -> Any:
+    run: Any = lf.MoreauJean(1e-3).start(scene.compiled().system(), 1.0, 1.0)
+    assert run.make(steps) == ""
+    return run
+
+
+def test_what_was_posed_stays_as_it_was_while_sunk_contacts_are_lifted() -> None:
+    work = started(stack(boxes=15), 3).method.stepping.work
+    assert work.n_contacts > 50
+    kept = [np.array(values) for values in (work.terms, work.free, work.p)]
+    work.closed[:2], work.drift[:2] = (0, 5), -1e-6
+    moved = np.zeros(len(work.free_u))
+    assert lift_large_island(work, 0, 2, moved)
+    assert np.abs(moved).max() > 1e-7
+    for values, before in zip((work.terms, work.free, work.p), kept, strict=True):
+        assert np.array_equal(values, before)
+    assert work.terms[: work.n_contacts].min() > 0.0
+
+
+def test_joints_of_a_large_island_begin_with_the_impulses_of_the_step_before() -> None:
+    """Boxes welded in pairs carry each other: at rest nothing is left to be solved."""
+    scene = lf.Scene(gravity=(0.0, -WEIGHT))
+    below: Any = scene.ground
+    for k in range(24):
+        box = scene.add(lf.Box(width=0.2, height=0.1, mass=1.0), name=f"box {k}", position=(0.0, 0.05 + 0.1 * k))
+        if k % 2:
+            scene.join(lf.Weld(below.at(0.0, 0.05), box.at(0.0, -0.05), name=f"weld {k}"))
+        else:
+            under = below.surface() if k else scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+            scene.contact(under, box.surface(), friction=0.5)
+        below = box
+    run = started(scene, 2)
+    work = run.method.stepping.work
+    assert work.n_contacts > work.dense_limit
+    for _ in range(5):
+        assert run.make(1) == ""
+        assert (work.large_solver.factors, work.large_solver.sweeps) == (0, 0)
+        assert work.large_solver.residual <= 1e-9
+    assert np.abs(run.method.stepping.scheme.u).max() < 1e-9
