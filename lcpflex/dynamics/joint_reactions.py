@@ -104,7 +104,10 @@ def strike(work: Workspace, k: int, reactions: Reactions) -> None:
 
 @kernel
 def spread_reached(work: Workspace, reactions: Reactions) -> None:
-    """From the marked bodies to those connected to them, and on to held ones, which pass impulses to the ground."""
+    """From the marked bodies to those connected to them, and on to held ones, which pass impulses to the ground.
+
+    That is through joints, and through contacts that press: what strikes a pile strikes what the pile stands on.
+    """
     held, reached, row_body = work.islands.held, reactions.reached, work.row_body
     for b in range(len(reached)):
         if held[b] == 0 and reached[root(work.islands.parent, b)] == 1:
@@ -112,10 +115,15 @@ def spread_reached(work: Workspace, reactions: Reactions) -> None:
     more = True
     while more:
         more = False
-        for r in range(work.n_joint):
+        for r in range(work.n_joint + work.n_contacts):
+            touches = r >= work.n_joint
+            if touches and not work.p[r] > 0.0:
+                continue
             for i in range(2):
                 a, b = row_body[r, i], row_body[r, 1 - i]
-                if a >= 0 and b >= 0 and reached[a] == 1 and reached[b] == 0 and held[b] == 1:
+                if a < 0 or b < 0 or (touches and held[a] == 1):
+                    continue
+                if reached[a] == 1 and reached[b] == 0 and held[b] == 1:
                     reached[b] = 1
                     more = True
 

@@ -31,9 +31,9 @@ class JointReaction:
 
     ``EventDriven`` and ``Smooth`` tell the force at the instant. Time-stepping schemes tell the mean since the instant
     before, weighted by time: ``MoreauJean`` of the impulses of its steps, ``GeneralizedAlpha`` and ``MasslessBoundary``
-    of the forces at both ends of each. Impacts have impulses but no force: the impulses of a step of Moreau-Jean with an
-    impact among the bodies that contacts and joints connect to those of the joint (with what all other forces do in
-    that step) and those of the impacts of the other steppers are in ``impulse`` alone.
+    of the forces at both ends of each. Impacts have impulses but no force: the impulses of a step of Moreau-Jean with
+    an impact among the bodies that contacts and joints connect to those of the joint (with what all other forces do
+    in that step) and those of the impacts of the other steppers are in ``impulse`` alone.
 
     Attributes
     ----------

@@ -11,6 +11,7 @@ from typing import Any
 from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
+from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.contact_forces import elastic_energy
 from lcpflex.dynamics.contact_forces_friction import add_balanced_forces, compare_friction, forces_after
 from lcpflex.dynamics.contact_forces_history import update_history
@@ -185,7 +186,10 @@ def struck(model: Model, scheme: MoreauJeanScheme, work: Workspace, reactions: R
 
 @kernel
 def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, k: int) -> bool:
-    """Whether contact k carries, and approached faster than forces let it within two steps: then it was an impact."""
+    """Whether contact k carries, and approached faster than forces let it within two steps: then it was an impact.
+
+    Not where it stayed closed over the step before: what it approaches by is then the turn of its normal.
+    """
     r = work.n_joint + k
     if not work.p[r] > 0.0:
         return False
@@ -193,7 +197,9 @@ def closes_with_impact(model: Model, scheme: MoreauJeanScheme, work: Workspace, 
     free = work.effect[k]
     if abs(before) > scheme.velocity_threshold:
         free -= model.contacts.restitution[work.table.law[k]] * before
-    return bool(-before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k])
+    if not -before > 2.0 * abs(free - before) + SLOWER * scheme.tolerance * work.terms[k]:
+        return False
+    return bool(entry_of(work.held_key[0], work.n_held, work.table.key[k], 0) < 0)
 
 
 @kernel
