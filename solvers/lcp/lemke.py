@@ -366,14 +366,8 @@ class Lemke:
             basis[:n] = guess.active == 1
             solves, residual = block_pivots(M, q, n, z, table, basis, REPAIRS)
             if solves > 0 and residual <= self.tolerance:
-                return accept(
-                    problem,
-                    z,
-                    tolerance=self.tolerance,
-                    iterations=solves,
-                    route=BASIS,
-                    active=basis[:n].copy(),
-                )
+                active = basis[:n].copy()
+                return accept(problem, z, tolerance=self.tolerance, iterations=solves, route=BASIS, active=active)
             route = f"{BASIS} (failed) > lemke"
         limit = pivot_budget(n) if self.pivot_limit is None else self.pivot_limit
         (code, pivots, residual), cut = grown(
@@ -386,6 +380,8 @@ class Lemke:
             (code, pivots), cut = grown(
                 lambda most: lemke(M, q, n, z, table, basis, most), limit, n, lambda found: found[0] != SOLVED
             )
+            if z[basis[:n] == 0].any():  # a last repair that made the point worse has left its basis
+                basis[:n] = z > 0.0
         status = Status.SOLVED if residual <= GOOD or code == SOLVED else Status.TIME_LIMIT if cut else Status(code)
         return accept(
             problem,

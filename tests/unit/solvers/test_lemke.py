@@ -8,6 +8,7 @@ import pytest
 from lcpflex.errors import ModelError
 from lcpflex.solvers import ContactProblem, Lcp, Lemke, Status
 from lcpflex.solvers.lcp.lemke import lemke, lemke_workspace
+from tests.piles import heap, moving
 
 
 def box_on_floor(contacts: int, friction: float, velocity: tuple[float, float, float]) -> ContactProblem:
@@ -131,3 +132,14 @@ def test_basis_of_a_similar_problem_saves_the_pivots():
     assert warm.route == "basis of the guess"
     assert warm.iterations < cold.iterations
     assert warm.z == pytest.approx(cold.z, abs=1e-10)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_the_basis_is_that_of_the_point(seed):
+    """Where a last repair makes a point worse that is good enough, the basis of the repair is not told as its own."""
+    J, free, mu = moving(heap(2, 3, friction=1e4, ratio=1e3, seed=seed), 0.5, seed)
+    found = Lemke().solve(ContactProblem((J @ J.T).toarray(), free, mu))
+    assert found.solved
+    assert 1e-12 < found.residual
+    assert not found.z[found.active == 0].any()
+    assert found.z[found.active == 1].any()
