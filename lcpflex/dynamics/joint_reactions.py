@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.islands import connect_bodies, root
 from lcpflex.dynamics.least_reactions import take_least
 from lcpflex.dynamics.reaction_memory import Reactions, reaction
@@ -22,6 +23,8 @@ from lcpflex.model.arrays import Model
 
 __all__ = [
     "begin_reached",
+    "compare_reactions",
+    "keep_reactions",
     "note_ahead",
     "note_ends",
     "note_impulses",
@@ -31,6 +34,9 @@ __all__ = [
     "spread_reached",
     "strike",
 ]
+
+
+SHARED = 1e-6  # of the largest reaction: a change that is no rounding
 
 
 @kernel
@@ -126,6 +132,31 @@ def spread_reached(work: Workspace, reactions: Reactions) -> None:
                 if reached[a] == 1 and reached[b] == 0 and held[b] == 1:
                     reached[b] = 1
                     more = True
+
+
+@kernel
+def keep_reactions(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """Those to the contact forces ``work.p``, which are about to give way to others with the same motion."""
+    for joint in range(len(reactions.change)):
+        force = reaction(model, work, joint, work.p)
+        for i in range(3):
+            reactions.change[joint, i] = force[i]
+
+
+@kernel
+def compare_reactions(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """Which joints carry a load together with contacts: other contact forces with the same motion change theirs."""
+    answer_joints(work)
+    largest = 0.0
+    for joint in range(len(reactions.change)):
+        was = reactions.change[joint]
+        largest = max(largest, abs(was[0]) + abs(was[1]) + abs(was[2]) / reactions.size)
+    for joint in range(len(reactions.change)):
+        x, y, moment = reaction(model, work, joint, work.p)
+        was = reactions.change[joint]
+        change = abs(x - was[0]) + abs(y - was[1]) + abs(moment - was[2]) / reactions.size
+        if change > SHARED * largest:
+            reactions.shared[joint] = 1
 
 
 @kernel

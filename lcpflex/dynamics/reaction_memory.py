@@ -31,6 +31,7 @@ class Reactions:
     mean: FloatArray = array("joints", 3)  # scratch
     change: FloatArray = array("joints", 3)  # scratch
     unique: IntArray = array("joints")  # scratch: 1 where the motion determines the reaction
+    shared: IntArray = array("joints")  # 1: contacts may take a part of the reaction; until the instant is stored
     reached: IntArray = array("bodies")  # scratch: 1 where impulses of an impact of the present step pass
     owner: IntArray  # (rows,) joint that each row belongs to
     rows: FloatArray = array("rows")  # scratch

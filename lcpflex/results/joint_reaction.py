@@ -53,7 +53,9 @@ class JointReaction:
     unique
         (m,) whether the motion determines the reaction. Redundant joints share their load in many ways with the same
         motion; here it is the one of the least norm, sum of |F|^2 + (M / L)^2 over all joints, L the extent of the
-        largest body; the largest ones are then those of that.
+        largest body; the largest ones are then those of that. Contacts may share a load with joints, too, as under a
+        chain that lies on a rough floor: the reaction then is in balance with the impulses of the contacts, and is
+        marked where the least contact forces, which are stored, would change it.
     """
 
     name: str
@@ -69,7 +71,7 @@ class JointReaction:
     def __str__(self) -> str:
         force, moment = (float(np.nanmax(values, initial=0.0)) for values in (self.largest_force, self.largest_moment))
         text = f"{self.name}: at most {force:.4g} N and {moment:.4g} N m"
-        return text if self.unique.all() else f"{text}, of redundant joints those of the least norm"
+        return text if self.unique.all() else f"{text}, not determined by the motion"
 
 
 def joint_reaction(result: Result, joint: str) -> JointReaction:

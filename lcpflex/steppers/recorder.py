@@ -279,7 +279,8 @@ def store_reactions(model: Model, work: Workspace, recorder: Recorder) -> None:
             reactions.peak[joint, 1] = abs(mean[2])
         recorder.joint_peak[row, joint, 0] = math.sqrt(reactions.peak[joint, 0])
         recorder.joint_peak[row, joint, 1] = reactions.peak[joint, 1]
-        recorder.joint_unique[row, joint] = reactions.unique[joint]
+        recorder.joint_unique[row, joint] = reactions.unique[joint] * (1 - reactions.shared[joint])
+        reactions.shared[joint] = 0
         reactions.peak[joint, 0] = 0.0
         reactions.peak[joint, 1] = 0.0
 

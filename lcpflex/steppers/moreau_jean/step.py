@@ -19,7 +19,14 @@ from lcpflex.dynamics.delassus import apply_impulses, row_velocity
 from lcpflex.dynamics.impulse import answer_joints, pose, recall_joints
 from lcpflex.dynamics.inertia import stiffened
 from lcpflex.dynamics.islands import unfinished
-from lcpflex.dynamics.joint_reactions import begin_reached, note_step, spread_reached, strike
+from lcpflex.dynamics.joint_reactions import (
+    begin_reached,
+    compare_reactions,
+    keep_reactions,
+    note_step,
+    spread_reached,
+    strike,
+)
 from lcpflex.dynamics.mechanics import (
     contact_biases,
     factorise,
@@ -234,7 +241,13 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
 def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
-    if not shorten_forces(work):
+    loaded = work.n_contacts > 0 and len(recorder.reactions.peak) > 0
+    if loaded:
+        keep_reactions(model, work, recorder.reactions)
+    done = shorten_forces(work)
+    if loaded:
+        compare_reactions(model, work, recorder.reactions)
+    if not done:
         return NO_FACTOR
     needed = store_contacts(model, q, recorder)
     if needed > len(recorder.table.key):

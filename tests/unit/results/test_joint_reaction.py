@@ -73,3 +73,39 @@ def test_a_run_that_goes_on(tmp_path: Path) -> None:
     whole = lf.simulate(pendulum(), 0.1, lf.MoreauJean(1e-3), record=0.007, progress=False, checkpoint=path, every=1e-9)
     again = lf.resume(path)
     assert np.array_equal(again.reaction("hinge").force, whole.reaction("hinge").force, equal_nan=True)
+
+
+def lying(links: int, friction: float) -> lf.Result:
+    """A chain dropped flat on a floor, at rest after some steps."""
+    scene = lf.Scene()
+    floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
+    placed = [scene.add(lf.Box(0.08, 0.04, mass=1.0 + k % 3), position=(0.1 * k, 0.022)) for k in range(links)]
+    for k, link in enumerate(placed):
+        scene.contact(link.surface(), floor, friction=friction, name=f"floor {k}")
+        if k:
+            scene.join(lf.Revolute(placed[k - 1].at(0.05, 0.0), link.at(-0.05, 0.0), name=f"hinge {k}"))
+    return lf.simulate(scene, 0.05, lf.MoreauJean(1e-3), record=1e-3, progress=False)
+
+
+@pytest.mark.parametrize(("links", "friction"), [(3, 0.5), (5, 0.0), (14, 0.5), (14, 0.0)])
+def test_what_contacts_may_share_is_marked(links: int, friction: float) -> None:
+    """Each link stands by itself, or hangs on its hinges with less on the floor: many forces with one motion."""
+    result = lying(links, friction)
+    forces = np.array([result.reaction(f"hinge {k}").force[-1] for k in range(1, links)])
+    balance = np.diff(np.vstack([np.zeros(2), forces, np.zeros(2)]), axis=0)[:, 1]  # of the hinges at each link
+    masses = np.array([1.0 + k % 3 for k in range(links)])
+    carried = masses * (9.81 + np.diff(result.u[-2:, 1::3], axis=0)[0] / 1e-3)
+    pressed = np.diff(result.impulse[-2:, :, 0], axis=0)[0] / 1e-3
+    assert pressed + balance == pytest.approx(carried, abs=1e-9)  # by the impulses
+    assert result.force[-1, :, 0] != pytest.approx(pressed, abs=1e-3)  # not by the least forces, which are others
+    assert not any(result.reaction(f"hinge {k}").unique[-1] for k in range(1, links))
+
+
+def test_what_no_contact_shares_is_not_marked() -> None:
+    """A lever on one support."""
+    scene = lf.Scene()
+    bar = scene.add(lf.RigidBody(mass=3.0, inertia=0.25), "bar", position=(0.5, 0.0))
+    scene.join(lf.Revolute(bar.at(-0.5, 0), scene.ground.at(0, 0), name="hinge"))
+    scene.contact(bar.node(0.3, 0.0), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="stop")
+    result = lf.simulate(scene, 0.02, lf.MoreauJean(1e-3), progress=False)
+    assert result.reaction("hinge").unique.all()
