@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK
+from lcpflex.results.contact_windows import CLOSED, INSTANTS, ContactWindow, windows_of
 
 __all__ = ["CLOSED", "ContactHistory", "ContactPoints", "Event", "untouched"]
 
 StateArray = NDArray[np.int8]
-
-
-CLOSED = 1e-9  # gaps up to this count as touching where no force is known, as at the start [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +64,14 @@ class ContactHistory:
     pairs: IntArray  # (m,) pairs of touching points that carry a normal force
     first_event: float  # [s] first event that names the contact; infinite if there is none
     crept: float = 0.0  # [m] path of slip while creeping
+    events: tuple[Event, ...] = ()  # those that name the contact, in order of time
+    located: str = INSTANTS  # by what touches are, see :class:`lcpflex.results.contact_windows.ContactWindow`
+    told_of_steps: bool = True  # whether an instant tells of the step before it, as under time stepping
+    noise: float = 0.0  # [N s] impulses in an interval up to this are no touch: what solving equations leaves
+
+    def windows(self) -> tuple[ContactWindow, ...]:
+        """Each touch: begin, end, peak force, impulse, and the shares of it that stuck and slipped."""
+        return windows_of(self)
 
     @property
     def first_touch(self) -> float | None:

@@ -9,6 +9,10 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
+from lcpflex.kinematics.relative import ALONG, ANGLE, DISTANCE
+from lcpflex.results.orientation import body_angle
+from lcpflex.results.places import material_shapes, trajectory, turned
+from lcpflex.results.stored_instants import tells_of_steps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +31,8 @@ class JointReaction:
 
         lambda cdot = F.(rdot_P - rdot_Q) + M (alphadot_P - alphadot_Q)    where Q is at the place of P.
 
-    The moment of a ``DrivenAngle`` is the torque of the drive, the force of a ``DrivenDisplacement`` is along its axis.
+    The moment of a ``DrivenAngle`` is the torque of the drive, the force of a ``DrivenDisplacement`` is along its axis;
+    ``drive`` is lambda of what a joint drives, with the power lambda f'(t).
 
     ``EventDriven`` and ``Smooth`` tell the force at the instant. Time-stepping schemes tell the mean since the instant
     before, weighted by time: ``MoreauJean`` of the impulses of its steps, ``GeneralizedAlpha`` and ``MasslessBoundary``
@@ -42,7 +47,7 @@ class JointReaction:
     times
         (m,) stored instants [s].
     force
-        (m, 2) F [N], world axes; NaN where no step tells of a force, as at the start of Moreau-Jean, and where each
+        (m, 2) F [N], in ``axes``; NaN where no step tells of a force, as at the start of Moreau-Jean, and where each
         one since the instant before had an impact.
     moment
         (m,) M [N m], counter-clockwise.
@@ -56,6 +61,12 @@ class JointReaction:
         largest body; the largest ones are then those of that. Contacts may share a load with joints, too, as under a
         chain that lies on a rough floor: the reaction then is in balance with the impulses of the contacts, and is
         marked where the least contact forces, which are stored, would change it.
+    axes
+        "world", or the name of the body in whose frame, as it is turned at the instant, vectors are given: the impulse
+        is the sum of those in world axes. A mean since the instant before is turned by the mean of both angles.
+    drive
+        (m,) torque [N m] or force [N] of a drive along the coordinate c = f(t) that it prescribes, positive where it
+        pushes c up; None for joints without a motion. NaN as ``force`` is.
     """
 
     name: str
@@ -67,6 +78,8 @@ class JointReaction:
     impulse: FloatArray
     angular_impulse: FloatArray
     unique: NDArray[np.bool_]
+    axes: str = "world"
+    drive: FloatArray | None = None
 
     def __str__(self) -> str:
         force, moment = (float(np.nanmax(values, initial=0.0)) for values in (self.largest_force, self.largest_moment))
@@ -74,7 +87,7 @@ class JointReaction:
         return text if self.unique.all() else f"{text}, not determined by the motion"
 
 
-def joint_reaction(result: Result, joint: str) -> JointReaction:
+def joint_reaction(result: Result, joint: str, axes: str = "world") -> JointReaction:
     """That of one joint of a result. Raises ModelError where there is none."""
     stored = result.joint_force, result.joint_peak, result.joint_impulse, result.joint_unique
     force, peak, impulse, unique = stored
@@ -88,17 +101,77 @@ def joint_reaction(result: Result, joint: str) -> JointReaction:
     if force is None or peak is None or impulse is None or unique is None:
         raise ModelError("reaction: this result was saved by a version that recorded none; expected a newer one")
     k = names.index(joint)
+    axes, angle = _frame(result, k, axes)
     return JointReaction(
-        joint,
-        result.times,
-        force[:, k, :2],
-        force[:, k, 2],
-        peak[:, k, 0],
-        peak[:, k, 1],
-        impulse[:, k, :2],
-        impulse[:, k, 2],
-        unique[:, k] == 1,
+        name=joint,
+        times=result.times,
+        force=turned(-_mean(result, angle), force[:, k, :2]),
+        moment=force[:, k, 2],
+        largest_force=peak[:, k, 0],
+        largest_moment=peak[:, k, 1],
+        impulse=turned(-angle, impulse[:, k, :2]),
+        angular_impulse=impulse[:, k, 2],
+        unique=unique[:, k] == 1,
+        axes=axes,
+        drive=_drive(result, k, force[:, k]),
     )
+
+
+def _frame(result: Result, joint: int, axes: str) -> tuple[str, FloatArray]:
+    """Name of the frame that ``axes`` asks for, and its angle (m,) [rad]; that of the ground is the world."""
+    assert result.compiled is not None
+    bodies, model = result.compiled.layout.bodies, result.compiled.model
+    if not isinstance(axes, str) or axes not in ("world", "body", *bodies):
+        raise ModelError(f"axes: no frame {absent(axes, ('world', 'body', *bodies))}")
+    if axes == "body":
+        b = int(model.points.body[model.joints.point[joint, 0]])
+        axes = bodies[b] if b >= 0 else "world"
+    elif axes == "world":
+        return axes, np.zeros(len(result.times))
+    return axes, body_angle(result, axes) if axes in bodies else np.zeros(len(result.times))
+
+
+def _mean(result: Result, angle: FloatArray) -> FloatArray:
+    """Angle to which a stored force belongs: at the instant, or of a mean since the instant before."""
+    if not tells_of_steps(result):
+        return angle
+    return np.concatenate([angle[:1], 0.5 * (angle[:-1] + angle[1:])])
+
+
+def _drive(result: Result, joint: int, stored: FloatArray) -> FloatArray | None:
+    """lambda of the row with a motion, from the stored (F_x, F_y, M): of a force F = lambda g with |g| = 1, g.F."""
+    assert result.compiled is not None
+    model, layout = result.compiled.model, result.compiled.layout
+    rows = np.arange(model.joints.row[joint], model.joints.row[joint + 1])
+    driven = rows[model.joints.signal[rows] >= 0]
+    if len(driven) != 1:
+        return None
+    kind = int(model.joints.kind[driven[0]])
+    if np.count_nonzero((model.joints.kind[rows] == ANGLE) == (kind == ANGLE)) > 1:
+        return None  # other rows add to what is stored
+    if kind == ANGLE:
+        return stored[:, 2]
+    force = stored[:, :2]
+    axis = model.joints.axis[driven[0]]
+    p, q = (int(point) for point in model.joints.point[joint])
+    if kind == DISTANCE:
+        direction = _path(result, p) - _path(result, q)
+    elif kind == ALONG and (b := int(model.points.body[q])) >= 0:
+        direction = turned(_mean(result, body_angle(result, layout.bodies[b])), np.asarray(axis))
+    else:
+        direction = np.broadcast_to(axis, force.shape)
+    # the only force of the joint: its direction tells the sign, and that of the material may differ by a bending
+    return np.asarray(np.sign(np.einsum("ki,ki->k", force, direction)) * np.hypot(force[:, 0], force[:, 1]))
+
+
+def _path(result: Result, point: int) -> FloatArray:
+    """r_P over the stored instants (m, 2) [m]."""
+    assert result.compiled is not None
+    model = result.compiled.model
+    b, place = int(model.points.body[point]), model.points.place[point]
+    if b < 0:
+        return np.broadcast_to(place, (len(result.times), 2))
+    return trajectory(model, result.q, b, place, material_shapes(model, np.array([point]))[0])
 
 
 def reaction_columns(result: Result) -> dict[str, Any]:

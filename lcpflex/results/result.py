@@ -21,11 +21,14 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.results.archive import read, write
 from lcpflex.results.charts import plot
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
+from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction, reaction_columns
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
+from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
+from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 from lcpflex.results.summary import summary
 
 if TYPE_CHECKING:
@@ -42,6 +45,7 @@ __all__ = [
     "STICK",
     "ContactHistory",
     "ContactPoints",
+    "ContactWindow",
     "Event",
     "JointReaction",
     "ModalCoordinates",
@@ -103,6 +107,7 @@ class Result:
     joint_peak: FloatArray | None = None  # (m, nj, 2) largest |F| [N] and |M| [N m] since the previous instant
     joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]
     joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
+    stored: str = INSTANTS  # "steps" where record=0 asked for all of them
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -143,19 +148,32 @@ class Result:
         if not isinstance(name, str) or name not in self.contact_names:
             raise ModelError(f"name: no contact {absent(name, self.contact_names)}")
         k = self.contact_names.index(name)
-        first = min((event.time for event in self.events if event.contact == name), default=float("inf"))
+        events = tuple(event for event in self.events if event.contact == name)
+        first = min((event.time for event in events), default=float("inf"))
         pressed = (self.contact_points.contact == k) & (self.contact_points.force[:, 0] > 0.0)
         pairs = np.bincount(self.contact_points.record[pressed], minlength=len(self.times))
         force, impulse, state, gap = self.force[:, k], self.impulse[:, k], self.state[:, k], self.gap[:, k]
         crept = self.crept[k] if self.crept else 0.0
-        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept)
+        noise = impulse_noise(self) * float(np.abs(impulse).max(initial=0.0))
+        how = located(self, name), tells_of_steps(self), noise
+        return ContactHistory(name, self.times, force, impulse, state, gap, pairs, first, crept, events, *how)
 
-    def reaction(self, joint: str) -> JointReaction:
+    def reaction(self, joint: str, axes: str = "world") -> JointReaction:
         """Force and moment of a joint or drive over the stored instants: see :class:`JointReaction`.
 
-        joint: its name. Raises ModelError for one that is not there, and where reactions were not recorded.
+        joint: its name. axes: "world", "body" (the frame of the body that the reaction acts on, that of the first point
+        of the joint) or the name of any body, in whose frame it is given. Raises ModelError for names that are not
+        there, and where reactions were not recorded.
         """
-        return joint_reaction(self, joint)
+        return joint_reaction(self, joint, axes)
+
+    def angle(self, body: str, relative_to: str | None = None) -> FloatArray:
+        """Angle of the frame of a body, counter-clockwise, (m,) [rad]; without jumps: whole turns count.
+
+        body: its name. relative_to: that of another body, the angle of which is subtracted; of the ground if omitted.
+        Raises ModelError for a body that is not there, and for a system of the user's own.
+        """
+        return body_angle(self, body, relative_to)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.

@@ -19,6 +19,7 @@ from lcpflex.checks.resolution import unresolved
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
+from lcpflex.results.contact_windows import INSTANTS, STEPS
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import ContactPoints, Event, Result
@@ -289,6 +290,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         compile_time=timing[1],
         stepper=repr(stepper),
         duration=options.duration,
+        stored=INSTANTS if options.interval > 0.0 else STEPS,
         compiled=compiled,
         contact_names=names,
         compliant=run.records.compliant,

@@ -219,6 +219,7 @@ def run_faces() -> list[Face]:
         ("draw", {"t": 0.0}),
         ("save", {"path": "unused.npz"}),
         ("modes_of", {"body": "disc"}),
+        ("angle", {"body": "disc", "relative_to": "box"}),
         ("animate", {"path": "film.gif", "fps": 1.0, "slowdown": 100.0}),
     ]
     settled = lf.Scene(gravity=(0.0, 0.0))
@@ -243,7 +244,7 @@ def run_faces() -> list[Face]:
         Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
-        Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge"}, jointed_result),
+        Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
         Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
         *(
             Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)
