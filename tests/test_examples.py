@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import pytest
 
 from lcpflex import Result
+from tests.examples import EXAMPLES, example
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
 STUDIES = (
     "ball_on_rod",
     "claw",
@@ -42,13 +41,9 @@ def test_there_are_examples() -> None:
     [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in STUDIES)) for path in EXAMPLES],
 )
 def test_example(path: Path, tmp_path: Path) -> None:
-    specification = importlib.util.spec_from_file_location(path.stem, path)
-    assert specification is not None
-    assert specification.loader is not None
-    example = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(example)
-    assert example.__doc__
-    result = example.run(tmp_path)
+    module = example(path.stem)
+    assert module.__doc__
+    result = module.run(tmp_path)
     assert isinstance(result, Result)
     assert result.complete
     assert (tmp_path / f"{path.stem}.png").stat().st_size > 10_000

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -14,6 +11,7 @@ import pytest
 import lcpflex as lf
 from lcpflex import gallery
 from lcpflex.studies import Outcome
+from tests.examples import example
 from tests.scenes import disc_on_floor
 
 STIFFNESS = 1e6  # [N/m]
@@ -60,21 +58,10 @@ def test_stiff_modes_with_explicit_steps(loud: Any) -> None:
         assert result.impulse[-1, 0, 0] == pytest.approx(200.0, rel=0.02)
 
 
-@pytest.fixture(scope="module")
-def example() -> ModuleType:
-    path = Path(__file__).parents[2] / "examples" / "where_methods_fail.py"
-    specification = importlib.util.spec_from_file_location(path.stem, path)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
-
-
 @pytest.mark.parametrize("elements", [20, 40, 80])
-def test_newmarks_rule_with_contact(example: ModuleType, elements: int) -> None:
+def test_newmarks_rule_with_contact(elements: int) -> None:
     """Trapezoidal rule, contact on positions: gains energy at a short step; ours keep it at steps 100 times longer."""
-    verdict = example.newmark(step=1e-4, elements=elements)
+    verdict = example("where_methods_fail").newmark(step=1e-4, elements=elements)
     assert verdict.outcome in (Outcome.GAINING, Outcome.DIVERGED)
     assert "energy grew" in verdict.message
     for stepper in (lf.GeneralizedAlpha(step=1e-2), lf.MoreauJean(step=1e-2)):
