@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+    from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
     from lcpflex.force_laws.contact_law import ContactLaw
@@ -130,6 +131,7 @@ __all__ = [
     "SolidOfRevolution",
     "SolverError",
     "Spring",
+    "StateMechanics",
     "StepError",
     "Stiff",
     "Stiffening",

@@ -18,6 +18,7 @@ STUDIES = (
     "four_strikers",
     "hopper_and_silo",
     "many_laws",
+    "own_method",
     "pendulum_strikes_rod",
     "penalty_against_complementarity",
     "residual_modes",

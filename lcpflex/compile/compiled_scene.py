@@ -6,8 +6,11 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lcpflex.basics.lazy import attach
+from lcpflex.compile.state_arrays import mechanics_at
+from lcpflex.compile.state_mechanics import StateMechanics
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import Callback, Calls, Materials, State, supplier
@@ -67,6 +70,43 @@ class CompiledScene:
     def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
         """What Python functions of time and state are called with."""
         return State(time, q, u, self.model.bodies.dof, self.materials)
+
+    def at(
+        self,
+        q: npt.ArrayLike | None = None,
+        u: npt.ArrayLike | None = None,
+        t: float = 0.0,
+        *,
+        margin: float | None = None,
+        gap_tolerance: float | None = None,
+        velocity_threshold: float | None = None,
+    ) -> StateMechanics:
+        """Equations of motion, contacts, joints and index sets at one state, as arrays with names.
+
+        Nothing is projected: of a state that violates its joints, or in which bodies overlap, the arrays tell by how
+        much.
+
+        Parameters
+        ----------
+        q, u
+            Configuration and velocity (n,); those of the start if omitted.
+        t
+            Time [s], for loads and drives.
+        margin
+            Contacts with gaps up to this are told of [m]; 0.2 of the size of the largest body if omitted.
+        gap_tolerance
+            Gaps up to this are closed [m]; 1e-9 of that size, or rounding of places, if omitted.
+        velocity_threshold
+            Closed contacts neither approach nor separate up to this [m/s], and stick up to a thousandth of it;
+            if omitted as in ``EventDriven``, 1e-6 of a speed that is usual in the scene.
+
+        Raises
+        ------
+        ModelError
+            For numbers out of their range, arrays of another shape, a state so far out that a number is not finite,
+            a body bent or a contact with a force law compressed beyond its range, and a user's function that fails.
+        """
+        return mechanics_at(self, q, u, t, margin, gap_tolerance, velocity_threshold)
 
     def system(self) -> System:
         """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from lcpflex.dynamics.shortening import add_tangent, shortens
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
+__all__ = ["elastic_matrices", "held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
 
 
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
@@ -23,6 +24,31 @@ def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
         block = slice(dof[b], dof[b + 1])
         M[block, block] = _block(model.bodies, b, q[block])
     return M
+
+
+def elastic_matrices(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """K and C (ndof, ndof) of all bodies: second derivatives of their elastic energy at q, and their damping.
+
+    The energy is that of :mod:`lcpflex.dynamics.body_forces`, q^T K q / 2 where no axial force acts on bending.
+    """
+    bodies = model.bodies
+    n = int(bodies.dof[-1])
+    K, C = np.zeros((n, n)), np.zeros((n, n))
+    for b in range(len(bodies.dof) - 1):
+        block = slice(int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1]))
+        own = slice(block.start - N_RIGID * (b + 1), block.stop - N_RIGID * (b + 1))
+        k = block.stop - block.start
+        matrix = np.diag(bodies.stiffness[own])
+        if shortens(bodies, b):
+            added = np.zeros((k, k))
+            add_tangent(bodies, b, q[block].copy(), 1.0, True, added)
+            matrix += added
+        K[block, block] = matrix
+        C[block, block] = np.diag(bodies.damping[own])
+        start, end = bodies.cross_damping_start[b : b + 2]
+        if end > start:
+            C[block, block] += bodies.cross_damping[start:end].reshape(k, k)
+    return K, C
 
 
 def held_inverse(M: FloatArray, J: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.basics.renamed import renamed_property
+from lcpflex.compile.coordinates import coordinate_names
 from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.errors import ModelError, shown
 from lcpflex.force_laws.friction.creep import CREEP
@@ -34,7 +35,6 @@ from lcpflex.results.summary import summary
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from lcpflex.compile.compiled_scene import CompiledScene
 
@@ -270,11 +270,7 @@ class Result:
         """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""
         if self.compiled is None:
             return tuple(f"q {k + 1}" for k in range(self.q.shape[1]))
-        return tuple(
-            f"{body}.{part}"
-            for b, body in enumerate(self.compiled.layout.bodies)
-            for part in ("x", "y", "angle", *_mode_names(modal_coordinates(self.compiled, b).residual))
-        )
+        return coordinate_names(self.compiled.model.bodies, self.compiled.layout)
 
     def modes_of(self, body: str) -> ModalCoordinates:
         """What the modal coordinates of a body are: their columns in ``q``, free or residual, and their frequencies.
@@ -342,9 +338,3 @@ class Result:
                     phi = material_shapes(model, ends[k])
                     return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
         return None
-
-
-def _mode_names(residual: NDArray[np.bool_]) -> list[str]:
-    """Names of the modes of a body, free ones and residual ones counted apart."""
-    free = int(np.count_nonzero(~residual))
-    return [f"residual mode {k - free + 1}" if k >= free else f"mode {k + 1}" for k in range(len(residual))]

@@ -16,6 +16,7 @@ __all__ = ["INTERNAL", "OUTPUTS", "PLAIN", "SLOW", "faces"]
 OUTPUTS = {
     "Result",
     "Solution",
+    "StateMechanics",
     "Replay",
     "CrossCheck",
     "FidelityRun",

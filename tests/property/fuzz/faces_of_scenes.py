@@ -11,6 +11,7 @@ from typing import Any
 import scipy.io
 
 import lcpflex as lf
+from lcpflex.compile.compiled_scene import CompiledScene
 from tests.property.fuzz.face import (
     Face,
     bar,
@@ -181,6 +182,13 @@ def scene_faces() -> list[Face]:
             "Scene.with_bodies", lf.Scene.with_bodies, lambda: {"bodies": {"disc": lf.Disc(0.1, mass=2.0)}}, small_scene
         ),
         Face("Scene.compile", lf.Scene.compile, dict, small_scene),
+        Face("CompiledScene.at", CompiledScene.at, dict, lambda: small_scene().compile()),
+        Face(
+            "StateMechanics.contact_problem",
+            lf.StateMechanics.contact_problem,
+            lambda: {"level": "impulse"},
+            lambda: small_scene().compile().at(),
+        ),
         placed("point", name="center"),
         placed("at", x=0.0, y=0.0),
         placed("surface", name="outline"),
