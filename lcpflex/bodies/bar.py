@@ -21,6 +21,7 @@ from lcpflex.bodies.line_body import (
     contact_modes,
     line_mass,
     line_moments,
+    line_shapes,
 )
 from lcpflex.bodies.reduction.damping import (
     Damping,
@@ -133,6 +134,7 @@ class Bar:
                 line, places, lambda loads: len(self._modes(n, mass, loads).omega2) - n, residual
             ),
             statics=LineStatics(partial(self._whole, mass), self.length),
+            recovery=line_shapes(line, found, self.area, 0.0, self.lumped),
             fidelity_levels=ModeLevels(
                 self.elements, partial(self.reduce, residual_damping=residual_damping), places, damping, residual
             ),

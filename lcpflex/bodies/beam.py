@@ -20,6 +20,7 @@ from lcpflex.bodies.line_body import (
     coarser,
     contact_modes,
     line_moments,
+    line_shapes,
 )
 from lcpflex.bodies.reduction.beam_shortening import shortening_of, with_axial_loads
 from lcpflex.bodies.reduction.beam_stiffening import axis_of, bent_under_tension, spinning
@@ -143,7 +144,8 @@ class Beam:
         residual = len(found.omega2) - n
         inertia = mass * self.length**2 / 3.0
         a, coupling = _integrals(line, found, is_axial, inertia)
-        rigidity = self.youngs_modulus * self.width * self.thickness
+        area = self.width * self.thickness
+        rigidity = self.youngs_modulus * area
         return body_of_line(
             line,
             found,
@@ -154,7 +156,8 @@ class Beam:
             coupling=coupling,
             geometric=None if actual else spinning(line, found, stiffening),  # spin is in the actual force
             shortening=shortening_of(line, found, is_axial, rigidity) if actual else None,
-            axis=axis_of(line, found, stiffening, self.youngs_modulus * self.width * self.thickness**3 / 12.0),
+            axis=axis_of(line, found, stiffening, rigidity * self.thickness**2 / 12.0),
+            recovery=line_shapes(line, found, area, area * self.thickness**2 / 12.0),
             contact_modes=contact_modes(
                 line, places, lambda loads: len(self._modes(n, line, stiffening, loads)[0].omega2) - n, residual
             ),

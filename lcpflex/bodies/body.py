@@ -28,6 +28,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
 from lcpflex.model.planar import N_RIGID
+from lcpflex.model.recovery import Shapes
 
 __all__ = [
     "Body",
@@ -228,6 +229,7 @@ class Body:
     contact_modes : how many of these interfaces of contacts have added: what ``MasslessBoundary`` makes static
     statics : static compliance of the whole mesh, to compare with; None where it is not known
     axis : of a beam: what its axial force is compared with; None for other bodies
+    recovery : what its section forces or stresses are recovered from; None where they cannot be
     products : maps a displacement field d to (3 + n,) <[1_x, 1_y, J x, Phi]^T d>; None where the
         distribution of mass is not known (:meth:`project` needs it)
 
@@ -260,6 +262,7 @@ class Body:
     statics: Statics | None = field(default=None, repr=False)
     products: Callable[[Displacement], FloatArray] | None = field(default=None, repr=False)
     axis: Axis | None = field(default=None, repr=False)
+    recovery: Shapes | None = field(default=None, repr=False)
 
     ladder = renamed_property("ladder", "fidelity_levels")
 

@@ -80,7 +80,7 @@ class Continuum:
         speed = math.sqrt(self.youngs_modulus / self.density)
         if self.plane_strain:
             speed /= math.sqrt(1.0 - self.poissons_ratio**2)
-        solid = Solid(planar_mesh(self.mesh), self.density, lame, self.thickness)
+        solid = Solid(planar_mesh(self.mesh), self.density, lame, self.thickness, not self.plane_strain)
         object.__setattr__(self, "_finite_elements", finite_elements_of(solid, self.sets, speed))
 
     def finite_elements(self) -> FiniteElements:

@@ -17,6 +17,7 @@ from lcpflex.bodies.reduction.line_interfaces import LineLoads, line_loads
 from lcpflex.errors import in_range
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import frozen
+from lcpflex.model.recovery import LineShapes
 
 __all__ = [
     "FINE_ENOUGH",
@@ -27,6 +28,7 @@ __all__ = [
     "contact_modes",
     "line_mass",
     "line_moments",
+    "line_shapes",
 ]
 
 FINE_ENOUGH = 100  # elements of a line whose static compliance stands for that of a finer one
@@ -132,6 +134,14 @@ def body_of_line(line: Line, modes: LineModes, free: int, inertia: float, a: Flo
         residual_modes=n - free,
         **others,
     )
+
+
+def line_shapes(line: Line, modes: LineModes, area: float, second_moment: float, lumped: bool = False) -> LineShapes:
+    """What section forces are recovered from; ``second_moment``: 0 of a bar, which does not bend."""
+    return LineShapes(
+        line.length, line.mass, area, second_moment, line.thickness, lumped,
+        frozen(modes.stretch), frozen(modes.deflection), frozen(modes.rotation),
+    )  # fmt: skip
 
 
 def contact_modes(line: Line, interfaces: tuple[Interface, ...], count: Callable[[LineLoads], int], most: int) -> int:

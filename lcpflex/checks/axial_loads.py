@@ -24,7 +24,7 @@ from lcpflex.contact.near import near
 from lcpflex.contact.rows import contact_point, contact_rows
 from lcpflex.dynamics.applied_forces import TORQUE, applied_forces, stretch
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces
-from lcpflex.dynamics.inertia import arrow, factorise, solve_block
+from lcpflex.dynamics.inertia import arrow, factorise
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import pack
@@ -32,6 +32,7 @@ from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.kinematics.relative import coordinate_gradient, relative_motion
 from lcpflex.model.arrays import Axis, Loads, Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.results.acting_forces import accelerations
 from lcpflex.results.result import Result
 from lcpflex.results.stated_error import CLAMPED
 
@@ -302,12 +303,7 @@ class _Forces:
         return np.asarray(np.eye(J.shape[1])[self._stretching])
 
     def _solved(self, force: FloatArray) -> FloatArray:
-        """M^-1 times a force (ndof,)."""
-        out, dof = force.copy(), self._compiled.model.bodies.dof
-        for b in range(len(dof) - 1):
-            block = out[dof[b] : dof[b + 1]]
-            solve_block(self._model.bodies, self._arrow, b, block, block)
-        return out
+        return accelerations(self._model.bodies, self._arrow, force)
 
 
 def _stretching(compiled: CompiledScene, b: int) -> IntArray:

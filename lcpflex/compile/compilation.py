@@ -120,4 +120,5 @@ def compiled_parts(
         assembly.signals.functions,
         materials,
         missing_compliance(parts, touched),
+        recovery=tuple(body.recovery for body in parts.bodies),
     )

@@ -17,6 +17,7 @@ from lcpflex.dynamics.time_functions import Callback, Calls, Materials, State, s
 from lcpflex.force_laws.law import Law
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis, Model, refrozen
+from lcpflex.model.recovery import Shapes
 from lcpflex.steppers.system import System
 
 __all__ = ["CompiledScene", "Layout"]
@@ -62,6 +63,7 @@ class CompiledScene:
     materials: Materials | None = field(default=None, repr=False)  # of points of a scene that was reduced for this
     warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
     notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
+    recovery: tuple[Shapes | None, ...] = field(default=(), repr=False)  # of each body, what stresses come from
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its fields; see ``_compiled_again``."""

@@ -42,7 +42,7 @@ FORMAT = "lcpflex result 2"
 READ = ("lcpflex result 1", FORMAT)
 _HOMES = (  # of the value classes that a file may name
     "lcpflex.results.result", "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
-    "lcpflex.compile.compiled_scene", "lcpflex.model.arrays",
+    "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery",
 )  # fmt: skip
 
 Arrays = dict[str, npt.NDArray[Any]]

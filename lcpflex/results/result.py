@@ -19,6 +19,7 @@ from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
 from lcpflex.model.planar import N_RIGID
+from lcpflex.model.recovery import small_enough
 from lcpflex.results.archive import read, write
 from lcpflex.results.charts import plot
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
@@ -29,10 +30,12 @@ from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinate
 from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
+from lcpflex.results.section_forces import SectionForces, section_forces
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 from lcpflex.results.summary import summary
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -50,6 +53,7 @@ __all__ = [
     "JointReaction",
     "ModalCoordinates",
     "Result",
+    "SectionForces",
 ]
 
 
@@ -175,6 +179,14 @@ class Result:
         """
         return body_angle(self, body, relative_to)
 
+    def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces:
+        """Section forces N, V and M of a beam or bar over the stored instants: see :class:`SectionForces`.
+
+        body: its name. x: place of the section along the undeformed axis [m], or several; None for all nodes. Raises
+        ModelError for another body, a place off the axis, and a loaded result of a scene with Python functions of time.
+        """
+        return section_forces(self, body, x)
+
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.
 
@@ -230,7 +242,8 @@ class Result:
         """
         kept = self.compiled
         if kept is not None:
-            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=(None,) * len(kept.laws))
+            recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
+            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery)
         return write(replace(self, compiled=kept), path)
 
     @classmethod

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.basics.version import VERSION
+from lcpflex.model.recovery import small_enough
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze
 from lcpflex.scene.user_system import UserSystem
 
@@ -75,7 +76,8 @@ def scene_node(source: CompiledScene | UserSystem, arrays: Arrays) -> tuple[Any,
     except Unkept:
         laws = ()
         why = why or "a force law of the scene holds a Python function, which no file can hold"
-    kept = replace(source, callbacks=(), functions=(), materials=None, laws=laws)
+    recovery = small_enough(source.recovery)
+    kept = replace(source, callbacks=(), functions=(), materials=None, laws=laws, recovery=recovery)
     return freeze(kept, "scene", arrays), why
 
 

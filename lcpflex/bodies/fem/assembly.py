@@ -46,12 +46,14 @@ class Solid:
     density : [kg/m^3]
     lame : L and G [Pa]
     thickness : [m]; None for a solid of revolution about y = 0
+    plane_stress : whether there is no stress across the plane
     """
 
     mesh: PlanarMesh
     density: float
     lame: tuple[float, float]
     thickness: float | None
+    plane_stress: bool = False
 
 
 def lame_constants(youngs_modulus: float, poissons_ratio: float, plane_stress: bool) -> tuple[float, float]:

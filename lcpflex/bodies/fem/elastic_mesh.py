@@ -20,7 +20,7 @@ from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["finite_elements_of"]
+__all__ = ["bare_elements", "finite_elements_of"]
 
 LOCKED = 24.0  # L / G of a Poisson's ratio of 0.48: four linear elements across a bar bend at frequencies 17 % too high
 
@@ -56,6 +56,11 @@ def finite_elements_of(solid: Solid, sets: Mapping[str, Any], wave_speed: float)
     )
 
 
+def bare_elements(solid: Solid) -> FiniteElements:
+    """The free-free mesh without names, which knows what lies between its nodes; nothing is warned of again."""
+    return replace(_without_names(solid), locate=locator(solid.mesh, boundary_of(solid.mesh)))
+
+
 def _excess(solid: Solid, bare: FiniteElements, omega2: FloatArray, shapes: FloatArray) -> FloatArray:
     return excess_stiffness(solid, omega2, bare.nodal(shapes))
 
@@ -71,7 +76,7 @@ def _without_names(solid: Solid) -> FiniteElements:
     mass, stiffness = mass_matrix(solid), stiffness_matrix(solid)
     if len(dofs) < places.size:
         mass, stiffness = mass[dofs][:, dofs].tocsc(), stiffness[dofs][:, dofs].tocsc()
-    return FiniteElements(mass, stiffness, None, places, dofs, axisymmetric)
+    return FiniteElements(mass, stiffness, None, places, dofs, axisymmetric, solid=solid)
 
 
 def _dofs(places: FloatArray, axisymmetric: bool) -> IntArray:

@@ -14,6 +14,8 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
+    from lcpflex.bodies.fem.assembly import Solid
+
 __all__ = ["FiniteElements", "rigid_motions"]
 
 
@@ -37,6 +39,7 @@ class FiniteElements:
         function of that state; None where the elements are not known
     excess : omega2 (k,), modes (f, k) of it -> (k,) by how much they are stiffer than with better elements,
         omega^2 / omega_2^2 - 1 [-]; None where the elements are not known, or known to lock
+    solid : the elements and their material; None where they are not known
     finer : the next finer mesh of the same body, without names; None where the elements are not known
     """
 
@@ -54,6 +57,7 @@ class FiniteElements:
     resolution: Resolution | None = None
     excess: Callable[[FloatArray, FloatArray], FloatArray] | None = None
     finer: Callable[[], FiniteElements] | None = None
+    solid: Solid | None = None
 
     @property
     def rigid(self) -> FloatArray:

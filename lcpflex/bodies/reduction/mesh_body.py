@@ -21,10 +21,12 @@ import numpy as np
 from lcpflex.bodies.body import Body, Chain, Displacement, Lazily, MaterialPoint, Outline
 from lcpflex.bodies.fem.finite_elements import FiniteElements
 from lcpflex.bodies.fem.nodal_material import material_at_nodes, material_weights
+from lcpflex.bodies.fem.planar_mesh import KINDS
 from lcpflex.bodies.reduction.damping import Damping, sampled, signed, skew, vanish, with_residual
 from lcpflex.bodies.reduction.stiffening import Stiffening, stiffened_by_spin
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.recovery import MeshShapes
 
 __all__ = ["NO_RESIDUAL", "Residual", "body_of"]
 
@@ -86,8 +88,19 @@ def body_of(
         resolution=mesh.resolution,
         residual_modes=residual.modes,
         contact_modes=residual.of_contacts,
+        recovery=_recovery(mesh, nodal),
         products=partial(_products, mesh=mesh, weighed=weighed),
     )
+
+
+def _recovery(mesh: FiniteElements, nodal: FloatArray) -> MeshShapes | None:
+    solid = mesh.solid
+    if solid is None or not nodal.shape[2]:
+        return None
+    names = [name for name, kind in KINDS.items() if kind == solid.mesh.kind]
+    lame = (float(solid.lame[0]), float(solid.lame[1]))
+    at = (solid.mesh.places, solid.mesh.cells, solid.density, lame, solid.thickness, solid.plane_stress)
+    return MeshShapes(names[0], *at, nodal)
 
 
 def _planar_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[dict[str, Any], FloatArray]:

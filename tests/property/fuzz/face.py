@@ -84,6 +84,15 @@ def jointed_result() -> lf.Result:
     return lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3), progress=False)
 
 
+@cache
+def flexible_result() -> lf.Result:
+    """A short run of a flexible body."""
+    scene = lf.Scene(gravity=(0.0, -9.81))
+    bar = lf.Beam(length=1.0, width=0.02, thickness=0.02, density=7800.0, youngs_modulus=2e11, elements=4)
+    scene.add(bar, name="beam", modes=2)
+    return lf.simulate(scene, 0.003, lf.MoreauJean(step=1e-3), progress=False)
+
+
 def points() -> dict[str, Any]:
     scene = small_scene()
     return {"P": scene.body("disc").point("center"), "Q": scene.ground.at(0.0, 0.0)}

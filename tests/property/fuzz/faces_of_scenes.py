@@ -18,6 +18,7 @@ from tests.property.fuzz.face import (
     beam,
     body,
     continuum,
+    flexible_result,
     jointed_result,
     matrices,
     mesh,
@@ -253,6 +254,7 @@ def run_faces() -> list[Face]:
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
         Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
+        Face("Result.section", lf.Result.section, lambda: {"body": "beam"}, flexible_result),
         Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
         *(
             Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)
