@@ -37,12 +37,13 @@ def pendulum_at_stop(speed: float = 0.0, restitution: float = 0.5) -> lf.Scene:
     return scene
 
 
-def flexible_beam(speed: float = 0.5) -> lf.Scene:
-    """A beam with a weight hung from its end by a hinge, on two rough supports."""
+def flexible_beam(speed: float = 0.5, fall: float = 0.0) -> lf.Scene:
+    """A beam with a weight that swings from its end by a hinge, on two rough supports that it strikes at ``fall``."""
     scene = lf.Scene(gravity=(0.0, -9.81))
     strip = lf.Beam(length=1.0, width=0.03, thickness=0.006, density=7800.0, youngs_modulus=2.1e11)
-    beam = scene.add(strip, name="strip", modes=9, damping=0.01, velocity=(speed, 0.0))
-    weight = scene.add(lf.Box(0.04, 0.2, mass=0.3), "weight", position=(1.0, -0.1), velocity=(speed, 0.0))
+    beam = scene.add(strip, name="strip", modes=9, damping=0.01, velocity=(speed, -fall))
+    swing = {"velocity": (speed + 0.2, -fall), "angular_velocity": 2.0}
+    weight = scene.add(lf.Box(0.04, 0.2, mass=0.3), "weight", position=(1.0, -0.1), **swing)
     scene.join(lf.Revolute(weight.at(0.0, 0.1), beam.point("right"), name="hinge"))
     for x in (0.2, 0.7):
         support = scene.ground.circle((x, -0.023), 0.02)

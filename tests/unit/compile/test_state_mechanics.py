@@ -112,6 +112,31 @@ def test_what_sticks_bears_the_push() -> None:
         np.testing.assert_allclose(udot_of(at), [gained, 0.0, 0.0], atol=1e-12)
 
 
+def test_a_disc_on_a_hill_weighs_less_by_its_speed() -> None:
+    scene = lf.Scene(gravity=(0.0, -10.0))
+    disc = scene.add(lf.Disc(0.1, mass=2.0), "disc", position=(0.0, 1.1), velocity=(1.5, 0.0))
+    scene.contact(disc.surface(), scene.ground.circle((0.0, 0.0), 1.0), name="hill", friction=0.3)
+    at = scene.compile().at()
+    np.testing.assert_allclose(at.w_N, [1.5**2 / 1.1], rtol=1e-14)
+    normal, _ = forces_of(at.contact_problem())
+    np.testing.assert_allclose(normal, [2.0 * (10.0 - 1.5**2 / 1.1)], rtol=1e-13)
+    np.testing.assert_allclose(udot_of(at)[2], -0.3 * normal[0] * 0.1 / (0.5 * 2.0 * 0.1**2), rtol=1e-13)
+
+
+def test_an_impact_of_several_contacts_is_a_step_of_no_length() -> None:
+    scene = flexible_beam(fall=0.3)
+    at = scene.compile().at()
+    normal, tangential = forces_of(at.contact_problem("impulse"))
+    assert (normal > 0.0).all()
+    r, n = at.J.shape
+    whole = np.block([[at.M, at.J.T], [at.J, np.zeros((r, r))]])
+    impulses = at.M @ at.u + at.W_N[:, at.C] @ normal + at.W_T[:, at.C] @ tangential
+    after = np.linalg.solve(whole, np.concatenate([impulses, -at.phi_t]))[:n]
+    np.testing.assert_allclose(at.W_N.T @ after, -0.4 * at.gap_rates, rtol=1e-11)
+    step = lf.simulate(scene, 1e-10, lf.MoreauJean(step=1e-10), record=1e-10).u[1]
+    np.testing.assert_allclose(after, step, atol=1e-6 * np.abs(step).max())
+
+
 def test_without_contacts_and_joints_there_is_an_empty_problem() -> None:
     scene = lf.Scene(gravity=(0.0, -10.0))
     scene.add(lf.Disc(0.1, mass=2.0))
