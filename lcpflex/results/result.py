@@ -31,6 +31,7 @@ from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
 from lcpflex.results.section_forces import SectionForces, section_forces
+from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 from lcpflex.results.summary import summary
 
@@ -54,6 +55,7 @@ __all__ = [
     "ModalCoordinates",
     "Result",
     "SectionForces",
+    "StateAt",
 ]
 
 
@@ -111,7 +113,7 @@ class Result:
     joint_peak: FloatArray | None = None  # (m, nj, 2) largest |F| [N] and |M| [N m] since the previous instant
     joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]
     joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
-    stored: str = INSTANTS  # "steps" where record=0 asked for all of them
+    stored: str = INSTANTS  # "steps" where record=0 asked for all of them, "dense": with the middle of each
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -186,6 +188,18 @@ class Result:
         ModelError for another body, a place off the axis, and a loaded result of a scene with Python functions of time.
         """
         return section_forces(self, body, x)
+
+    def at(self, t: float, before: bool = False) -> StateAt:
+        """State q, u, contact and joint forces at any time t [s] of the run: see :class:`StateAt`.
+
+        t: from the first to the last of ``times``. before: at an instant that is stored twice, as ``EventDriven`` does
+        with those of impacts, the state before it instead of that behind it.
+
+        A motion without a velocity jump is interpolated by places and velocities; a jump in a step of a time-stepping
+        scheme is moved by its parts (:mod:`lcpflex.results.state_at`). ``record="dense"`` keeps all that this needs.
+        Raises ModelError for other times, and where what was stored does not tell the state.
+        """
+        return state_at(self, t, before)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.

@@ -10,7 +10,16 @@ from lcpflex.results.contact_windows import EVENTS, INSTANTS, STEPS
 if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
-__all__ = ["DENSE", "at_events", "each_step", "impulse_noise", "located", "tells_of_steps"]
+__all__ = [
+    "DENSE",
+    "at_events",
+    "contact_forces_are_means",
+    "each_step",
+    "impulse_noise",
+    "located",
+    "stored_as",
+    "tells_of_steps",
+]
 
 NOISE = 0.1  # of the relative tolerance of an implicit integrator: smaller shares of an impulse are noise
 DENSE = "dense"  # Result.stored beside INSTANTS and STEPS: three instants of each step
@@ -31,6 +40,13 @@ def tells_of_steps(result: Result) -> bool:
     return family(result) not in ("EventDriven", "Smooth")
 
 
+def stored_as(interval: float) -> str:
+    """``Result.stored`` of a run that was asked for this interval [s]: 0: each step; negative: the path of each."""
+    if interval > 0.0:
+        return INSTANTS
+    return DENSE if interval < 0.0 else STEPS
+
+
 def each_step(result: Result) -> bool:
     """Whether the end of each step is stored."""
     return result.stored != INSTANTS or (not at_events(result) and len(result.times) == result.steps + 1)
@@ -47,3 +63,8 @@ def impulse_noise(result: Result) -> float:
     """Share of the impulse of a contact that an interval without a touch may show: ``Stiff`` solves for it."""
     found = re.search(r"Stiff\(rtol=([0-9.e+-]+)", result.stepper)
     return NOISE * float(found.group(1)) if found else 0.0
+
+
+def contact_forces_are_means(result: Result) -> bool:
+    """Whether the force of a rigid contact at an instant is the impulse of the step before over its length."""
+    return family(result) == "MoreauJean"

@@ -9,6 +9,7 @@ from lcpflex.basics.arguments import flag, optional_flag
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import RecordProblems
+from lcpflex.results.stored_instants import DENSE
 
 __all__ = ["checked_request"]
 
@@ -40,11 +41,21 @@ def checked_request(
         raise ModelError(
             f"duration: {span:g} s was given, {span / step:.3g} steps of {step:g} s, expected at most {MOST_STEPS:g}"
         )
-    interval = span / INSTANTS if record is None else in_range("record", record, 0.0, math.inf)
-    interval = min(interval, span)  # beyond it, the first and the last instant are stored
+    interval = min(_interval(record, span, stepper), span)  # beyond it, the first and the last instant are stored
     if not isinstance(energy_growth, EnergyGrowth):
         known = ", ".join(f"EnergyGrowth.{one.name}" for one in EnergyGrowth)
         raise ModelError(f"energy_growth: {shown(energy_growth)} was given, expected one of {known}")
     if not (record_problems is None or isinstance(record_problems, RecordProblems)):
         raise ModelError(f"record_problems: {shown(record_problems)} was given, expected RecordProblems(path), or None")
     return span, interval, optional_flag("progress", progress), flag("project", project)
+
+
+def _interval(record: Any, span: float, stepper: Any) -> float:
+    """Time between stored instants [s]; 0: each step; negative: the path of each, which no other stepper can keep."""
+    if record is None:
+        return span / INSTANTS
+    if isinstance(record, str):
+        if record != DENSE:
+            raise ModelError(f"record: {shown(record)} was given, expected a number of seconds >= 0 or {DENSE!r}")
+        return -1.0 if getattr(stepper, "keeps_dense", False) else 0.0
+    return in_range("record", record, 0.0, math.inf)

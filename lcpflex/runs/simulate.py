@@ -19,11 +19,11 @@ from lcpflex.checks.resolution import unresolved
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import creeping, crept
-from lcpflex.results.contact_windows import INSTANTS, STEPS
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import ContactPoints, Event, Result
 from lcpflex.results.stated_error import stated_errors
+from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import started_from
 from lcpflex.runs.limits import Limits
@@ -49,7 +49,7 @@ def simulate(
     duration: float,
     stepper: Stepper,
     *,
-    record: float | None = None,
+    record: float | str | None = None,
     progress: bool | None = None,
     project: bool = False,
     energy_growth: EnergyGrowth = EnergyGrowth.WARN,
@@ -70,7 +70,8 @@ def simulate(
         ``MoreauJean(step)``, ``GeneralizedAlpha(step)``, ``EventDriven()``, ``MasslessBoundary()`` or ``Smooth(law)``,
         with its solver.
     record
-        Time between stored instants [s]; a thousandth of the duration by default, and never less than a step.
+        Time between stored instants [s]; a thousandth of the duration by default, and never less than a step; 0 stores
+        each step. "dense": all that :meth:`Result.at` needs, each step and with ``EventDriven`` its middle, too.
     progress
         Show a progress bar; by default on a terminal, once the run has lasted two seconds.
     project
@@ -290,7 +291,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         compile_time=timing[1],
         stepper=repr(stepper),
         duration=options.duration,
-        stored=INSTANTS if options.interval > 0.0 else STEPS,
+        stored=stored_as(options.interval),
         compiled=compiled,
         contact_names=names,
         compliant=run.records.compliant,

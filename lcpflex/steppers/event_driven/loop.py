@@ -104,6 +104,8 @@ def due(settings: EventSettings, memory: EventMemory) -> float:
     stored = memory.stored
     if settings.interval > 0.0:
         t = min(stored * settings.interval, settings.duration)
+    elif middle_due(settings, memory):
+        t = memory.time + 0.5 * memory.share * memory.step_taken
     else:
         t = end
     if stored < 0 or t > end + 1e-12 * settings.duration:
@@ -114,8 +116,17 @@ def due(settings: EventSettings, memory: EventMemory) -> float:
 
 
 @kernel
+def middle_due(settings: EventSettings, memory: EventMemory) -> bool:
+    """Whether the next instant is the middle of the step: all are kept, and those at the ends of steps are even."""
+    return settings.interval < 0.0 and memory.stored % 2 == 1
+
+
+@kernel
 def count_instant(settings: EventSettings, memory: EventMemory, t: float) -> bool:
     """Go on to the next instant; whether there may be more in this step."""
+    if middle_due(settings, memory):
+        memory.stored += 1
+        return True
     last = t >= settings.duration * (1.0 - 1e-12)
     memory.stored = -1 if last else memory.stored + 1
     return settings.interval > 0.0 and not last

@@ -41,7 +41,7 @@ class EventSettings(NamedTuple):
     """Numbers of the scheme, as the compiled loop takes them."""
 
     duration: float
-    interval: float
+    interval: float  # between stored instants [s]; 0: the end of each step; negative: its middle and its end
     rtol: float
     atol: FloatArray  # (ny,)
     max_step: float

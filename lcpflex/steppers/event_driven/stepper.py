@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.dynamics.impact_laws import KNOWN, ImpactLaw, Newton
@@ -299,6 +300,7 @@ class EventDriven:
     most_events: float | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
+    keeps_dense: ClassVar[bool] = True  # that a negative interval asks for the dense output, see ``start``
 
     def __post_init__(self) -> None:
         keep_number(self, "rtol", 0.0, math.inf, open_ends=True)
@@ -313,6 +315,8 @@ class EventDriven:
 
     def start(self, system: System, duration: float, interval: float) -> Run:
         """A run over ``duration`` [s] that stores an instant every ``interval`` [s], and before and after events.
+
+        0 stores the end of each step; a negative number its middle as well, which with the velocities tells its path.
 
         system: what a scene or a system of the user's own is compiled to.
         """

@@ -228,6 +228,7 @@ def run_faces() -> list[Face]:
         ("draw", {"t": 0.0}),
         ("save", {"path": "unused.npz"}),
         ("modes_of", {"body": "disc"}),
+        ("at", {"t": 0.0015, "before": True}),
         ("angle", {"body": "disc", "relative_to": "box"}),
         ("animate", {"path": "film.gif", "fps": 1.0, "slowdown": 100.0}),
     ]
