@@ -147,11 +147,14 @@ def list_bodies(work: Workspace) -> None:
 
 
 @kernel
-def begin_with_remembered(work: Workspace, last: bool) -> None:
-    """Impulses ``work.p`` of the large problem as in the last step, or none: of another problem."""
+def begin_with_remembered(work: Workspace, last: bool) -> int:
+    """Impulses ``work.p`` of the large problem as in the last step, or none: of another problem.
+
+    Returns how many of its contacts are remembered.
+    """
     large, known, n_joint = work.large, work.remembered, work.n_joint
     force = known.force[known.now]
-    guess = 0
+    guess, found = 0, 0
     for c in range(large.n_contacts):
         k = large.normal_row[c] - n_joint
         place = place_of(known, work.table.key[k], guess) if last else -1
@@ -159,8 +162,10 @@ def begin_with_remembered(work: Workspace, last: bool) -> None:
         if place >= 0:
             normal, tangential = force[place, 0], force[place, 1]
             guess = place + 1 if place + 1 < known.n else 0
+            found += 1
         work.p[large.normal_row[c]] = normal
         if large.tangent_row[c] >= 0:
             work.p[large.tangent_row[c]] = tangential
     for j in range(large.n_joints):
         work.p[large.joint_row[j]] = work.recalled[large.joint_row[j]] if last else 0.0
+    return found

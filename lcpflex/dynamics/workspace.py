@@ -80,6 +80,8 @@ class Workspace:
     dense_limit: int  # contacts of the largest island that is solved densely at once
     strict_large: int  # 1: a large island that is not solved is an error
     unsolved_large: int  # 1: it was an error
+    wants_start: int  # 1: a large island that nothing is remembered of was not solved: its start is to be sought
+    has_start: int  # 1: the present large island begins from ``p`` as it is
     unsolved: int  # large islands of the present step that were not solved to the tolerance
     aside: FloatArray = array("white", 3)  # impulses, right-hand sides and their terms kept while others are sought
     marked: IntArray = array("bodies")  # of the present large island

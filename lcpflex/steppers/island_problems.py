@@ -71,6 +71,8 @@ def tell_island(work: Workspace, i: int) -> None:
 def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, recorder: Recorder) -> int:
     """Impulses of the contacts of island i to ``work.p``; DONE, GROW, or SOLVER_FAILED where that is to be told.
 
+    GROW also where a start is to be sought, see :mod:`lcpflex.steppers.cold_islands`.
+
     Where they are not too many, and not found in this way, the dense problem has the last word. last: as of
     :func:`solve_islands`.
     """
@@ -79,7 +81,7 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
     if len(work.white) == 0 or lacks_room(solver.factor):  # the latter, where sunk contacts were to be lifted
         return RunStatus.GROW
     describe_island(work, i)
-    begin_with_remembered(work, last)
+    cold = work.has_start == 0 and begin_with_remembered(work, last) == 0 and last
     solver.tolerance = tolerance
     if work.lifted == 1:
         count_forces(work)
@@ -92,10 +94,14 @@ def solve_large_island(work: Workspace, i: int, tolerance: float, last: bool, re
         if large.n_contacts <= LAST_WORD:
             warm = last
             return solve_dense_island(work, i, tolerance, warm, last, recorder)
+        if cold and large.n_joints == 0:
+            work.wants_start = 1
+            return RunStatus.GROW
         if work.strict_large == 1 or work.on_sets == 1:
             work.unsolved_large = 1
             return RunStatus.SOLVER_FAILED
         work.unsolved += 1
+    work.has_start = 0
     note_large(work, status != SOLVED, recorder)
     tell_island(work, i)
     if last:

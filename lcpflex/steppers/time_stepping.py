@@ -12,6 +12,7 @@ from lcpflex.jit.kernel import IntArray
 from lcpflex.jit.struct import copy_parts
 from lcpflex.solvers.contact.large.memory import widen
 from lcpflex.solvers.problem import LcpSolver
+from lcpflex.steppers.cold_islands import give_start
 from lcpflex.steppers.driver import Rescue, dense_limit, solver_hooks, solver_method
 from lcpflex.steppers.law_run import begin_laws, law_trouble, law_warnings
 from lcpflex.steppers.options import CONTINUE, RAISE
@@ -114,9 +115,13 @@ class TimeStepping:
     def make_room(self, contacts: int) -> None:
         """Larger memory with the same content: for ``contacts``, and for the largest island so far.
 
-        Where a sparse factor alone lacks room, it gets that, and the step goes on at the island that asked for it.
+        Where a sparse factor alone lacks room, or an island wants a start, it gets that, and the step goes on at the
+        island that asked for it.
         """
         old = self.work
+        if old.wants_start:
+            give_start(old)
+            return
         large = len(old.white) > 0 or old.largest <= old.dense_limit
         if contacts <= len(old.table.key) and old.most <= len(old.problem.friction) and large:
             widen(old.large_solver.factor)

@@ -274,3 +274,14 @@ def test_joints_of_a_large_island_begin_with_the_impulses_of_the_step_before() -
         assert (work.large_solver.factors, work.large_solver.sweeps) == (0, 0)
         assert work.large_solver.residual <= 1e-9
     assert np.abs(run.method.stepping.scheme.u).max() < 1e-9
+
+
+@pytest.mark.parametrize("friction", [0.5, 0.0])
+def test_an_island_that_nothing_is_remembered_of_is_given_a_start(friction: float) -> None:
+    """A wall at rest whose forces the compiled solver does not find from nothing, with a factor or none."""
+    wall = brick_wall(courses=8, bricks=12, friction=friction)
+    result = lf.simulate(wall, 0.02, lf.MoreauJean(1e-3, budget=1, on_unsolved="raise"), progress=False)
+    assert result.size.max() > 2 * 128
+    assert result.strict.max() <= 1e-8
+    assert np.abs(result.q - result.q[0]).max() < 1e-9
+    assert on_floor(result) == pytest.approx(8 * 12 * WEIGHT, rel=1e-6)
