@@ -36,7 +36,7 @@ from tests.benchmarks.piles import (
 from tests.benchmarks.settling import laid_to_rest
 
 Report = Callable[[str], None]
-TURNS = 20  # of laying a heap to rest, at most: what is left of its speed is less than a step notices
+TURNS = 100  # of laying a heap to rest, at most: a thousand discs roll for long
 SETTLING, RESTING = 800, 2400  # steps after which heaps of 30 to 100 settle, and lie
 
 
