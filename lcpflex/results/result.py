@@ -33,6 +33,7 @@ from lcpflex.results.plot import animate, draw
 from lcpflex.results.section_forces import SectionForces, section_forces
 from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
+from lcpflex.results.stress_history import Stress, StressHistory, stress_history
 from lcpflex.results.summary import summary
 
 if TYPE_CHECKING:
@@ -56,6 +57,8 @@ __all__ = [
     "Result",
     "SectionForces",
     "StateAt",
+    "Stress",
+    "StressHistory",
 ]
 
 
@@ -200,6 +203,14 @@ class Result:
         Raises ModelError for other times, and where what was stored does not tell the state.
         """
         return state_at(self, t, before)
+
+    def stress(self, body: str, *, static: bool = True) -> StressHistory:
+        """Stresses of a flexible body over the stored instants, computed when asked for: see :class:`StressHistory`.
+
+        body: its name. static: with the static part of what its modes leave out; False for its modes alone. Raises
+        ModelError for a body without elements or modes, and as :meth:`section` does.
+        """
+        return stress_history(self, body, static)
 
     def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
         """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.

@@ -25,7 +25,15 @@ from lcpflex.jit.kernel import FloatArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
 
-__all__ = ["Solid", "geometric_stiffness", "lame_constants", "mass_matrix", "shape_functions", "stiffness_matrix"]
+__all__ = [
+    "Solid",
+    "geometric_stiffness",
+    "gradients_at",
+    "lame_constants",
+    "mass_matrix",
+    "shape_functions",
+    "stiffness_matrix",
+]
 
 ORDERS = {  # of the quadrature: (mass, stiffness), a curved or skew element included; 2 more about an axis
     "ElementTriP1": (2, 1),
@@ -69,6 +77,18 @@ def shape_functions(mesh: PlanarMesh, X: FloatArray) -> tuple[FloatArray, FloatA
     N = np.column_stack([np.broadcast_to(value, X.shape[1]) for value, _ in values])
     dN = np.stack([np.broadcast_to(slope, X.shape).T for _, slope in values], axis=1)
     return N, dN
+
+
+def gradients_at(solid: Solid, X: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Places (e, q, 2) [m], N (q, k) and its derivatives (e, q, k, 2) [1/m] at X (2, q) of the reference element."""
+    mesh = _mesh(solid)
+    element = getattr(libs.skfem, solid.mesh.kind.element)()
+    basis = libs.skfem.Basis(mesh, element, quadrature=(X, np.full(X.shape[1], 1.0 / X.shape[1])))
+    shape = (len(solid.mesh.cells), X.shape[1])
+    slopes = [np.broadcast_to(field.grad, (2, *shape)) for (field,) in basis.basis]
+    places = np.broadcast_to(np.asarray(basis.global_coordinates()), (2, *shape))
+    N, _ = shape_functions(solid.mesh, X)
+    return np.moveaxis(places, 0, -1), N, np.stack([np.moveaxis(one, 0, -1) for one in slopes], axis=2)
 
 
 def mass_matrix(solid: Solid) -> csc_matrix[Any]:
@@ -125,12 +145,18 @@ def geometric_stiffness(solid: Solid, displacements: FloatArray) -> csc_matrix[A
 def _basis(solid: Solid, purpose: int, vector: bool) -> Any:
     """The shape functions at the points of integration; refuses an element with a fold."""
     kind = solid.mesh.kind
-    mesh = getattr(libs.skfem, kind.mesh)(solid.mesh.places.T.copy(), solid.mesh.cells.T.copy(), sort_t=False)
+    mesh = _mesh(solid)
     element = getattr(libs.skfem, kind.element)()
     order = ORDERS[kind.element][purpose] + (2 if solid.thickness is None else 0)
     basis = libs.skfem.Basis(mesh, libs.skfem.ElementVector(element) if vector else element, intorder=order)
     _refuse_folds(solid.mesh, basis.mapping.detDF(basis.X))
     return basis
+
+
+def _mesh(solid: Solid) -> Any:
+    """The mesh as one of scikit-fem."""
+    kind = getattr(libs.skfem, solid.mesh.kind.mesh)
+    return kind(solid.mesh.places.T.copy(), solid.mesh.cells.T.copy(), sort_t=False)
 
 
 def _depth(solid: Solid, w: Any) -> Any:

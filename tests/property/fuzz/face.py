@@ -90,6 +90,8 @@ def flexible_result() -> lf.Result:
     scene = lf.Scene(gravity=(0.0, -9.81))
     bar = lf.Beam(length=1.0, width=0.02, thickness=0.02, density=7800.0, youngs_modulus=2e11, elements=4)
     scene.add(bar, name="beam", modes=2)
+    plate = lf.Continuum(lf.meshes.bar(1.0, 0.1, 3), density=7800.0, youngs_modulus=2e11, poissons_ratio=0.3)
+    scene.add(plate.reduce(2), name="plate", position=(0.0, 1.0))
     return lf.simulate(scene, 0.003, lf.MoreauJean(step=1e-3), progress=False)
 
 

@@ -12,6 +12,7 @@ import scipy.io
 
 import lcpflex as lf
 from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.results.stress_history import StressHistory
 from tests.property.fuzz.face import (
     Face,
     bar,
@@ -256,6 +257,8 @@ def run_faces() -> list[Face]:
         Face("resume", lf.resume, _resumed),
         Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
         Face("Result.section", lf.Result.section, lambda: {"body": "beam"}, flexible_result),
+        Face("Result.stress", lf.Result.stress, lambda: {"body": "plate"}, flexible_result),
+        Face("StressHistory.at", StressHistory.at, lambda: {"t": 0.0}, lambda: flexible_result().stress("plate")),
         Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
         *(
             Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)
