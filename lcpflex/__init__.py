@@ -76,6 +76,8 @@ if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lcp.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.statics.equilibrium import equilibrium
+    from lcpflex.statics.rest import Rest
     from lcpflex.steppers.adaptive import AdaptiveStep
     from lcpflex.steppers.event_driven.stepper import EventDriven
     from lcpflex.steppers.generalized_alpha.stepper import GeneralizedAlpha
@@ -121,6 +123,7 @@ __all__ = [
     "QuadraticProgram",
     "Rayleigh",
     "RecordProblems",
+    "Rest",
     "Result",
     "Revolute",
     "RigidBody",
@@ -145,6 +148,7 @@ __all__ = [
     "admissible_accelerations",
     "craig_bampton",
     "free_interface",
+    "equilibrium",
     "gallery",
     "laws",
     "matrices_from_files",

@@ -137,10 +137,12 @@ def energy_warnings(
     steps: int,
     cause: str,
     tolerance: float = 0.0,
+    lift: float = 0.0,
 ) -> tuple[str, ...]:
     """What a reader must know before trusting the result.
 
     ``tolerance``: relative error of a step that was asked for; energies, which are squares, may err by twice that.
+    ``lift``: energy that lifts all bodies by their size [J]: what rests at the height 0 has no other to compare with.
     """
     warnings = [] if complete else ["the run is incomplete"]
     if not energies.remainder.size:
@@ -148,7 +150,8 @@ def energy_warnings(
     scale = energies.scale
     if not np.isfinite(energies.remainder).all():
         return (*warnings, NOT_FINITE)
-    rounding = energies.rounding * math.sqrt(max(steps, 1))  # that of all steps, at random
+    least = max(energies.rounding, ROUNDING * lift)
+    rounding = least * math.sqrt(max(steps, 1))  # that of all steps, at random
     accepted = 0.0
     if energy_growth is EnergyGrowth.ACCEPT:
         accepted = float(gain[0])
@@ -158,7 +161,7 @@ def energy_warnings(
     allowed = max(GROWTH, min(2.0 * tolerance, REMAINDER))
     if growth - accepted > max(allowed * scale, rounding):
         warnings.append(f"{GREW} {growth:.4g} J ({_part(growth, scale)} of the largest stored) without work of loads")
-    if energies.relative_remainder > REMAINDER:
+    if energies.relative_remainder > REMAINDER and energies.largest_remainder > ROUNDING * lift:
         warnings.append(
             f"{energies.largest_remainder:.4g} J {UNEXPLAINED} ({energies.relative_remainder:.2g} of the "
             "largest stored): use a shorter step or tighter tolerances"

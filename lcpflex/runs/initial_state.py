@@ -1,4 +1,4 @@
-"""Starting a run from the last state of a result."""
+"""Starting a run from the last state of a result, or from a place of rest."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.result import Result
+from lcpflex.statics.rest import Rest
 
 if TYPE_CHECKING:
     from lcpflex.runs.setup import Stepper
@@ -28,29 +29,36 @@ REMEMBERED = {
 
 
 def started_from(
-    source: CompiledScene | UserSystem, initial: Result, stepper: Stepper
+    source: CompiledScene | UserSystem, initial: Result | Rest, stepper: Stepper
 ) -> tuple[CompiledScene | UserSystem, tuple[str, ...]]:
-    """``source`` at the last state of ``initial``, and notes of what is not carried over.
+    """``source`` at the last state of ``initial``, or at rest there, and notes of what is not carried over.
 
-    Raises ModelError for what is no result, holds no instant, or is of other coordinates.
+    Raises ModelError for what is neither, holds no instant, or is of other coordinates.
     """
-    if not isinstance(initial, Result):
-        raise ModelError(f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it")
-    if not len(initial.times):
+    if isinstance(initial, Rest):
+        q, u = np.array(initial.q), np.zeros(len(initial.q))
+    elif not isinstance(initial, Result):
+        raise ModelError(
+            f"initial: {shown(initial)} was given, expected a Result, as simulate() returns it, or a Rest, as "
+            "equilibrium() does"
+        )
+    elif not len(initial.times):
         raise ModelError("initial: a Result without an instant was given, expected one with a last state")
-    q, u = np.array(initial.q[-1]), np.array(initial.u[-1])
+    else:
+        q, u = np.array(initial.q[-1]), np.array(initial.u[-1])
     if not (np.isfinite(q).all() and np.isfinite(u).all()):
         raise ModelError("initial: the last state of the Result is not finite, expected finite numbers")
     ours, theirs = _coordinates(source), _coordinates(initial.compiled, len(q))
     if ours != theirs:
         raise ModelError(
-            f"initial: a Result with the coordinates {_listed(theirs)} was given, expected those of the scene, "
-            f"{_listed(ours)}"
+            f"initial: a {type(initial).__name__} with the coordinates {_listed(theirs)} was given, expected those of "
+            f"the scene, {_listed(ours)}"
         )
     if isinstance(source, CompiledScene):
         q.setflags(write=False)
         u.setflags(write=False)
-    return replace(source, q=q, u=u), tuple(_notes(source, initial, stepper))
+    notes = _notes_at_rest(initial) if isinstance(initial, Rest) else _notes(source, initial, stepper)
+    return replace(source, q=q, u=u), tuple(notes)
 
 
 def _coordinates(source: Any, count: int | None = None) -> tuple[tuple[str, int], ...]:
@@ -64,6 +72,12 @@ def _coordinates(source: Any, count: int | None = None) -> tuple[tuple[str, int]
 def _listed(coordinates: tuple[tuple[str, int], ...]) -> str:
     words = ", ".join(f"{name} ({count})" for name, count in coordinates[:4])
     return words + (f" and {len(coordinates) - 4} more bodies" if len(coordinates) > 4 else "")
+
+
+def _notes_at_rest(initial: Rest) -> list[str]:
+    """That the run began there, and what is known of the place."""
+    said = "the run began from a place of rest, without velocity"
+    return [said if initial.stable else f"{said}, that is not stable: {'; '.join(initial.unstable)}"]
 
 
 def _notes(source: Any, initial: Result, stepper: Stepper) -> list[str]:

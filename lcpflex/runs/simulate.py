@@ -30,9 +30,11 @@ from lcpflex.runs.limits import Limits
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.runs.touched import told
+from lcpflex.statics.rest import Rest
 from lcpflex.steppers.law_run import friction_warnings
 
 if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.user_system import UserSystem
@@ -54,7 +56,7 @@ def simulate(
     project: bool = False,
     energy_growth: EnergyGrowth = EnergyGrowth.WARN,
     record_problems: RecordProblems | None = None,
-    initial: Result | None = None,
+    initial: Result | Rest | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     every: float = 60.0,
 ) -> Result:
@@ -83,7 +85,8 @@ def simulate(
     initial
         Start from the last state of this result, of the same bodies, instead of that of the scene: from its positions
         and velocities alone. Time begins at 0 again; what the stepper remembered beside is not carried over, and the
-        notes of the result say what that is. To go on with a run bit for bit, use ``checkpoint``.
+        notes of the result say what that is. To go on with a run bit for bit, use ``checkpoint``. Or from a place of
+        rest, as :func:`lcpflex.equilibrium` finds it; the joints of the scene are assembled then, as there.
     checkpoint
         A file from which :func:`lcpflex.resume` goes on with this run, bit for bit, after the process was killed: npz,
         never unpickled, always whole. Written at the start, at the end, at Ctrl-C, and in between.
@@ -107,7 +110,7 @@ def simulate(
     duration, interval, progress, project = checked_request(
         duration, stepper, record, progress, project, energy_growth, record_problems
     )
-    source = compiled_for(scene, stepper, project)
+    source = compiled_for(scene, stepper, project or isinstance(initial, Rest))
     notes: tuple[str, ...] = ()
     if initial is not None:
         source, notes = started_from(source, initial, stepper)
@@ -281,7 +284,14 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
             *run.records.warnings,
             *friction_warnings(names, run.records.missed_friction, pressed),
             *energy_warnings(
-                energies, run.records.gain, complete, options.energy_growth, run.steps, growth, _tolerance(stepper)
+                energies,
+                run.records.gain,
+                complete,
+                options.energy_growth,
+                run.steps,
+                growth,
+                _tolerance(stepper),
+                _lift(compiled),
             ),
         ),
         complete=complete,
@@ -301,6 +311,13 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         place_error=place_error,
         speed_error=speed_error,
     )
+
+
+def _lift(compiled: CompiledScene | None) -> float:
+    """Energy that lifts all bodies by the size of the largest [J]; 0 where none is known."""
+    if compiled is None:
+        return 0.0
+    return float(compiled.model.bodies.mass.sum() * np.hypot(*compiled.model.loads.gravity)) * compiled.size
 
 
 def _tolerance(stepper: Stepper) -> float:

@@ -1,0 +1,125 @@
+"""Forces and constraint rows of a configuration at rest, as dense arrays.
+
+    h(q) + J^T mu + W_N lambda_N + W_T lambda_T = 0,    phi(q) = 0,    0 <= g(q)  _|_  lambda_N >= 0
+
+h holds all generalised forces at u = 0 and t = 0; rows are ordered [joints; normals; tangents of contacts with
+friction]. Kernels are those of the steppers, so that what balances here balances there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.contact.detection import detect
+from lcpflex.contact.narrow_phase.feature import refresh
+from lcpflex.dynamics import mechanics
+from lcpflex.dynamics.workspace import Workspace
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
+
+if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import CompiledScene
+
+__all__ = ["Balance", "Configuration"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configuration:
+    """What :class:`Balance` tells of a configuration with r joint rows, n contacts, m of them with friction."""
+
+    q: FloatArray  # (ndof,)
+    force: FloatArray  # (ndof,) h
+    phi: FloatArray  # (r,) [m] or [rad]
+    gap: FloatArray  # (n,) [m]
+    friction: FloatArray  # (n,) mu
+    tangent: IntArray  # (m,) contact of each tangential row
+    rows: FloatArray  # (r + n + m, ndof)
+
+    @property
+    def n_joint(self) -> int:
+        """r."""
+        return len(self.phi)
+
+    @property
+    def n_contacts(self) -> int:
+        """n."""
+        return len(self.gap)
+
+
+class Balance:
+    """Forces and rows of a compiled scene. ``table`` holds the contacts that :meth:`look` found last."""
+
+    def __init__(self, compiled: CompiledScene) -> None:
+        self.compiled = compiled
+        self._system = compiled.system()
+        self.model = self._system.model
+        self._supply = self._system.hooks.get(mechanics.supply)
+        self._still = np.zeros(len(compiled.q))
+        self._work = self._system.workspace(16)
+        self.n_contacts = 0
+
+    @property
+    def work(self) -> Workspace:
+        """Memory, with the table of contacts and the rows laid last."""
+        return self._work
+
+    def look(self, q: FloatArray, margin: float) -> Configuration:
+        """Forces and rows at q (ndof,), with all contacts whose gap is ``margin`` [m] at most."""
+        while (found := int(detect(self.model, q, margin, self._work.table))) > len(self._work.table.key):
+            self._work = self._system.workspace(2 * found)
+        self.n_contacts = found
+        return self.again(q)
+
+    def again(self, q: FloatArray) -> Configuration:
+        """Forces and rows at q (ndof,), with the contacts found last."""
+        work, n = self._work, self.n_contacts
+        self._lay(q)
+        n_joint = len(work.residual)
+        n_tangent = int(work.n_tangents)
+        total = n_joint + n + n_tangent
+        rows = np.zeros((total, len(q) + 1))
+        columns = self._columns(total)
+        each = np.arange(total)[:, None]
+        for side in range(2):
+            np.add.at(rows, (each, columns[:, side]), work.rows[:total, side])
+        return Configuration(
+            q=q.copy(),
+            force=work.total.copy(),
+            phi=work.residual.copy(),
+            gap=work.table.gap[:n].copy(),
+            friction=work.mu[:n].copy(),
+            tangent=work.tangent[:n_tangent].copy(),
+            rows=rows[:, :-1].copy(),
+        )
+
+    def pull(self, q: FloatArray, p: FloatArray) -> FloatArray:
+        """h + rows^T p (ndof,) at q with the contacts found last and the multipliers p of all rows."""
+        self._lay(q)
+        columns = self._columns(len(p))
+        parts = (self._work.rows[: len(p)] * p[:, None, None]).ravel()
+        return self._work.total + np.bincount(columns.ravel(), weights=parts, minlength=len(q) + 1)[:-1]
+
+    def _lay(self, q: FloatArray) -> None:
+        """Forces to ``work.total``, rows of joints and contacts to ``work.rows``."""
+        model, work, n = self.model, self._work, self.n_contacts
+        n_joint = len(work.residual)
+        if self._supply is not None:
+            self._supply(model, 0.0, q, self._still, work)
+        mechanics.forces(model, 0.0, q, self._still, work)
+        if n_joint:
+            joint_rows(model, 0.0, q, self._still, work.external, work.rows, work.row_body, work.rate, work.bias)
+            joint_residual(model, 0.0, q, work.external, work.residual)
+        for k in range(n):
+            refresh(model, q, work.table, k)
+        work.n_tangents = mechanics.fill_contact_rows(model, q, n, n_joint, work) if n else 0
+
+    def _columns(self, total: int) -> IntArray:
+        """(total, 2, width) of each entry of ``work.rows`` among the ndof; ndof where there is none."""
+        dof, bodies = self._work.dof, self._work.row_body[:total]
+        known = np.maximum(bodies, 0)
+        columns = dof[known][:, :, None] + np.arange(self._work.rows.shape[2])
+        columns[(columns >= dof[known + 1][:, :, None]) | (bodies < 0)[:, :, None]] = len(self._still)
+        return np.asarray(columns)

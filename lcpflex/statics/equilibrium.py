@@ -1,0 +1,149 @@
+"""Where a scene rests: the public function."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from lcpflex.basics.arguments import listed
+from lcpflex.compile.compilation import compiled_scene
+from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.errors import ModelError, SolverError, in_range, shown
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.results.result import Result
+from lcpflex.scene.scene import Scene
+from lcpflex.statics.balance import Balance
+from lcpflex.statics.path import Path
+from lcpflex.statics.place import rest_at
+from lcpflex.statics.rest import Rest
+from lcpflex.statics.scales import scales_of
+from lcpflex.statics.words import what_moves
+
+__all__ = ["equilibrium"]
+
+FAR = 20.0  # sizes of the scene: how far a path goes where nothing else is said
+NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton's method
+THERE = 1e-9  # residual at which an unstable place is where the path ends, and is not just passed by
+MOST_STEPS = 4000
+STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
+
+
+def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest: float | None = None) -> Rest:
+    """Find where ``scene`` rests: with its joints, springs, loads and rigid contacts, its flexible bodies bent.
+
+    A place of rest fulfils, with all generalised forces h at u = 0 and t = 0,
+
+        h(q, 0) + J^T mu + W_N lambda_N + W_T lambda_T = 0,    phi(q) = 0,
+        0 <= g(q)  _|_  lambda_N >= 0,    |lambda_T| <= friction lambda_N.
+
+    It is looked for along a path: the scene, its joints assembled first (``project``), moves from its start as if all
+    bodies were slowed by damping in proportion to their mass and nothing else, contacts stick or slip by Coulomb's law
+    on the way, and where it comes to a stop the place is refined by Newton's method. So which of several places is
+    found, in a latch or within friction, follows from the start; dynamics, which may jump over a place, is not asked.
+
+    Parameters
+    ----------
+    scene
+        A :class:`lcpflex.Scene` of rigid contacts. Loads and drives count as they are at t = 0.
+    initial
+        Start from the last state of this result, or from this place of rest, of the same bodies, instead of from the
+        start of the scene.
+    farthest
+        How far a point may move on the path [m]; 20 times the extent of the scene by default.
+
+    Returns
+    -------
+    Rest
+        The place with its forces, what sticks, whether it is stable, and whether places and forces are unique.
+
+    Raises
+    ------
+    ModelError
+        For what is no Scene, a contact with a force law, a drive that moves at t = 0, an ``initial`` of other bodies.
+    SolverError
+        Where the scene does not come to rest: it says what moves, and which way.
+
+    Notes
+    -----
+    The path costs 2 ndof evaluations of all forces a step, and dense matrices of that size: a few hundred coordinates.
+    Sources: Moreau 1988 (steps); Josephy 1979 (Newton's method for inclusions); Lawson & Hanson 1974 (least forces).
+    """
+    compiled = _compiled(scene)
+    q = _start(compiled, initial)
+    balance = Balance(compiled)
+    scales = scales_of(balance.model, q, compiled.size)
+    _refuse_moving_drives(balance, scales.size, q)
+    limit = FAR * scales.size if farthest is None else in_range("farthest", farthest, 0.0, math.inf, open_ends=True)
+    path = Path(balance, scales, q)
+    for step in range(MOST_STEPS):
+        here = path.station
+        if here.residual <= NEAR:
+            found = rest_at(compiled, balance, scales, path, step)
+            if found is not None and (found.stable or here.residual <= THERE):
+                return found
+            path.back()
+        if here.travelled > limit:
+            raise _restless(path, compiled, f"it does not come to rest within {limit:.4g} m")
+        if not path.advance():
+            raise _restless(path, compiled, "no step of its path could be made")
+    raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps")
+
+
+def _compiled(scene: Any) -> CompiledScene:
+    """Of rigid contacts alone, each of a rule listed."""
+    if not isinstance(scene, Scene):
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
+    compiled = compiled_scene(scene, True, None, False, listed=True)
+    soft = [name for name, law in zip(compiled.layout.contacts, compiled.laws, strict=True) if law is not None]
+    if soft:
+        raise ModelError(f"scene: it has contacts by a force law ({listed(soft)}), expected rigid contacts")
+    return compiled
+
+
+def _start(compiled: CompiledScene, initial: Any) -> FloatArray:
+    """Configuration that the path begins at."""
+    if initial is None:
+        return compiled.q.copy()
+    if not isinstance(initial, Result | Rest):
+        raise ModelError(f"initial: {shown(initial)} was given, expected a Result or a Rest")
+    places = np.atleast_2d(initial.q)
+    theirs = initial.compiled
+    if theirs is None or not len(places):
+        raise ModelError("initial: a Result without an instant, or of a user's own system, was given, expected a state")
+    ours = compiled.layout.bodies, compiled.model.bodies.dof.tolist()
+    if ours != (theirs.layout.bodies, theirs.model.bodies.dof.tolist()):
+        raise ModelError(
+            f"initial: a state of the bodies {listed(theirs.layout.bodies)} was given, expected those of the scene "
+            f"({listed(compiled.layout.bodies)}), with as many modes"
+        )
+    q = np.array(places[-1])
+    if not np.isfinite(q).all():
+        raise ModelError("initial: its last state is not finite, expected finite numbers")
+    return q
+
+
+def _refuse_moving_drives(balance: Balance, size: float, q: FloatArray) -> None:
+    """Raise ModelError for a drive that moves at t = 0."""
+    balance.look(q, 0.0)
+    joints = balance.model.joints
+    for joint, name in enumerate(balance.compiled.layout.joints):
+        for r in range(joints.row[joint], joints.row[joint + 1]):
+            if abs(balance.work.rate[r]) > STILL * max(size, 1.0):
+                raise ModelError(
+                    f"joint {name!r}: its drive moves at t = 0 with {-balance.work.rate[r]:.4g} a second, "
+                    "expected one that stands: nothing rests with it"
+                )
+
+
+def _restless(path: Path, compiled: CompiledScene, why: str) -> SolverError:
+    """What to raise where there is no rest: with what moves."""
+    here = path.station
+    dof = compiled.model.bodies.dof.tolist()
+    motion = what_moves(compiled.layout.bodies, dof, path.scales, here.at.q, here.step)
+    words = motion or "nothing moves"
+    return SolverError(
+        f"equilibrium: {why}: {words}, and nothing holds that (moved {here.travelled:.4g} m, unbalanced "
+        f"{here.residual:.2g} of the forces that act); expected contacts, joints or springs that do"
+    )

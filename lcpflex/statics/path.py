@@ -1,0 +1,140 @@
+"""The quasi-static path: how a scene comes to rest when nothing but damping resists its motion.
+
+Of M alpha dq = h + J^T mu + W lambda, an overdamped motion, each step is implicit: with the tangent stiffness K
+
+    (alpha M + K) dq = h + J^T mu + W_N lambda_N + W_T lambda_T,    J dq = -phi,
+    0 <= g + W_N^T dq  _|_  lambda_N >= 0,    -lambda_T in mu lambda_N Sign(W_T^T dq)
+
+the contact problem of a step of Moreau and Jean at position level, without velocities. Steps are short against the
+bodies, so that no surface is stepped over; 1/alpha grows as the forces come into balance, and the step becomes that of
+Newton's method. Which of several places of rest is found follows from the start. Contacts that stick stay where they
+are in each step.
+
+Sources: Moreau 1988 (the step); Josephy 1979 (Newton's method for inclusions); Kelley & Keyes 1998 (pseudo-transient
+continuation).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.dynamics.mass_matrix import mass_matrix
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.auto import Auto
+from lcpflex.solvers.contact.problem import ContactProblem
+from lcpflex.statics.balance import Balance, Configuration
+from lcpflex.statics.scales import Scales, acting
+from lcpflex.statics.tangent import tangent_stiffness
+
+__all__ = ["Path", "Station"]
+
+SHORT = 0.2  # of the extent of the smallest body: longest step
+LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral directions are held by
+MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that was made
+WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
+TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
+INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Station:
+    """A configuration on the path with the multipliers found on the way to it."""
+
+    at: Configuration
+    p: FloatArray  # multipliers of the rows of ``at``
+    scale: float  # largest force that acts [N]
+    residual: float  # largest force that is not balanced, relative to it, or overlap, relative to the size
+    travelled: float  # [m]
+    step: FloatArray  # (ndof,) the last one
+
+
+class Path:
+    """A path, advanced step by step."""
+
+    def __init__(self, balance: Balance, scales: Scales, q: FloatArray) -> None:
+        self.balance, self.scales = balance, scales
+        self.longest = SHORT * float(scales.extent.min())
+        self.station = self._station(q, {}, 0.0, np.zeros_like(q))
+        self._alpha, self._begun = 0.0, False
+        self._solver = Auto()
+
+    def advance(self) -> bool:
+        """One step; False where none can be made."""
+        here = self.station
+        M = mass_matrix(self.balance.model, here.at.q)
+        K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
+        K = 0.5 * (K + K.T)
+        masses = self.balance.model.bodies.mass
+        rate = max(here.scale, self.scales.force(here.at.force)) / (float(masses.max()) * self.scales.size)
+        least = LEAST_DAMPING * rate
+        alpha = max(self._alpha, least) if self._begun else rate
+        for _ in range(100):
+            found = self._step(here, M, K, alpha)
+            if found is not None and self._good(here, M, K, alpha, *found):
+                self._alpha, self._begun = max(LESS * alpha, least), True
+                dq, p = found
+                keys = dict(zip(self._keys(here.at), p, strict=True))
+                travelled = here.travelled + self.scales.moved(dq)
+                self.station = self._station(here.at.q + dq, keys, travelled, dq)
+                return True
+            alpha *= MORE
+        return False
+
+    def back(self) -> None:
+        """Look at the contacts of the last station again, after others have been looked at."""
+        self.balance.look(self.station.at.q, 2.0 * self.longest)
+
+    def _station(self, q: FloatArray, known: dict[tuple[int, int], float], travelled: float, dq: FloatArray) -> Station:
+        """At q, with the multipliers that are known by their keys, 0 of other contacts."""
+        at = self.balance.look(q, 2.0 * self.longest)
+        p = np.array([known.get(key, 0.0) for key in self._keys(at)])
+        scale = acting(self.balance, self.scales, at, p)
+        left = self.scales.force(at.force + at.rows.T @ p)
+        residual = left / scale if scale > 0.0 else 0.0
+        violated = max(float(np.abs(at.phi).max(initial=0.0)), -float(at.gap.min(initial=0.0)))
+        return Station(at, p, scale, max(residual, violated / self.scales.size), travelled, dq)
+
+    def _keys(self, at: Configuration) -> list[tuple[int, int]]:
+        """Of the rows of joints, normals and tangents, the same from step to step."""
+        own = self.balance.work.table.key[: at.n_contacts].tolist()
+        joints = [(0, r) for r in range(at.n_joint)]
+        return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
+
+    def _step(self, here: Station, M: FloatArray, K: FloatArray, alpha: float) -> tuple[FloatArray, FloatArray] | None:
+        """dq and the multipliers of all rows; None where alpha is too small for there to be one."""
+        at, arm = here.at, self.scales.arm
+        A = (alpha * M + K) / np.outer(arm, arm)
+        try:
+            L = np.linalg.cholesky(A)
+        except np.linalg.LinAlgError:
+            return None
+        white = np.linalg.solve(L, (at.rows / arm).T)  # L^-1 rows^T
+        load = np.linalg.solve(L, at.force / arm)
+        n_joint = at.n_joint
+        J, W = white[:, :n_joint], white[:, n_joint:]
+        inverse = np.linalg.pinv(J.T @ J, rcond=INDEPENDENT, hermitian=True)
+        free = load - J @ (inverse @ (J.T @ load + at.phi))
+        factor = (W - J @ (inverse @ (J.T @ W))).T
+        target = np.concatenate([np.maximum(at.gap, -0.5 * self.longest), np.zeros(len(at.tangent))])
+        p = np.zeros(len(at.rows))
+        if at.n_contacts:
+            problem = ContactProblem(factor @ factor.T, W.T @ free + target, at.friction)
+            found = self._solver.solve(problem)
+            if not found.solved:
+                return None
+            p[n_joint:] = np.concatenate(problem.forces(found.z))
+        white_dq = free + factor.T @ p[n_joint:]
+        p[:n_joint] = -inverse @ (J.T @ (load + W @ p[n_joint:]) + at.phi)
+        return np.linalg.solve(L.T, white_dq) / arm, p
+
+    def _good(self, here: Station, M: FloatArray, K: FloatArray, alpha: float, dq: FloatArray, p: FloatArray) -> bool:
+        """Whether a step is short, and the forces at its end are those that its linearisation foresaw."""
+        moved = self.scales.moved(dq)
+        if not moved <= self.longest:
+            return False
+        damping = alpha * (M @ dq)
+        missed = self.balance.pull(here.at.q + dq, p) - damping
+        change = self.scales.force(damping) + self.scales.force(K @ dq)
+        return moved <= TINY * self.longest or self.scales.force(missed) <= WRONG * change + 1e-9 * here.scale

@@ -1,0 +1,117 @@
+"""The place of rest at the end of a path, looked at closely: forces, states, stability."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.contact.rows import contact_point
+from lcpflex.dynamics.reaction_memory import reaction
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.kinematics.relative import ANGLE
+from lcpflex.statics.balance import Balance, Configuration
+from lcpflex.statics.path import Path
+from lcpflex.statics.refinement import refined
+from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest
+from lcpflex.statics.scales import Scales, acting
+from lcpflex.statics.shared_forces import SharedForces, shared_forces
+from lcpflex.statics.stability import stability_of
+from lcpflex.statics.tangent import tangent_stiffness
+from lcpflex.statics.words import what_moves
+
+__all__ = ["rest_at"]
+
+CLOSED = 1e-9  # of the size of the scene: gaps up to it are closed, and deeper ones not yet at rest
+BALANCED = 1e-9  # residual of a place of rest
+
+
+def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Path, steps: int) -> Rest | None:
+    """The place of rest next to the last station of the path; None where there is none so near."""
+    q = refined(balance, scales, path)
+    if q is None:
+        return None
+    at = balance.look(q, 2.0 * path.longest)
+    if (at.gap < -CLOSED * scales.size).any():
+        return None
+    closed = at.gap <= CLOSED * scales.size
+    scale = path.station.scale
+    unit = np.ones(len(at.rows))
+    unit[: at.n_joint][balance.model.joints.kind == ANGLE] = compiled.size
+    forces = shared_forces(at, scales, closed, unit, scale)
+    if forces is None:
+        return None
+    scale = acting(balance, scales, at, forces.p)
+    left = scales.force(at.force + at.rows.T @ forces.p)
+    residual = left / scale if scale > 0.0 else 0.0
+    if not residual <= BALANCED:
+        return None
+    K = tangent_stiffness(balance, scales, q, forces.p)
+    found = stability_of(at, K, forces, scales, scale)
+    balance.again(q)
+    dof = compiled.model.bodies.dof.tolist()
+
+    def ways(directions: FloatArray) -> tuple[str, ...]:
+        return tuple(what_moves(compiled.layout.bodies, dof, scales, q, way) for way in directions)
+
+    q.setflags(write=False)
+    return Rest(
+        q=q,
+        contacts=_contacts(compiled, balance, at, closed, forces),
+        joints=_joints(compiled, balance, forces),
+        stable=found.stable,
+        unstable=ways(found.unstable),
+        neutral=ways(found.neutral),
+        neighbours=found.neighbours,
+        unique=bool(forces.unique.all()),
+        residual=residual,
+        travelled=path.station.travelled,
+        steps=steps,
+        warnings=compiled.warnings,
+        compiled=compiled,
+    )
+
+
+def _contacts(
+    compiled: CompiledScene,
+    balance: Balance,
+    at: Configuration,
+    closed: NDArray[np.bool_],
+    forces: SharedForces,
+) -> tuple[ContactAtRest, ...]:
+    """Each declared contact with its closed places."""
+    table, r, n = balance.work.table, at.n_joint, at.n_contacts
+    tangential, sticks = np.zeros(n), np.zeros(n, bool)
+    tangential[at.tangent], sticks[at.tangent] = forces.p[r + n :], forces.sticks
+    own = forces.unique[r : r + n].copy()
+    own[at.tangent] &= forces.unique[r + n :]
+    names = ("ground", *compiled.layout.bodies)
+    told = []
+    for law, name in enumerate(compiled.layout.contacts):
+        chosen = np.flatnonzero(closed & (table.law[:n] == law))
+        states = ["stick" if sticks[k] else "slip" if forces.pressed[k] else "touch" for k in chosen]
+        places = [contact_point(balance.model, at.q, table, int(k)) for k in chosen]
+        told.append(
+            ContactAtRest(
+                name,
+                tuple(states),
+                tuple((names[table.body[k, 0] + 1], names[table.body[k, 1] + 1]) for k in chosen),
+                np.array(places).reshape(-1, 2),
+                table.normal[chosen].copy(),
+                forces.p[r + chosen],
+                tangential[chosen],
+                own[chosen],
+            )
+        )
+    return tuple(told)
+
+
+def _joints(compiled: CompiledScene, balance: Balance, forces: SharedForces) -> tuple[JointAtRest, ...]:
+    """Each joint with its force and moment."""
+    row = balance.model.joints.row
+    told = []
+    for joint, name in enumerate(compiled.layout.joints):
+        x, y, moment = reaction(balance.model, balance.work, joint, forces.p)
+        unique = bool(forces.unique[row[joint] : row[joint + 1]].all())
+        told.append(JointAtRest(name, np.array([x, y]), float(moment), unique))
+    return tuple(told)

@@ -1,0 +1,119 @@
+"""The last steps to a place of rest: Newton's method with the contacts as they are on the path.
+
+With C = [J; W_N; W_T] of closed normals and sticking tangents, B the same with W_N + W_T lambda_T / lambda_N where a
+contact slips, and K the tangent stiffness,
+
+    K dq - B^T p = h,    C dq = -[phi; g; 0]
+
+in least squares of least norm: dependent rows and directions in which nothing resists are left as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.statics.balance import Balance, Configuration
+from lcpflex.statics.path import Path
+from lcpflex.statics.scales import Scales
+from lcpflex.statics.tangent import tangent_stiffness
+
+__all__ = ["Sets", "coordinate_units", "refined", "sets_of"]
+
+BoolArray: TypeAlias = NDArray[np.bool_]
+
+PRESSED = 1e-9  # of the largest force: smaller normal forces are none
+INSIDE = 1e-7  # of the limit of friction: what is nearer slips
+CUT = 1e-9  # of the largest singular value
+TURNS = 12
+EXACT = 1e-11  # residual, relative to the forces that act and to the size, that must be reached
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sets:
+    """Rows that hold, among those of a configuration."""
+
+    hold: FloatArray  # C (k, ndof)
+    push: FloatArray  # B (k, ndof)
+    spread: FloatArray  # (rows, k): multipliers of all rows from those of B
+    offset: FloatArray  # (k,) [phi; g; 0]
+
+
+def sets_of(at: Configuration, pressed: BoolArray, ratio: FloatArray, sticks: BoolArray) -> Sets:
+    """Of a configuration with the n contacts that are ``pressed``, the m tangents that stick, and for others
+    the ``ratio`` (m,) of tangential to normal force."""
+    r, n = at.n_joint, at.n_contacts
+    picks = [np.eye(len(at.rows))[:, :r]]
+    normals = np.zeros((len(at.rows), n))
+    normals[r + np.arange(n), np.arange(n)] = 1.0
+    pushing = normals.copy()
+    for j, k in enumerate(at.tangent):
+        if not sticks[j]:
+            pushing[r + n + j, k] = ratio[j]
+    tangents = np.zeros((len(at.rows), len(at.tangent)))
+    tangents[r + n + np.arange(len(at.tangent)), np.arange(len(at.tangent))] = 1.0
+    hold = np.hstack([*picks, normals[:, pressed], tangents[:, sticks & pressed[at.tangent]]])
+    push = np.hstack([*picks, pushing[:, pressed], tangents[:, sticks & pressed[at.tangent]]])
+    offset = np.concatenate([at.phi, at.gap, np.zeros(len(at.tangent))])
+    return Sets(hold.T @ at.rows, push.T @ at.rows, push, hold.T @ offset)
+
+
+def coordinate_units(K: FloatArray, scales: Scales, force: float) -> FloatArray:
+    """(ndof,) c = 1 / sqrt(k): k the own stiffness of each coordinate, no less than that of the forces that act.
+
+    Forces of ``force`` [N] in all turn with the bodies, which are of the ``size``: force / size [N/m]. In these units
+    stiffnesses are numbers up to about 1.
+    """
+    floor = force / scales.size * scales.arm**2
+    return np.asarray(1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)), floor)))
+
+
+def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
+    """The place of rest (ndof,) next to the last station of the path; None where Newton's method finds none."""
+    here = path.station
+    if here.scale == 0.0:
+        return here.at.q
+    at, p = here.at, here.p
+    r, n = at.n_joint, at.n_contacts
+    normal, tangential = p[r : r + n], p[r + n :]
+    pressed = normal > PRESSED * here.scale
+    limit = (at.friction * normal)[at.tangent]
+    sticks = np.abs(tangential) < (1.0 - INSIDE) * limit
+    ratio = np.sign(tangential) * at.friction[at.tangent]
+    best, best_left = None, np.inf
+    q = at.q
+    for _ in range(TURNS):
+        at = balance.again(q)
+        sets = sets_of(at, pressed, ratio, sticks)
+        left = scales.force(at.force + at.rows.T @ p) / here.scale
+        left = max(left, float(np.abs(sets.offset).max(initial=0.0)) / scales.size)
+        if left < best_left:
+            best, best_left = q, left
+        elif best_left <= EXACT:
+            break
+        K = tangent_stiffness(balance, scales, q, p)
+        dq, p = _newton(K, sets, at, coordinate_units(K, scales, here.scale))
+        q = q + dq
+        if not scales.moved(q - here.at.q) <= path.longest:
+            break
+    return best if best_left <= EXACT else None
+
+
+def _newton(K: FloatArray, sets: Sets, at: Configuration, c: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """dq and the multipliers of all rows."""
+    count = len(sets.hold)
+    unit = np.linalg.norm(sets.hold * c, axis=1)
+    d = 1.0 / np.where(unit > 0.0, unit, 1.0)
+    A = np.block(
+        [
+            [K * np.outer(c, c), -(sets.push * np.outer(d, c)).T],
+            [sets.hold * np.outer(d, c), np.zeros((count, count))],
+        ]
+    )
+    right = np.concatenate([at.force * c, -sets.offset * d])
+    x = np.linalg.lstsq(A, right, rcond=CUT)[0]
+    return x[: len(c)] * c, sets.spread @ (x[len(c) :] * d)

@@ -1,0 +1,141 @@
+"""Forces of joints and closed contacts at a place of rest, of all that balance the loads those of the least norm.
+
+    E x = -h,    lambda_N >= 0,    |lambda_T| <= mu lambda_N,    E = [J^T, W_N^T, W_T^T]
+
+With one solution x_p and the null space N of E it is a least-distance problem in y, x = x_p + N y, solved by
+non-negative least squares and then on its active constraints, to rounding. Which forces are the same in all solutions,
+and which contacts have forces within their cones in some of them, is told by linear programs.
+
+Source: Lawson & Hanson 1974 (least-distance programming).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog, nnls
+
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.statics.balance import Configuration
+from lcpflex.statics.scales import Scales
+
+__all__ = ["SharedForces", "shared_forces"]
+
+CUT = 1e-10  # of the largest singular value of E: forces without an effect
+BALANCED = 1e-9  # of the largest force: what may be left
+SLACK = 1e-11  # of the largest force: by how much a force may leave its cone
+ACTIVE = 1e-9  # of the largest force: nearer to the side of a cone is on it
+OPEN = 1e-7  # of the largest force: a range of solutions smaller than that is one force
+SAME = 1e-9  # entry of the null space that is none
+MARGIN = 1e-3  # of the largest force: as far inside a cone as is asked for
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SharedForces:
+    """Of a configuration with n contacts."""
+
+    p: FloatArray  # multipliers of all rows of the configuration
+    unique: NDArray[np.bool_]  # of each multiplier: the same in all solutions
+    pressed: NDArray[np.bool_]  # (n,) carries a normal force in some solution
+    sticks: NDArray[np.bool_]  # (m,) its force is within the cone in some solution
+
+
+def shared_forces(
+    at: Configuration, scales: Scales, closed: NDArray[np.bool_], unit: FloatArray, scale: float
+) -> SharedForces | None:
+    """Of the ``closed`` (n,) contacts and all joints; None where no forces balance the loads.
+
+    unit (rows,): what a multiplier is measured in for the norm, 1 for forces, a length for moments [m]. scale: the
+    largest force that acts [N].
+    """
+    chosen = np.concatenate([np.ones(at.n_joint, bool), closed, closed[at.tangent]])
+    p, unique = np.zeros(len(at.rows)), np.ones(len(at.rows), bool)
+    pressed, sticks = np.zeros(at.n_contacts, bool), np.zeros(len(at.tangent), bool)
+    size = max(scale, 1e-300)
+    E = (at.rows[chosen] * unit[chosen, None] / scales.arm).T
+    load = -at.force / scales.arm / size
+    if not chosen.any() or scale == 0.0:
+        return SharedForces(p, unique, pressed, sticks) if np.abs(load).max(initial=0.0) <= BALANCED else None
+    U, sizes, V = np.linalg.svd(E)
+    rank = int((sizes > CUT * sizes[0]).sum())
+    x = V[:rank].T @ ((U[:, :rank].T @ load) / sizes[:rank])
+    if not np.abs(E @ x - load).max() <= BALANCED:
+        return None
+    N = V[rank:].T
+    C = _cones(at)[:, chosen]
+    C = C[np.abs(C).sum(axis=1) > 0.0]
+    found = _least(x, N, C)
+    if found is None:
+        return None
+    x = found
+    own = _unique(x, N, C)
+    inside = _inside(x, N, C)
+    p[chosen] = x * unit[chosen] * size
+    unique[chosen] = own
+    k = np.flatnonzero(closed)
+    pressed[k] = inside[: len(k)]
+    rubbing = np.flatnonzero(closed[at.tangent])
+    sides = inside[len(k) :].reshape(2, -1)
+    sticks[rubbing] = sides[0] & sides[1]
+    return SharedForces(p, unique, pressed, sticks)
+
+
+def _cones(at: Configuration) -> FloatArray:
+    """(n + 2 m, rows) sides of the cones of all contacts: normals, then both sides of friction, >= 0."""
+    r, n, m = at.n_joint, at.n_contacts, len(at.tangent)
+    C = np.zeros((n + 2 * m, len(at.rows)))
+    C[np.arange(n), r + np.arange(n)] = 1.0
+    for side, sign in enumerate((1.0, -1.0)):
+        row = n + side * m + np.arange(m)
+        C[row, r + at.tangent] = at.friction[at.tangent]
+        C[row, r + n + np.arange(m)] = sign
+    return C
+
+
+def _least(x: FloatArray, N: FloatArray, C: FloatArray) -> FloatArray | None:
+    """The shortest x + N y in the cones; None where there is none. x is at right angles to N."""
+    if (C @ x >= -SLACK).all():
+        return x
+    if not N.shape[1]:
+        return None
+    G, h = C @ N, -(C @ x) - SLACK
+    u, _ = nnls(np.vstack([G.T, h]), np.append(np.zeros(N.shape[1]), 1.0))
+    left = np.append(G.T @ u, h @ u - 1.0)
+    if not -left[-1] > 1e-9:
+        return None
+    y = -left[:-1] / left[-1]
+    active = C @ (x + N @ y) <= ACTIVE
+    exact = np.linalg.lstsq(G[active], -(C @ x)[active], rcond=CUT)[0]
+    for trial in (exact, y):
+        if (C @ (x + N @ trial) >= -ACTIVE).all():
+            return np.asarray(x + N @ trial)
+    return None
+
+
+def _unique(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
+    """Which entries of x are the same in all solutions."""
+    unique = np.asarray(np.abs(N).max(axis=1, initial=0.0) <= SAME)
+    if not N.shape[1]:
+        return unique
+    sides, room = (-(C @ N), C @ x + ACTIVE) if len(C) else (None, None)
+    for i in np.flatnonzero(~unique):
+        ends = [linprog(sign * N[i], A_ub=sides, b_ub=room, bounds=(None, None)) for sign in (1.0, -1.0)]
+        unique[i] = all(end.fun is not None and end.status == 0 and -end.fun <= OPEN for end in ends)
+    return unique
+
+
+def _inside(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
+    """Which sides of cones some solution keeps away from."""
+    inside = np.asarray(C @ x > OPEN)
+    if not N.shape[1] or inside.all():
+        return inside
+    free, count = N.shape[1], len(C)
+    found = linprog(  # as many sides as can be are kept away from together, by up to MARGIN
+        np.append(np.zeros(free), -np.ones(count)),
+        A_ub=np.hstack([-(C @ N), np.eye(count)]),
+        b_ub=C @ x + ACTIVE,
+        bounds=[(None, None)] * free + [(0.0, MARGIN)] * count,
+    )
+    return inside if found.x is None else np.asarray(inside | (found.x[free:] > OPEN))

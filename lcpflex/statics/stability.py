@@ -1,0 +1,71 @@
+"""Whether a place of rest is stable, and whether there are others next to it.
+
+What holds to first order are joints, pressed contacts and sticking ones: C dq = 0. In the directions Z that are left,
+with the tangent stiffness K (constraint forces of fixed size turn with the bodies and count in it),
+
+    stable where Z^T K Z is positive definite;  where a contact slips, the forces of B stand for C on the left.
+
+A direction in which nothing changes is neutral. Places of rest next to this one, to which friction lets it be moved:
+dq of normals and joints alone, J dq = 0 and W_N dq = 0, whose change of forces K dq sticking contacts can take up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcpflex.dynamics.mass_matrix import null_space
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.statics.balance import Configuration
+from lcpflex.statics.refinement import coordinate_units, sets_of
+from lcpflex.statics.scales import Scales
+from lcpflex.statics.shared_forces import SharedForces
+
+__all__ = ["Stability", "stability_of"]
+
+NEUTRAL = 1e-7  # stiffness, in units of the stiffness of each coordinate, that is none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stability:
+    """Of a place of rest."""
+
+    stable: bool  # no direction in which forces push away
+    unstable: FloatArray  # (k, ndof) directions of these
+    neutral: FloatArray  # (k, ndof) directions in which nothing changes
+    neighbours: int  # dimension of the places of rest next to it by friction
+
+
+def stability_of(at: Configuration, K: FloatArray, forces: SharedForces, scales: Scales, scale: float) -> Stability:
+    """Of a configuration with its tangent stiffness K and its forces, the largest that acts being ``scale`` [N]."""
+    r, n = at.n_joint, at.n_contacts
+    normal = forces.p[r : r + n][at.tangent]
+    ratio = np.where(normal > 0.0, forces.p[r + n :] / np.where(normal > 0.0, normal, 1.0), 0.0)
+    sets = sets_of(at, forces.pressed, ratio, forces.sticks)
+    smooth = sets_of(at, forces.pressed, ratio, np.zeros(len(at.tangent), bool))
+    c = coordinate_units(K, scales, scale if scale > 0.0 else 1.0)
+    scaled = K * np.outer(c, c)
+    Z, Y = _free(sets.hold, c), _free(sets.push, c)
+    if Y.shape != Z.shape:
+        Y = Z
+    reduced = np.linalg.solve(Y.T @ Z, Y.T @ scaled @ Z) if Z.shape[1] else np.zeros((0, 0))
+    values, vectors = np.linalg.eig(reduced)
+    ways = (Z @ vectors.real).T * c
+    wide = _free(smooth.hold, c)
+    sizes = np.linalg.svd(Y.T @ scaled @ wide, compute_uv=False)
+    held = int((sizes > NEUTRAL).sum())
+    neutral = np.abs(values.real) <= NEUTRAL
+    return Stability(
+        stable=not (values.real < -NEUTRAL).any(),
+        unstable=ways[values.real < -NEUTRAL],
+        neutral=ways[neutral],
+        neighbours=max(wide.shape[1] - held - int(neutral.sum()), 0),
+    )
+
+
+def _free(rows: FloatArray, c: FloatArray) -> FloatArray:
+    """(ndof, f) directions that rows let pass, in the units c."""
+    scaled = rows * c
+    sizes = np.linalg.norm(scaled, axis=1, keepdims=True)
+    return null_space(scaled / np.where(sizes > 0.0, sizes, 1.0))
