@@ -16,6 +16,7 @@ continuation).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,7 @@ LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral direction
 MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that was made
 WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
+KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
 
@@ -56,8 +58,9 @@ class Path:
     def __init__(self, balance: Balance, scales: Scales, q: FloatArray) -> None:
         self.balance, self.scales = balance, scales
         self.longest = SHORT * float(scales.extent.min())
+        self.largest = 0.0  # force on the path so far [N]
         self.station = self._station(q, {}, 0.0, np.zeros_like(q))
-        self._alpha, self._begun = 0.0, False
+        self._alpha = 0.0
         self._solver = Auto()
 
     def advance(self) -> bool:
@@ -69,18 +72,28 @@ class Path:
         masses = self.balance.model.bodies.mass
         rate = max(here.scale, self.scales.force(here.at.force)) / (float(masses.max()) * self.scales.size)
         least = LEAST_DAMPING * rate
-        alpha = max(self._alpha, least) if self._begun else rate
+        alpha = max(self._alpha, least) if self._alpha > 0.0 else rate
         for _ in range(100):
             found = self._step(here, M, K, alpha)
-            if found is not None and self._good(here, M, K, alpha, *found):
-                self._alpha, self._begun = max(LESS * alpha, least), True
-                dq, p = found
-                keys = dict(zip(self._keys(here.at), p, strict=True))
-                travelled = here.travelled + self.scales.moved(dq)
-                self.station = self._station(here.at.q + dq, keys, travelled, dq)
+            length = self.scales.moved(found[0]) if found is not None else math.inf
+            if found is not None and length <= self.longest and self._good(here, M, K, alpha, *found):
+                self._alpha = max((LESS if length <= 0.5 * self.longest else 1.0) * alpha, least)
+                self._go(*found)
                 return True
-            alpha *= MORE
+            alpha *= min(MORE, max(1.2 * length / self.longest, MORE if length <= self.longest else 1.0))
         return False
+
+    def scale(self, at: Configuration, p: FloatArray) -> float:
+        """The force that residuals at a place on the path are relative to [N]."""
+        acts = acting(self.balance, self.scales, at, p)
+        self.largest = max(self.largest, acts)
+        return max(acts, KEPT * self.largest)
+
+    def _go(self, dq: FloatArray, p: FloatArray) -> None:
+        """To the end of a step."""
+        here = self.station
+        known = dict(zip(self._keys(here.at), p, strict=True))
+        self.station = self._station(here.at.q + dq, known, here.travelled + self.scales.moved(dq), dq)
 
     def back(self) -> None:
         """Look at the contacts of the last station again, after others have been looked at."""
@@ -90,7 +103,7 @@ class Path:
         """At q, with the multipliers that are known by their keys, 0 of other contacts."""
         at = self.balance.look(q, 2.0 * self.longest)
         p = np.array([known.get(key, 0.0) for key in self._keys(at)])
-        scale = acting(self.balance, self.scales, at, p)
+        scale = self.scale(at, p)
         left = self.scales.force(at.force + at.rows.T @ p)
         residual = left / scale if scale > 0.0 else 0.0
         violated = max(float(np.abs(at.phi).max(initial=0.0)), -float(at.gap.min(initial=0.0)))
@@ -103,13 +116,9 @@ class Path:
         return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
 
     def _step(self, here: Station, M: FloatArray, K: FloatArray, alpha: float) -> tuple[FloatArray, FloatArray] | None:
-        """dq and the multipliers of all rows; None where alpha is too small for there to be one."""
+        """dq and the multipliers of all rows; None where the contact problem is not solved."""
         at, arm = here.at, self.scales.arm
-        A = (alpha * M + K) / np.outer(arm, arm)
-        try:
-            L = np.linalg.cholesky(A)
-        except np.linalg.LinAlgError:
-            return None
+        L = _factor(alpha * M, K, arm)
         white = np.linalg.solve(L, (at.rows / arm).T)  # L^-1 rows^T
         load = np.linalg.solve(L, at.force / arm)
         n_joint = at.n_joint
@@ -130,11 +139,25 @@ class Path:
         return np.linalg.solve(L.T, white_dq) / arm, p
 
     def _good(self, here: Station, M: FloatArray, K: FloatArray, alpha: float, dq: FloatArray, p: FloatArray) -> bool:
-        """Whether a step is short, and the forces at its end are those that its linearisation foresaw."""
+        """Whether the forces at the end of a step are those that its linearisation foresaw."""
         moved = self.scales.moved(dq)
-        if not moved <= self.longest:
-            return False
         damping = alpha * (M @ dq)
         missed = self.balance.pull(here.at.q + dq, p) - damping
         change = self.scales.force(damping) + self.scales.force(K @ dq)
         return moved <= TINY * self.longest or self.scales.force(missed) <= WRONG * change + 1e-9 * here.scale
+
+
+def _factor(damping: FloatArray, K: FloatArray, arm: FloatArray) -> FloatArray:
+    """Cholesky factor of damping + K in metres; without the directions in which K pushes away, if it must be.
+
+    Where joints and contacts hold those it makes no difference; else steps are short enough to tell.
+    """
+    units = np.outer(arm, arm)
+    try:
+        return np.asarray(np.linalg.cholesky((damping + K) / units))
+    except np.linalg.LinAlgError:
+        L = np.linalg.cholesky(damping / units)
+        white = np.linalg.solve(L, np.linalg.solve(L, K / units).T)
+        sizes, ways = np.linalg.eigh(0.5 * (white + white.T))
+        stretched = L @ ways * np.sqrt(1.0 + np.maximum(sizes, 0.0))
+        return np.asarray(np.linalg.qr(stretched.T, mode="r").T)

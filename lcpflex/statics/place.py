@@ -14,7 +14,7 @@ from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
 from lcpflex.statics.refinement import refined
 from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest
-from lcpflex.statics.scales import Scales, acting
+from lcpflex.statics.scales import Scales
 from lcpflex.statics.shared_forces import SharedForces, shared_forces
 from lcpflex.statics.stability import stability_of
 from lcpflex.statics.tangent import tangent_stiffness
@@ -41,7 +41,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     forces = shared_forces(at, scales, closed, unit, scale)
     if forces is None:
         return None
-    scale = acting(balance, scales, at, forces.p)
+    scale = path.scale(at, forces.p)
     left = scales.force(at.force + at.rows.T @ forces.p)
     residual = left / scale if scale > 0.0 else 0.0
     if not residual <= BALANCED:

@@ -29,7 +29,9 @@ BoolArray: TypeAlias = NDArray[np.bool_]
 PRESSED = 1e-9  # of the largest force: smaller normal forces are none
 INSIDE = 1e-7  # of the limit of friction: what is nearer slips
 CUT = 1e-9  # of the largest singular value
-TURNS = 12
+TURNS = 20
+FAST = 0.01  # of the residual before: while it falls so fast, the stiffness is not computed anew
+HALVED = 0.5  # of the best residual: what is not better is rounding
 EXACT = 1e-11  # residual, relative to the forces that act and to the size, that must be reached
 
 
@@ -84,18 +86,21 @@ def refined(balance: Balance, scales: Scales, path: Path) -> FloatArray | None:
     limit = (at.friction * normal)[at.tangent]
     sticks = np.abs(tangential) < (1.0 - INSIDE) * limit
     ratio = np.sign(tangential) * at.friction[at.tangent]
-    best, best_left = None, np.inf
-    q = at.q
+    best, best_left, before = at.q, np.inf, np.inf
+    q, K = at.q, None
     for _ in range(TURNS):
         at = balance.again(q)
         sets = sets_of(at, pressed, ratio, sticks)
         left = scales.force(at.force + at.rows.T @ p) / here.scale
         left = max(left, float(np.abs(sets.offset).max(initial=0.0)) / scales.size)
+        done = best_left <= EXACT and left > HALVED * best_left
         if left < best_left:
             best, best_left = q, left
-        elif best_left <= EXACT:
+        if done:
             break
-        K = tangent_stiffness(balance, scales, q, p)
+        if K is None or left > FAST * before:
+            K = tangent_stiffness(balance, scales, q, p)
+        before = left
         dq, p = _newton(K, sets, at, coordinate_units(K, scales, here.scale))
         q = q + dq
         if not scales.moved(q - here.at.q) <= path.longest:

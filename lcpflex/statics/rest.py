@@ -147,13 +147,14 @@ class Rest:
         names = [name for owner, name in known if owner == body]
         if not isinstance(point, str) or point not in names:
             raise ModelError(f"point: {body!r} has no point {absent(point, names)}")
-        return world_places(self.compiled.model, self.q, np.array([known[body, point]]))[0]
+        return np.asarray(world_places(self.compiled.model, self.q, np.array([known[body, point]]))[0])
 
     def summary(self) -> str:
         """Contacts, joints and what can be said of the place, in lines of text."""
         lines = [f"at rest after {self.travelled:.4g} m of path, residual {self.residual:.1e}"]
         for contact in self.contacts:
-            force = f", {contact.normal.sum():.6g} N in {len(contact.states)} places" if contact.states else ""
+            places = f"{len(contact.states)} place{'s' if len(contact.states) > 1 else ''}"
+            force = f", {contact.normal.sum():.6g} N in {places}" if contact.states else ""
             lines.append(f"contact {contact.name!r}: {contact.state}{force}")
         for joint in self.joints:
             lines.append(
@@ -163,7 +164,7 @@ class Rest:
         if self.neutral:
             lines.append(f"nothing changes where {'; '.join(self.neutral)}")
         if self.neighbours:
-            lines.append(f"friction holds it in other places, too: {self.neighbours} ways lead to them")
+            lines.append(f"friction also holds it in places next to this one, in {self.neighbours} dimension(s)")
         if not self.unique:
             lines.append("balance does not determine all forces: those of the least norm are told")
         return "\n".join(lines)

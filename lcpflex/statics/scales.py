@@ -49,6 +49,7 @@ def scales_of(model: Model, q: FloatArray, size: float) -> Scales:
             extent[b] = max(extent[b], float(np.hypot(*points.place[p])))
             part = points.phi[points.start[p] : points.start[p + 1]]
             shapes[b] = np.maximum(shapes[b], np.hypot(part[:, 0], part[:, 1]))
+    extent = np.where(extent > 0.0, extent, size)
     for b in range(count):
         first = int(bodies.dof[b])
         arm[first + 2] = extent[b]
