@@ -160,4 +160,5 @@ def _factor(damping: FloatArray, K: FloatArray, arm: FloatArray) -> FloatArray:
         white = np.linalg.solve(L, np.linalg.solve(L, K / units).T)
         sizes, ways = np.linalg.eigh(0.5 * (white + white.T))
         stretched = L @ ways * np.sqrt(1.0 + np.maximum(sizes, 0.0))
-        return np.asarray(np.linalg.qr(stretched.T, mode="r").T)
+        upper: FloatArray = np.asarray(np.linalg.qr(stretched.T, mode="r"))
+        return upper.T

@@ -15,6 +15,7 @@ __all__ = ["INTERNAL", "OUTPUTS", "PLAIN", "SLOW", "faces"]
 # Made by the library and handed out: users read them.
 OUTPUTS = {
     "Result",
+    "Rest",
     "Solution",
     "StateMechanics",
     "Replay",

@@ -28,6 +28,8 @@ __all__ = [
     "mixed",
     "pair",
     "points",
+    "rest",
+    "resting_scene",
     "result",
     "small_scene",
     "solid",
@@ -79,9 +81,20 @@ def result() -> lf.Result:
 @cache
 def jointed_result() -> lf.Result:
     """A short run with a joint."""
+    return lf.simulate(resting_scene(), 0.01, lf.MoreauJean(step=1e-3), progress=False)
+
+
+def resting_scene() -> lf.Scene:
+    """A scene that comes to rest."""
     scene = small_scene()
     scene.join(lf.Revolute(scene.body("box").at(0.0, 0.0), scene.ground.at(1.0, 0.5), name="hinge"))
-    return lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3), progress=False)
+    return scene
+
+
+@cache
+def rest() -> lf.Rest:
+    """Where it does."""
+    return lf.equilibrium(resting_scene())
 
 
 @cache

@@ -24,6 +24,8 @@ from tests.property.fuzz.face import (
     matrices,
     mesh,
     points,
+    rest,
+    resting_scene,
     result,
     small_scene,
     solid,
@@ -233,6 +235,12 @@ def run_faces() -> list[Face]:
         ("angle", {"body": "disc", "relative_to": "box"}),
         ("animate", {"path": "film.gif", "fps": 1.0, "slowdown": 100.0}),
     ]
+    of_rest = [
+        ("contact", {"name": "floor"}),
+        ("joint", {"name": "hinge"}),
+        ("point", {"body": "disc", "point": "center"}),
+        ("summary", {}),
+    ]
     settled = lf.Scene(gravity=(0.0, 0.0))
     settled.add(lf.Disc(0.1, mass=1.0), name="disc")
     steppers = {
@@ -253,6 +261,11 @@ def run_faces() -> list[Face]:
     }
     return [
         Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
+        Face("equilibrium", lf.equilibrium, lambda: {"scene": resting_scene()}),
+        *(
+            Face(f"Rest.{name}", getattr(lf.Rest, name), lambda given=given: dict(given), rest)
+            for name, given in of_rest
+        ),
         Face("admissible_accelerations", lf.admissible_accelerations, lambda: {"scene": settled}),
         Face("resume", lf.resume, _resumed),
         Face("Result.reaction", lf.Result.reaction, lambda: {"joint": "hinge", "axes": "body"}, jointed_result),
