@@ -85,7 +85,7 @@ def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest:
                 return found
             path.back()
         if here.travelled > limit:
-            raise _restless(path, compiled, f"it does not come to rest within {limit:.4g} m")
+            raise _restless(path, compiled, f"it does not come to rest within farthest = {limit:.4g} m")
         if not path.advance():
             raise _restless(path, compiled, "no step of its path could be made")
     raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps")
