@@ -36,7 +36,7 @@ from lcpflex.model.arrays import Loads, Model, frozen
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.contact_history import ContactPoints
 
-__all__ = ["ActingForces", "PointLoad", "accelerations", "material_point"]
+__all__ = ["ActingForces", "PointLoad", "accelerations", "material_of"]
 
 COMPILED = 3  # kind of a function of time
 NEAR = (1e-3, 1e-2, 1e-1)  # of the size of the scene: pairs among which one that presses is looked for
@@ -47,20 +47,36 @@ STILL = 1e12  # inertia of a mode that is held, over its own
 
 
 class PointLoad(NamedTuple):
-    """A force and a moment on the material at a point of a body."""
+    """A force and a moment on the material of a body at a point, or between two as the weights say."""
 
-    point: int  # material point
+    body: int
+    points: tuple[tuple[int, float], ...]  # material points and their weights, of sum 1
     force: FloatArray  # (2,) [N], world axes
     moment: float  # about the point [N m]
 
 
-def material_point(model: Model, q: FloatArray, p: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """s = x + Phi q of point p (2,) [m] in the frame of its body, with phi (n, 2) and psi (n,) there."""
+class Material(NamedTuple):
+    """The material at a point, in the frame of its body."""
+
+    place: FloatArray  # x (2,) [m], undeformed
+    moved: FloatArray  # s = x + Phi q (2,) [m]
+    phi: FloatArray  # (n, 2)
+    psi: FloatArray  # (n,)
+
+
+def material_of(model: Model, q: FloatArray, load: PointLoad) -> Material:
+    """The material that a load acts on."""
     points, dof = model.points, model.bodies.dof
-    own = slice(int(points.start[p]), int(points.start[p + 1]))
-    b = int(points.body[p])
-    modal = q[int(dof[b]) + N_RIGID : int(dof[b + 1])]
-    return points.place[p] + modal @ points.phi[own], points.phi[own], points.psi[own]
+    modal = q[int(dof[load.body]) + N_RIGID : int(dof[load.body + 1])]
+    place, phi, psi = np.zeros(2), np.zeros((len(modal), 2)), np.zeros(len(modal))
+    for p, weight in load.points:
+        own = slice(int(points.start[p]), int(points.start[p + 1]))
+        place, phi, psi = (
+            place + weight * points.place[p],
+            phi + weight * points.phi[own],
+            psi + weight * points.psi[own],
+        )
+    return Material(place, place + modal @ phi, phi, psi)
 
 
 class ActingForces:
@@ -139,34 +155,40 @@ class ActingForces:
             rate = gx * motion.vx + gy * motion.vy + turn_p * motion.spin_p + turn_q * motion.spin_q
             size = -float(own.spring_value[k, 0] * stretch(model, q, k) + own.spring_value[k, 1] * rate)
             for p, sign, turn in ((P, 1.0, turn_p), (Q, -1.0, turn_q)):
-                if self._compiled.model.points.body[p] >= 0:
-                    loads.append(PointLoad(p, sign * size * np.array([gx, gy]), size * turn))
+                b = int(self._compiled.model.points.body[p])
+                if b >= 0:
+                    loads.append(PointLoad(b, ((p, 1.0),), sign * size * np.array([gx, gy]), size * turn))
 
     def _press(self, touching: ContactPoints, t: float, q: FloatArray, loads: list[PointLoad]) -> None:
         """Add the contact forces."""
         rows = np.zeros((2, 2, self._width))
+        tables: dict[float, tuple[ContactTable, int]] = {}  # one search serves all touching points
         for c in np.flatnonzero(touching.force.any(axis=1)).tolist():
-            table, k = self._pair(touching, c, t, q)
+            table, k = self._pair(touching, c, t, q, tables)
             contact_rows(self._model, q, table, k, *rows)
             row = touching.force[c, 0] * rows[0] + touching.force[c, 1] * rows[1]
             if table.body[k, 0] >= 0:
                 loads.append(self._load(q, int(table.node[k]), row[0]))
             if table.body[k, 1] >= 0:
-                loads += self._on_feature(q, table, k, row[1])
+                loads.append(self._on_feature(q, table, k, row[1]))
 
-    def _on_feature(self, q: FloatArray, table: ContactTable, k: int, row: FloatArray) -> list[PointLoad]:
-        """On the centre of an arc, or shared by both ends of a segment."""
+    def _on_feature(self, q: FloatArray, table: ContactTable, k: int, row: FloatArray) -> PointLoad:
+        """On the centre of an arc, or between the ends of a segment."""
         if table.kind[k] != SEGMENT:
-            return [self._load(q, int(table.a[k]), row)]
+            return self._load(q, int(table.a[k]), row)
         s = float(table.s[k])
-        ends = ((int(table.a[k]), 1.0 - s), (int(table.b[k]), s))
-        return [PointLoad(p, share * row[:2], 0.0) for p, share in ends if share]
+        ends = (int(table.a[k]), 1.0 - s), (int(table.b[k]), s)
+        return PointLoad(int(table.body[k, 1]), ends, row[:2].copy(), 0.0)
 
-    def _pair(self, touching: ContactPoints, c: int, t: float, q: FloatArray) -> tuple[ContactTable, int]:
+    def _pair(
+        self, touching: ContactPoints, c: int, t: float, q: FloatArray, tables: dict[float, tuple[ContactTable, int]]
+    ) -> tuple[ContactTable, int]:
         """The pair of a touching point: that of its contact which is nearest, and has its normal."""
         size, law = self._compiled.size, int(touching.contact[c])
         for share in NEAR:
-            table, found = near(self._model, q, share * size)
+            if share not in tables:
+                tables[share] = near(self._model, q, share * size)
+            table, found = tables[share]
             own = np.flatnonzero(np.asarray(table.law)[:found] == law)
             if len(own):
                 places = np.array([contact_point(self._model, q, table, i) for i in own.tolist()])
@@ -217,15 +239,16 @@ class ActingForces:
 
     def _load(self, q: FloatArray, p: int, row: FloatArray) -> PointLoad:
         """The load at point p by its generalised force on the frame of the body: force, and moment about that frame."""
-        s, _, _ = material_point(self._compiled.model, q, p)
-        angle = q[int(self._compiled.model.bodies.dof[self._compiled.model.points.body[p]]) + 2]
-        x, y = _turned(-angle, row[:2])
-        return PointLoad(p, row[:2].copy(), float(row[2] - s[0] * y + s[1] * x))
+        model = self._compiled.model
+        load = PointLoad(int(model.points.body[p]), ((p, 1.0),), row[:2].copy(), 0.0)
+        s = material_of(model, q, load).moved
+        x, y = _turned(-q[int(model.bodies.dof[load.body]) + 2], row[:2])
+        return load._replace(moment=float(row[2] - s[0] * y + s[1] * x))
 
     def _add(self, q: FloatArray, load: PointLoad, force: FloatArray) -> None:
         """force += L^T F + the generalised force of the moment."""
-        s, phi, psi = material_point(self._compiled.model, q, load.point)
-        d = int(self._compiled.model.bodies.dof[self._compiled.model.points.body[load.point]])
+        _, s, phi, psi = material_of(self._compiled.model, q, load)
+        d = int(self._compiled.model.bodies.dof[load.body])
         own = _turned(-q[d + 2], load.force)
         force[d : d + 2] += load.force
         force[d + 2] += s[0] * own[1] - s[1] * own[0] + load.moment

@@ -23,7 +23,7 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import LineShapes
-from lcpflex.results.acting_forces import ActingForces, PointLoad, material_point
+from lcpflex.results.acting_forces import ActingForces, PointLoad, material_of
 from lcpflex.results.places import turned
 
 if TYPE_CHECKING:
@@ -159,11 +159,12 @@ class _Cut:
         at, force, moment = [s], [inertia], [np.zeros(len(s))]
         beyond = [self._beyond]
         for load in loads:
-            if model.points.body[load.point] == self._b:
-                at.append(material_point(model, q, load.point)[0][None])
+            if load.body == self._b:
+                material = material_of(model, q, load)
+                at.append(material.moved[None])
                 force.append(turned(np.array(-angle), load.force)[None])
                 moment.append(np.array([load.moment]))
-                beyond.append(self._counted(model.points.place[load.point, :1]))
+                beyond.append(self._counted(material.place[:1]))
         return self._summed(modal, np.concatenate(at), np.concatenate(force), np.concatenate(moment), np.hstack(beyond))
 
     def _felt(self, s: FloatArray, angle: float, u: FloatArray, acceleration: FloatArray, own: slice) -> FloatArray:

@@ -216,9 +216,9 @@ class _OfMesh:
         total = np.asarray(mesh.mesh.mass @ felt)
         back = np.array(-q[self._parts.frame][2])
         for load in loads:
-            if model.points.body[load.point] == self._b:
-                x, y = model.points.place[load.point].tolist()
-                rows = mesh.load_rows(x, y)
+            if load.body == self._b:
+                at = [(*model.points.place[p].tolist(), weight) for p, weight in load.points]
+                rows = sum((weight * mesh.load_rows(x, y) for x, y, weight in at), np.zeros((len(total), 3)))
                 total += rows[:, :2] @ turned(back, load.force) + rows[:, 2] * load.moment
         return total
 

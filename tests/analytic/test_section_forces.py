@@ -156,6 +156,27 @@ def test_struck_beam_bends_as_its_curvature(side: str) -> None:
     assert np.abs(found.V[:, [0, -1]]).max() < 1e-9 * np.abs(found.V).max()
 
 
+def test_a_plank_that_lies_on_two_discs() -> None:
+    """Friction, a rule, a disc on top, contacts amid elements: shear and moment of statics beside each."""
+    scene = lf.Scene(gravity=(0, -G))
+    scene.add(beam(elements=10).reduce(4, damping=0.1), name="beam", position=(0, 0.0101))
+    scene.add(lf.Disc(0.1, mass=5.0), name="disc", position=(0.43, 0.1202))
+    for x in (0.05, 0.95):
+        scene.ground.circle((x, -0.1), 0.1)
+    scene.contact_all(friction=0.2)
+    result = run(scene, 0.8, lf.GeneralizedAlpha(2e-4), record=0.1)
+    found = result.section("beam", [0.0, 0.049, 0.051, 0.42, 0.44, 0.949, 0.951, 1.0])
+    weight, extra = LINE * G, 5.0 * G
+    left = (weight * L * 0.45 + extra * (0.95 - 0.43)) / 0.9
+    right = weight * L + extra - left
+    x = found.x
+    V = weight * x - left * (x > 0.05) + extra * (x > 0.43) - right * (x > 0.95)
+    M = -weight * x**2 / 2 + left * (x - 0.05) * (x > 0.05) - extra * (x - 0.43) * (x > 0.43)
+    M += right * (x - 0.95) * (x > 0.95)
+    assert found.V[-1] == pytest.approx(V, abs=5e-3 * extra)
+    assert found.M[-1] == pytest.approx(M, abs=5e-3 * extra * 0.25)
+
+
 @pytest.mark.parametrize("lumped", [False, True])
 def test_a_bar_that_is_pushed(lumped: bool) -> None:
     """A force F at one end of a free bar: N = -F (L - x) / L of the part beyond, which it pushes along."""

@@ -106,7 +106,7 @@ def test_cantilever_bends(how: str) -> None:
 
 
 @cache
-def plate_with_hole(around: int = 48, through: int = 8) -> tuple[lf.Continuum, FloatArray]:
+def plate_with_hole(around: int = 64, through: int = 10) -> tuple[lf.Continuum, FloatArray]:
     """A square of 1 m with a hole of 0.1 m, elements that grow outwards; and the nodal loads of a tension of 1 Pa."""
     ring = lf.meshes.ring(0.05, 1.0, around, through)
     x, y = np.asarray(ring.doflocs)
