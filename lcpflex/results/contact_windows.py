@@ -34,8 +34,9 @@ class ContactWindow:
     by
         "events" for rigid contacts of ``EventDriven``; "steps" where each step was stored; else "instants".
     peak_force
-        Largest normal force at a stored instant of the touch [N], of ``MoreauJean`` the impulse of a step over its
-        length; NaN where none is, as for an impact of ``EventDriven``, which has an impulse alone.
+        Largest normal force at a stored instant of the touch [N]; NaN where none is, as for an impact of
+        ``EventDriven``, which has an impulse alone. Time stepping tells the impulse of a step over its length, for an
+        impact the more, the shorter the step.
     impulse
         (2,) normal and tangential [N s], impacts included. Those of all windows sum up to that of the
         contact, to the rounding of the equations that ``Stiff`` solves: what such rounding makes is no touch.

@@ -19,14 +19,7 @@ from lcpflex.errors import ModelError, in_range
 from lcpflex.model.arrays import OPEN
 from lcpflex.model.planar import N_RIGID
 from lcpflex.results.polynomials import hermite, lagrange
-from lcpflex.results.stored_instants import (
-    DENSE,
-    at_events,
-    contact_forces_are_means,
-    each_step,
-    impulse_noise,
-    tells_of_steps,
-)
+from lcpflex.results.stored_instants import DENSE, at_events, each_step, impulse_noise, tells_of_steps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -52,12 +45,13 @@ class StateAt:
     q, u
         (ndof,) coordinates and their rates [m], [rad], [kg^1/2 m] and by the second.
     force
-        (nc, 2) normal and tangential force of each contact [N]: interpolated between instants, or, where an instant
-        tells the mean of the step before it, that of the step.
+        (nc, 2) normal and tangential force of each contact [N], interpolated between instants; of rigid contacts under
+        time stepping, which has their impacts in it, that of the step.
     state
         (nc,) OPEN, STICK, SLIP or CREEP, of the nearest instant or of the step.
     joint_force
-        (nj, 3) F_x, F_y [N] and M [N m] of each joint, world axes, likewise; None where none were recorded.
+        (nj, 3) F_x, F_y [N] and M [N m] of each joint, world axes, interpolated, or under time stepping the mean
+        between both instants; None where none were recorded.
     how
         "stored", "dense" (degree 5), "cubic", or "parts" of a step with a velocity jump.
     """
@@ -126,7 +120,7 @@ def _smooth(result: Result, t: float, k: int, rows: slice, how: str) -> StateAt:
     q, u = hermite(times, result.q[rows], result.u[rows], t)
     nearest = k + 1 if tells_of_steps(result) or t - result.times[k] > result.times[k + 1] - t else k
     force = lagrange(times, result.force[rows], t)
-    if contact_forces_are_means(result):
+    if tells_of_steps(result):  # which put an impact among the forces of a step
         rigid = _rigid(result)
         force[rigid] = result.force[k + 1, rigid]
     joints = result.joint_force

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
 __all__ = [
     "DENSE",
     "at_events",
-    "contact_forces_are_means",
     "each_step",
     "impulse_noise",
     "located",
@@ -63,8 +62,3 @@ def impulse_noise(result: Result) -> float:
     """Share of the impulse of a contact that an interval without a touch may show: ``Stiff`` solves for it."""
     found = re.search(r"Stiff\(rtol=([0-9.e+-]+)", result.stepper)
     return NOISE * float(found.group(1)) if found else 0.0
-
-
-def contact_forces_are_means(result: Result) -> bool:
-    """Whether the force of a rigid contact at an instant is the impulse of the step before over its length."""
-    return family(result) == "MoreauJean"

@@ -96,6 +96,17 @@ def test_a_bouncing_ball_as_the_scheme_moves_it(theta: float) -> None:
     assert kinds == {"cubic", "parts"}
 
 
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(1e-3), lf.GeneralizedAlpha(1e-3)], ids=lambda s: type(s).__name__)
+def test_forces_of_an_impact_are_those_of_its_step(stepper: Any) -> None:
+    """In flight there is none, up to the step of an impact and from its end on."""
+    result = run(ball(), stepper, 0.6, 0.0)
+    (touch,) = result.contact("floor").windows()
+    times = [touch.begin - 1e-6, touch.begin + 5e-4, touch.end + 1e-6]
+    found = [float(result.at(t).force[0, 0]) for t in times]
+    assert found == pytest.approx([0.0, touch.peak_force, 0.0])
+    assert touch.peak_force == pytest.approx(MASS * (1.0 + E) * G * FALL / 1e-3, rel=2e-2)
+
+
 def reference(t: float, start: float = 2.0, length: float = 1.0) -> tuple[float, float]:
     """Angle and its rate of a rod as pendulum, by Jacobi's functions: sin(a / 2) = k sn(K - omega t)."""
     from scipy.special import ellipj, ellipk
