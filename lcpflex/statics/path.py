@@ -35,6 +35,8 @@ SHORT = 0.2  # of the extent of the smallest body: longest step
 LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral directions are held by
 MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that was made
 WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
+SUNK = 0.05  # of the length of a step: by how much more than before bodies may overlap at its end
+ROUNDING = 1e-12  # of the size
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
@@ -139,10 +141,14 @@ class Path:
         return np.linalg.solve(L.T, white_dq) / arm, p
 
     def _good(self, here: Station, M: FloatArray, K: FloatArray, alpha: float, dq: FloatArray, p: FloatArray) -> bool:
-        """Whether the forces at the end of a step are those that its linearisation foresaw."""
+        """Whether the forces and gaps at the end of a step are those that its linearisation foresaw."""
         moved = self.scales.moved(dq)
         damping = alpha * (M @ dq)
         missed = self.balance.pull(here.at.q + dq, p) - damping
+        gaps = self.balance.work.table.gap[: here.at.n_contacts]
+        sunk = float(np.max(np.minimum(here.at.gap, 0.0) - gaps, initial=0.0))
+        if sunk > SUNK * moved + ROUNDING * self.scales.size:
+            return False
         change = self.scales.force(damping) + self.scales.force(K @ dq)
         return moved <= TINY * self.longest or self.scales.force(missed) <= WRONG * change + 1e-9 * here.scale
 

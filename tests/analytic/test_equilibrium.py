@@ -254,6 +254,17 @@ def test_upside_down() -> None:
         assert rest.joint("hinge").force == pytest.approx([0.0, 2.0 * G], rel=EXACT, abs=1e-8)
 
 
+def test_a_pin_does_not_leave_its_hole() -> None:
+    """Steps are short against the clearance where that is what bends the path: the arm hangs, 1 mm lower."""
+    scene = lf.Scene(gravity=(0.0, -G))
+    arm = scene.add(lf.Box(1.0, 0.1, mass=1.0), "arm", position=(0.5, 0.0))
+    ground = scene.ground.at(0.0, 0.0)
+    name = scene.revolute_with_clearance(P=arm.point("left"), Q=ground, pin_radius=0.01, hole_radius=0.011)
+    rest = lf.equilibrium(scene)
+    assert rest.q == pytest.approx([0.0, -0.501, -0.5 * math.pi], abs=1e-9)
+    assert rest.contact(name).on("arm") == pytest.approx([0.0, G], rel=EXACT, abs=1e-8)
+
+
 def test_what_moves_is_said() -> None:
     """A ball without support beside one that lies; a box on a slope that is too steep for its friction."""
     scene = lf.Scene(gravity=(0.0, -G))
