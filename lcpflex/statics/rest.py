@@ -94,6 +94,8 @@ class Rest:
     stable
         Whether no direction is left in which forces push away from this place, to first order: pressed contacts
         hold, sticking ones do not slip, forces of slipping ones keep their size. Grazing contacts are taken for open.
+        It is a statement of statics: near the limit of a large friction a jammed place may have a second motion that
+        obeys Coulomb's law, too, and a run may leave it; steps that are long for a clearance leave a place as well.
     unstable, neutral
         What moves in such a direction, and in those in which nothing changes, as where a disc may turn.
     neighbours
