@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
+from lcpflex.basics.arguments import whole_number
 from lcpflex.basics.options import keep_number
 from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.user_solver import as_solver
@@ -42,7 +41,5 @@ def keep_budget(stepper: Any) -> None:
     """
     if not isinstance(stepper.on_unsolved, str) or stepper.on_unsolved not in (CONTINUE, RAISE):
         raise ModelError(f'on_unsolved: {shown(stepper.on_unsolved)} was given, expected "{CONTINUE}" or "{RAISE}"')
-    budget = stepper.budget
-    whole = isinstance(budget, int | np.integer) and not isinstance(budget, bool)
-    if budget is not None and not (whole and budget >= 1):
-        raise ModelError(f"budget: {shown(budget)} was given, expected a whole number of factors >= 1, or None")
+    if stepper.budget is not None:
+        object.__setattr__(stepper, "budget", whole_number("budget", stepper.budget, 1, why=", of factors, or None"))

@@ -119,9 +119,10 @@ def test_steps_that_are_told_of_are_those_with_a_residual(stepper: Any) -> None:
     [
         ("on_unsolved", "ignore", 'expected "continue" or "raise"'),
         ("on_unsolved", None, 'expected "continue" or "raise"'),
-        ("budget", 0, "a whole number of factors >= 1"),
-        ("budget", 1.5, "a whole number of factors >= 1"),
-        ("budget", True, "a whole number of factors >= 1"),
+        ("budget", 0, "a whole number >= 1, of factors, or None"),
+        ("budget", 1.5, "a whole number >= 1, of factors, or None"),
+        ("budget", True, "a whole number >= 1, of factors, or None"),
+        ("budget", np.timedelta64(3, "s"), "a whole number >= 1, of factors, or None"),
     ],
 )
 def test_bad_choices_are_refused(name: str, value: object, words: str) -> None:
