@@ -11,6 +11,7 @@ from lcpflex.basics.lazy import attach
 
 if TYPE_CHECKING:
     import clarabel
+    import h5py
     import llvmlite.binding as llvm
     import matplotlib.animation as animation
     import meshio
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import scipy.sparse.csgraph as csgraph
     import skfem
     import skfem.helpers as skfem_helpers
+    import xarray
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection

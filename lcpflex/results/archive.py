@@ -1,4 +1,4 @@
-"""Results on disk: one npz file, readable by any program that reads zip and npy, never unpickled.
+"""Results on disk: one npz or HDF5 file, readable by any program that reads these, never unpickled.
 
 Every array of the result stands in the file under its dotted name: ``times``, ``q``, ``energies.kinetic``,
 ``contact_points.place``, ``compiled.model.bodies.mass``. All else is in the entry ``structure``, a JSON text in which
@@ -10,6 +10,9 @@ Every array of the result stands in the file under its dotted name: ``times``, `
 
 and numbers, texts, true, false and null are themselves. The entry ``format`` holds "lcpflex result 2". Files of the
 first format named the modules of the classes, too (``scene.Layout``), as they were then; they are read as well.
+
+In HDF5 (paths that end in .h5 or .hdf5) these entries are data sets of the root, the two texts as bytes of UTF-8. Each
+has a check sum, as entries of npz have, so that a damaged file is refused.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lcpflex.basics.hdf5 import array_of, h5py_for, put_array, whole_hdf5
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError, path_of, shown
 from lcpflex.results.first_format import CHANGED
@@ -40,6 +44,8 @@ RENAMED = {  # classes and fields, as older files name them
 EXPECTED = "expected a result saved by Result.save"
 FORMAT = "lcpflex result 2"
 READ = ("lcpflex result 1", FORMAT)
+HDF5, FOR_OTHERS = (".h5", ".hdf5"), (".vtkhdf",)  # endings
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HOMES = (  # of the value classes that a file may name
     "lcpflex.results.result", "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
     "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery",
@@ -54,9 +60,21 @@ def write(value: object, path: str | os.PathLike[str]) -> Path:
     The file is written beside its final name and then put in its place, so that a full disk leaves an older file
     untouched and no half-written one. Raises ModelError with the path and the reason.
     """
-    arrays: Arrays = {}
+    target, arrays = path_of("path", path), Arrays()
     structure = json.dumps(_encode(value, "", arrays))
-    with whole_file("path", path) as part, part.open("wb") as file:
+    if target.suffix.lower() in FOR_OTHERS:
+        raise ModelError(
+            f"path: {str(target)!r} was given, expected the ending .npz, .h5 or .hdf5: no result is read "
+            "back from a file for ParaView"
+        )
+    if target.suffix.lower() in HDF5:
+        with whole_hdf5("path", target, f"path: {str(target)!r}: an HDF5 file needs") as file:
+            for name, text in (("format", FORMAT), ("structure", structure)):
+                put_array(file, name, np.frombuffer(text.encode(), dtype=np.uint8))
+            for name, array in arrays.items():
+                put_array(file, name, array)
+        return Path(path)
+    with whole_file("path", target) as part, part.open("wb") as file:
         np.savez_compressed(file, format=np.array(FORMAT), structure=np.array(structure), **arrays)  # type: ignore[arg-type]
     return Path(path)
 
@@ -65,18 +83,46 @@ def read(path: str | os.PathLike[str]) -> Any:
     """Read back what :func:`write` wrote. Raises ModelError with the path and the reason."""
     target = path_of("path", path)
     try:
-        with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-            found = str(file["format"]) if "format" in file else "no such entry"
-            if found not in READ:
-                raise ModelError(f"path: {str(target)!r} has the format {shown(found)}; expected {FORMAT!r}")
-            return _decode(json.loads(str(file["structure"])), file)
+        with target.open("rb") as opened:
+            return _read_hdf5(target) if opened.read(len(SIGNATURE)) == SIGNATURE else _read_npz(target)
     except ModelError:
         raise
     except OSError as error:
         words = f"cannot read {str(target)!r}: {error.strerror or error}"
         raise ModelError(f"path: {words}, {EXPECTED}") from error
-    except Exception as error:  # whatever zipfile, its codecs, numpy and json stumble over
+    except Exception as error:  # whatever zipfile, its codecs, h5py, numpy and json stumble over
         raise ModelError(f"path: {str(target)!r} is no complete result of lcpflex ({error}), {EXPECTED}") from error
+
+
+def _read_npz(target: Path) -> Any:
+    with target.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+        _check_format(target, str(file["format"]) if "format" in file else None)
+        return _decode(json.loads(str(file["structure"])), file)
+
+
+def _read_hdf5(target: Path) -> Any:
+    h5py = h5py_for(f"path: {str(target)!r}: an HDF5 file needs")
+    with h5py.File(target, "r") as file:
+        text = {name: bytes(array_of(file, name)).decode() for name in ("format", "structure") if name in file}
+        _check_format(target, text.get("format"))
+        return _decode(json.loads(text["structure"]), _Stored(file))
+
+
+def _check_format(target: Path, found: str | None) -> None:
+    if found not in READ:
+        held = "no such entry" if found is None else found
+        raise ModelError(f"path: {str(target)!r} has the format {shown(held)}; expected {FORMAT!r}")
+
+
+class _Stored(dict[str, npt.NDArray[Any]]):
+    """The arrays of an open HDF5 file by name, each read when it is asked for."""
+
+    def __init__(self, file: Any) -> None:
+        super().__init__()
+        self._file = file
+
+    def __missing__(self, name: str) -> npt.NDArray[Any]:
+        return array_of(self._file, name)
 
 
 def _field_names(value: object) -> tuple[str, ...] | None:

@@ -260,10 +260,11 @@ class Result:
         return animate(self, path, fps=fps, slowdown=slowdown)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write everything to one npz file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
+        """Write everything to one file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
 
-        Python callbacks and force laws of the scene are left out: a loaded result can be drawn and measured, not
-        continued. Raises ModelError with the path and the reason.
+        path: ends in .h5 or .hdf5 for HDF5, which needs h5py; any other file is an npz. Python callbacks and force
+        laws of the scene are left out: a loaded result can be drawn and measured, not continued. Raises ModelError
+        with the path and the reason.
         """
         kept = self.compiled
         if kept is not None:
@@ -273,7 +274,7 @@ class Result:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a saved result. Raises ModelError with the path and the reason."""
+        """Read a saved result, npz or HDF5 by its content. Raises ModelError with the path and the reason."""
         loaded = read(path)
         if not isinstance(loaded, cls):
             raise ModelError(f"path: {os.fspath(path)!r} holds a {type(loaded).__name__}; expected a Result")

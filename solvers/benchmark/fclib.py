@@ -7,7 +7,6 @@ stored as in CSparse.
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
-from lcpflex.basics.whole_file import whole_file
+from lcpflex.basics.hdf5 import h5py_for, whole_hdf5
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.condensation import condensed, contact_problem, planar_rows
@@ -27,6 +26,7 @@ __all__ = ["load_fclib", "save_fclib"]
 LARGEST = 8000  # rows of a matrix that becomes a dense one
 MOST = 1_000_000  # rows of any, and a hundred times as many entries
 SHOWN = 120  # characters of a message of HDF5, and of a path
+NEEDS = "FCLIB files need"
 LOCAL = "/fclib_local with W, vectors/q, vectors/mu, spacedim"
 GLOBAL = "/fclib_global with M, H, vectors/f, vectors/w, vectors/mu, spacedim"
 
@@ -42,7 +42,7 @@ def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactP
     path: of the file.
     """
     path = path_of("path", path)
-    h5py, name = _h5py(), f"path {str(path)[-SHOWN:]!r}"
+    h5py, name = h5py_for(NEEDS), f"path {str(path)[-SHOWN:]!r}"
     expected = LOCAL
     try:
         with h5py.File(path, "r") as file:
@@ -75,8 +75,8 @@ def save_fclib(path: str | os.PathLike[str], problem: ContactProblem | SpatialCo
     else:
         kind = type(problem).__name__
         raise ModelError(f"problem is a {kind}: expected a ContactProblem or a SpatialContactProblem")
-    h5py, target = _h5py(), path_of("path", path)
-    with whole_file("path", target) as part, h5py.File(part, "w") as file:
+    target = path_of("path", path)
+    with whole_hdf5("path", target, NEEDS, libver="earliest") as file:
         group = file.create_group("fclib_local")
         group["spacedim"] = np.array([dimension], dtype=np.int32)
         _write(group.create_group("W"), W)
@@ -85,13 +85,6 @@ def save_fclib(path: str | os.PathLike[str], problem: ContactProblem | SpatialCo
         group["info/description"] = np.bytes_("written by lcpflex")
         group["info/math_info"] = np.bytes_(f"{len(problem.friction)} contacts")
     return target
-
-
-def _h5py() -> Any:
-    try:
-        return importlib.import_module("h5py")
-    except ImportError as error:
-        raise ModelError("FCLIB files need h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
 
 
 def _local(group: Any) -> tuple[Any, FloatArray, FloatArray, int]:

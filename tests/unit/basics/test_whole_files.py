@@ -14,6 +14,7 @@ import pytest
 import lcpflex as lf
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.cli.reading import save_figure
+from lcpflex.solvers.benchmark.fclib import save_fclib
 from lcpflex.solvers.benchmark.files import save_problems
 from tests.scenes import disc_on_floor
 
@@ -39,9 +40,14 @@ def problems(path: Path) -> None:
     save_problems(path, [lf.solvers.Lcp(np.eye(20), random.standard_normal(20)) for _ in range(9)])
 
 
+HDF5 = (".h5", ".hdf5")
 WRITERS: dict[str, Callable[[lf.Result, Path], Any]] = {
     "film.gif": lambda result, path: result.animate(path),
     "result.npz": lambda result, path: result.save(path),
+    "result.h5": lambda result, path: result.save(path),
+    "problem.hdf5": lambda result, path: save_fclib(
+        path, lf.solvers.ContactProblem(np.eye(18), np.ones(18), [0.3] * 9)
+    ),
     "problems.npz": lambda result, path: problems(path),
     "figure.png": lambda result, path: save_figure(result.plot(), path),
 }
@@ -49,6 +55,8 @@ WRITERS: dict[str, Callable[[lf.Result, Path], Any]] = {
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_full_disk_leaves_nothing_half(name: str, result: lf.Result, tmp_path: Path) -> None:
+    if name.endswith(HDF5):
+        pytest.importorskip("h5py")
     path = tmp_path / name
     for before in (None, b"older"):
         if before is not None:

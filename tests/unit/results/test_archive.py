@@ -5,18 +5,25 @@ from __future__ import annotations
 import json
 import os
 import resource
+import sys
 import zipfile
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from lcpflex.basics import libs
 from lcpflex.dynamics.applied_forces import spring_energy
 from lcpflex.errors import ModelError
 from lcpflex.kinematics.joint_rows import joint_residual
+from lcpflex.results.archive import SIGNATURE
+from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import Result
+
+without_h5py = pytest.mark.skipif(find_spec("h5py") is None, reason="needs h5py")
 
 
 def assert_same(a: Any, b: Any, path: str = "result") -> None:
@@ -40,12 +47,17 @@ def assert_same(a: Any, b: Any, path: str = "result") -> None:
         assert a == b, path
 
 
-def test_result_of_a_users_own_system_comes_back_whole(bounce: Result, tmp_path: Path) -> None:
-    assert_same(bounce, Result.load(bounce.save(tmp_path / "bounce.npz")))
+ENDINGS = (".npz", pytest.param(".h5", marks=without_h5py), pytest.param(".HDF5", marks=without_h5py))
 
 
-def test_result_of_a_scene_comes_back_whole_and_can_be_drawn(swing: Result, tmp_path: Path) -> None:
-    loaded = Result.load(swing.save(tmp_path / "swing.npz"))
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_result_of_a_users_own_system_comes_back_whole(bounce: Result, tmp_path: Path, ending: str) -> None:
+    assert_same(bounce, Result.load(bounce.save(tmp_path / f"bounce{ending}")))
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_result_of_a_scene_comes_back_whole_and_can_be_drawn(swing: Result, tmp_path: Path, ending: str) -> None:
+    loaded = Result.load(swing.save(tmp_path / f"swing{ending}"))
     assert_same(swing, loaded)
     np.testing.assert_array_equal(loaded.point("pendulum", "right"), swing.point("pendulum", "right"))
     loaded.draw(0.2).savefig(tmp_path / "drawn.png")
@@ -61,6 +73,97 @@ def test_file_is_open_to_any_program(swing: Result, tmp_path: Path) -> None:
         np.testing.assert_array_equal(file["energies.kinetic"], swing.energies.kinetic)
         assert "compiled.model.bodies.mass" in file
         assert json.loads(str(file["structure"]))["fields"]["stepper"] == swing.stepper
+
+
+@without_h5py
+def test_hdf5_file_has_the_names_of_npz(swing: Result, tmp_path: Path) -> None:
+    import h5py
+
+    swing.save(tmp_path / "swing.npz")
+    swing.save(tmp_path / "swing.h5")
+    with h5py.File(tmp_path / "swing.h5") as found, np.load(tmp_path / "swing.npz") as file:
+        assert set(found) == set(file.files)
+        texts = {name: bytes(found[name][()]).decode() for name in ("format", "structure")}
+        assert texts == {name: str(file[name]) for name in texts}
+        for name in set(file.files) - set(texts):
+            np.testing.assert_array_equal(found[name][()], file[name])
+        assert found["q"].dtype == np.float64
+
+
+@without_h5py
+def test_what_others_add_to_an_hdf5_file_is_left_alone(swing: Result, tmp_path: Path) -> None:
+    import h5py
+
+    with h5py.File(swing.save(tmp_path / "swing.h5"), "a") as file:
+        file["of the user"] = np.arange(3.0)
+        file["q"].attrs["remark"] = "as measured"
+    assert_same(swing, Result.load(tmp_path / "swing.h5"))
+
+
+@without_h5py
+def test_a_changed_number_of_an_hdf5_file_is_seen(swing: Result, tmp_path: Path) -> None:
+    """In a small array, which no filter of HDF5 guards; and an array of another type with the same bytes."""
+    import h5py
+
+    path = swing.save(tmp_path / "swing.h5")
+    with h5py.File(path, "a") as file:
+        file["compiled.model.bodies.mass"][0] *= 1.5
+    with pytest.raises(ModelError, match=r"swing\.h5.*check sum of compiled\.model\.bodies\.mass"):
+        Result.load(path)
+    path = swing.save(tmp_path / "swing.h5")
+    with h5py.File(path, "a") as file:
+        kept, check = file["size"][()], file["size"].attrs["crc32"]
+        del file["size"]
+        file["size"] = kept.view(np.float64)
+        file["size"].attrs["crc32"] = check
+    with pytest.raises(ModelError, match="check sum of size"):
+        Result.load(path)
+
+
+@without_h5py
+def test_an_hdf5_file_that_claims_more_than_it_holds(swing: Result, tmp_path: Path) -> None:
+    import h5py
+
+    path = swing.save(tmp_path / "swing.h5")
+    with h5py.File(path, "a") as file:
+        del file["q"]
+        file.create_dataset("q", shape=(10**12,), chunks=(1000,), dtype=float)
+    with pytest.raises(ModelError, match="claims more numbers than the file holds"):
+        Result.load(path)
+
+
+def test_hdf5_without_h5py(swing: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    monkeypatch.delitem(vars(libs), "h5py", raising=False)  # where another test has loaded it
+    (tmp_path / "made.h5").write_bytes(SIGNATURE + bytes(1000))
+    for work in (lambda: swing.save(tmp_path / "swing.h5"), lambda: Result.load(tmp_path / "made.h5")):
+        with pytest.raises(ModelError, match=r"^path: .*\.h5.* needs h5py.*pip install 'lcpflex\[hdf5\]'"):
+            work()
+    assert not (tmp_path / "swing.h5").exists()
+
+
+def test_a_file_for_paraview_is_no_file_of_a_result(swing: Result, tmp_path: Path) -> None:
+    with pytest.raises(ModelError, match=r"path: .*swing\.vtkhdf.*expected the ending \.npz, \.h5 or \.hdf5"):
+        swing.save(tmp_path / "swing.vtkhdf")
+
+
+@pytest.mark.parametrize("ending", ENDINGS[:2])
+def test_a_million_numbers_take_the_room_of_the_numbers(bounce: Result, tmp_path: Path, ending: str) -> None:
+    """8 MB of random numbers, which nothing compresses, and 10 kB for all else."""
+    m, n = 1000, 497
+    zero, random = np.zeros(m), np.random.default_rng(5)
+    q, u = random.standard_normal((2, m, n))
+    many = replace(
+        bounce, times=np.sort(random.random(m)), q=q, u=u, force=np.zeros((m, 1, 2)), impulse=np.zeros((m, 1, 2)),
+        state=np.zeros((m, 1), np.int8), gap=random.random((m, 1)), residual=random.random(m),
+        penetration=zero, joint_drift=zero, size=np.zeros(m, np.int64),
+        energies=Energies(*random.standard_normal((8, m))),
+    )  # fmt: skip
+    numbers = q.size + u.size + 11 * m
+    assert numbers > 1e6
+    path = many.save(tmp_path / f"many{ending}")
+    assert path.stat().st_size <= 8 * numbers + 20_000
+    assert_same(many, Result.load(path))
 
 
 def test_saving_replaces_an_older_file(bounce: Result, tmp_path: Path) -> None:

@@ -1,0 +1,85 @@
+"""HDF5 files through h5py, which is optional: written as a whole or not at all, and read without faith."""
+
+from __future__ import annotations
+
+import io
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.basics import libs
+from lcpflex.basics.whole_file import whole_file
+from lcpflex.errors import ModelError
+
+__all__ = ["array_of", "h5py_for", "put_array", "whole_hdf5"]
+
+SMALL = 1024  # bytes: what is smaller is not worth a chunk of its own
+CHUNK = 2**20  # bytes
+LEVEL = 4  # of deflate: 9 takes three times as long and saves a per cent
+DENSEST = 1100  # bytes that deflate can make of one
+
+
+def h5py_for(what: str) -> Any:
+    """The package h5py.
+
+    Raises
+    ------
+    ModelError
+        Where it is not installed: "``what`` h5py, which is not installed", and how to get it.
+    """
+    try:
+        return libs.h5py
+    except ImportError as error:
+        raise ModelError(f"{what} h5py, which is not installed: pip install 'lcpflex[hdf5]'") from error
+
+
+@contextmanager
+def whole_hdf5(name: str, path: Any, what: str, libver: str = "v110") -> Iterator[Any]:
+    """An open h5py.File, which is at ``path`` at the end of the block, all of it or nothing.
+
+    It is made in memory, and written as any other file: where a disk is full, the HDF5 library ends the process (seen
+    with h5py 3.16). ``libver`` is that of h5py; headers of HDF5 1.10 and later have check sums.
+
+    Raises
+    ------
+    ModelError
+        As :func:`.whole_file` does, with the argument ``name``; and as :func:`h5py_for`.
+    """
+    h5py, made = h5py_for(what), io.BytesIO()
+    with whole_file(name, path) as part:
+        with h5py.File(made, "w", libver=libver, track_order=True) as file:
+            yield file
+        part.write_bytes(made.getbuffer())
+
+
+def put_array(group: Any, name: str, values: npt.NDArray[Any]) -> None:
+    """Write an array, compressed, with a check sum over its type, shape and bytes as attribute ``crc32``."""
+    if values.nbytes < SMALL:
+        dataset = group.create_dataset(name, data=values)
+    else:
+        row = max(values.nbytes // len(values), 1)
+        chunks = (min(len(values), max(CHUNK // row, 1)), *values.shape[1:])
+        dataset = group.create_dataset(
+            name, data=values, chunks=chunks, compression="gzip", compression_opts=LEVEL, shuffle=True
+        )
+    dataset.attrs["crc32"] = np.uint32(_check_sum(values))
+
+
+def array_of(group: Any, name: str) -> npt.NDArray[Any]:
+    """Read what :func:`put_array` wrote; KeyError, ValueError or OSError for anything else."""
+    dataset = group[name]
+    if dataset.size * dataset.dtype.itemsize > SMALL + DENSEST * dataset.id.get_storage_size():
+        raise ValueError(f"{name} claims more numbers than the file holds")
+    values = np.asarray(dataset[()])
+    if _check_sum(values) != int(dataset.attrs["crc32"]):
+        raise ValueError(f"the check sum of {name} is another")
+    return values
+
+
+def _check_sum(values: npt.NDArray[Any]) -> int:
+    about = zlib.crc32(f"{values.dtype.str}{values.shape}".encode())
+    return zlib.crc32(np.ascontiguousarray(values).data, about)
