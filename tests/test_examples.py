@@ -12,6 +12,7 @@ from tests.examples import EXAMPLES, example
 STUDIES = (
     "ball_on_rod",
     "claw",
+    "claw_in_step",
     "cross_check_solvers",
     "falling_chain",
     "flexible_pendulum_micro_collisions",

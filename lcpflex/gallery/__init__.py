@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         prestressed_bar as prestressed_bar,
         two_bars as two_bars,
     )
-    from lcpflex.gallery.mechanisms.claws import claw as claw
+    from lcpflex.gallery.mechanisms.claws import claw as claw, claw_in_step as claw_in_step
     from lcpflex.gallery.mechanisms.coaxial import (
         meshed_ball as meshed_ball,
         meshed_rod as meshed_rod,
