@@ -26,7 +26,7 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
 
-__all__ = ["unseen_loads"]
+__all__ = ["place_name", "resisted", "unseen_loads"]
 
 TURN = 0.45  # omega times step up to which a mean over the step is good to (omega step)^2 / 12
 SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega step)^2 / 24
@@ -116,7 +116,7 @@ def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:
     return rows
 
 
-def _place(compiled: CompiledScene, p: int) -> str:
+def place_name(compiled: CompiledScene, p: int) -> str:
     """What a material point is called."""
     b = int(compiled.model.points.body[p])
     if b < 0:
@@ -200,7 +200,7 @@ def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
             along = rows[[c for c in (0, 1) if components[c] == signal]] if kind == FORCE else rows
             words = _unseen_force(model, signal, profiles, step, scales, along)
             if words:
-                found.append(f"the {'torque' if torque else 'force'} on {_place(compiled, p)} {words}")
+                found.append(f"the {'torque' if torque else 'force'} on {place_name(compiled, p)} {words}")
     return found
 
 
@@ -289,19 +289,19 @@ def _springs(result: Result, compiled: CompiledScene, step: float, scales: _Scal
     model, found = pack(compiled.model), []
     for k, kind in enumerate(model.loads.spring_kind.tolist()):
         P, Q = model.loads.spring_point[k].tolist()
-        row = _gradient(model, compiled.q, k)
+        row = resisted(model, compiled.q, k)
         omega = math.sqrt(float(model.loads.spring_value[k, 0]) * scales.mobility(row[None, :]))
         if omega * step <= SPRING_TURN:
             continue
         swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if kind == ANGLE else 1.0)
         if swing > MATTERS * max(scales.travel, NEGLIGIBLE * scales.size):
-            names = f"{_place(compiled, P)} and {_place(compiled, Q)}"
+            names = f"{place_name(compiled, P)} and {place_name(compiled, Q)}"
             found.append(f"the spring between {names}, which swings, {_turns(omega, step)}")
     return found
 
 
-def _gradient(model: Model, q: FloatArray, k: int) -> FloatArray:
-    """(ndof,) of the coordinate that spring k resists."""
+def resisted(model: Model, q: FloatArray, k: int) -> FloatArray:
+    """(ndof,) of the coordinate that spring k resists; the model is a packed one."""
     P, Q = model.loads.spring_point[k].tolist()
     at = apart(model.bodies, model.points, q.copy(), P, Q)
     still = Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -313,5 +313,5 @@ def _gradient(model: Model, q: FloatArray, k: int) -> FloatArray:
 
 def _fastest_stretch(result: Result, model: Model, k: int) -> float:
     """Largest rate of what spring k resists at the stored instants [m/s] or [rad/s]."""
-    rates = (abs(float(_gradient(model, q, k) @ u)) for q, u in zip(result.q, result.u, strict=True))
+    rates = (abs(float(resisted(model, q, k) @ u)) for q, u in zip(result.q, result.u, strict=True))
     return max(rates, default=0.0)

@@ -248,3 +248,58 @@ def test_a_massless_boundary_takes_means_and_tells_what_it_does_not_follow(loud:
     assert not [text for text in result.warnings if "energy" not in text]
     said = loud(bar_pushed_by(lf.Harmonic(1e3, FAST)), 0.05, stepper)
     assert "the force on bar.left has a period of 0.0001 s, 0.05 steps of 0.002 s" in said
+
+
+def on_a_damper(strength: float, step: float, turning: bool = False) -> lf.Scene:
+    """A disc that falls, or turns, against a damper that takes ``strength`` times its speed in a step."""
+    scene = lf.Scene(gravity=(0.0, 0.0) if turning else (0.0, -9.81))
+    disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc")
+    center, ground = disc.point("center"), scene.ground.at(0.0, 5.0)
+    if turning:
+        scene.load(lf.Torque(center, 1.0))
+        scene.load(lf.TorsionSpring(center, ground, stiffness=0.0, damping=0.005 * strength / step))
+    else:
+        scene.load(lf.Spring(center, ground, stiffness=0.0, damping=strength / step))
+    return scene
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-6])
+@pytest.mark.parametrize("turning", [False, True], ids=["along", "torsion"])
+@pytest.mark.parametrize("stepper", [FIXED[0], FIXED[1], FIXED[3]], ids=[NAMES[0], NAMES[1], NAMES[3]])
+def test_dampers_too_strong_for_the_step_are_told(stepper: Any, turning: bool, step: float) -> None:
+    """Velocities with a damper of 1.9 alternate about what they tend to, and keep nine tenths of their error."""
+    ringing = lf.simulate(on_a_damper(1.9, step, turning), 100.0 * step, stepper(step), record=0)
+    told = [text for text in ringing.warnings if "the damper between disc.center and the ground takes 1.9" in text]
+    assert len(told) == 1
+    speeds = ringing.u[:, 2 if turning else 1]
+    changes = np.diff(speeds[:20])
+    assert (changes[1:] * changes[:-1] < 0.0).all()
+    sound = lf.simulate(on_a_damper(0.9, step, turning), 100.0 * step, stepper(step), record=0)
+    assert not [text for text in sound.warnings if "damper" in text]
+
+
+def test_two_dampers_that_are_too_strong_together_are_told(loud: Any) -> None:
+    scene = on_a_damper(0.7, 1e-3)
+    scene.load(lf.Spring(scene.body("disc").point("center"), scene.ground.at(0.0, -5.0), stiffness=0.0, damping=700.0))
+    assert "takes 1.4 times the velocity" in loud(scene, 0.1, lf.MoreauJean(step=1e-3))
+
+
+def test_a_strong_damper_that_a_joint_holds_needs_no_shorter_step() -> None:
+    scene = on_a_damper(1.9, 1e-3)
+    scene.join(lf.Weld(scene.body("disc").point("center"), scene.ground.at(0.0, 0.0)))
+    result = lf.simulate(scene, 0.1, lf.MoreauJean(step=1e-3))
+    assert not [text for text in result.warnings if "damper" in text]
+
+
+@pytest.mark.parametrize("theta", [0.5, 1.0])
+def test_overdamped_modes_that_ring_are_told(theta: float) -> None:
+    """A bar that meets a wall: with theta = 1/2 the velocities of its modes change their sign, with 1 they die out."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    rod = lf.Bar(1.0, 1e-2, 7800.0, 2e11, elements=10).reduce(modes=None, damping=lf.Rayleigh(0.0, 1e-3))
+    bar = scene.add(rod, name="bar", velocity=(1.0, 0.0))
+    scene.contact(bar.node(1.0, 0.0), scene.ground.half_plane((1.001, 0.0), (-1.0, 0.0)), restitution=0.0)
+    result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-4, theta=theta), record=0)
+    last = np.diff(result.u[-20:, 3:], axis=0)
+    assert (last[1:] * last[:-1] < 0.0).any() == (theta == 0.5)
+    told = [text for text in result.warnings if "the damping of the modes of bar" in text]
+    assert [text.endswith("theta=1 lets it die out") for text in told] == [True] * (theta == 0.5)
