@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from lcpflex.model.arrays import Bodies
@@ -10,7 +11,9 @@ from lcpflex.model.planar import N_RIGID
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Layout
 
-__all__ = ["coordinate_names"]
+__all__ = ["coordinate_names", "coordinate_units"]
+
+RIGID_UNITS, MODAL_UNIT = ("m", "m", "rad"), "kg^0.5 m"
 
 
 def coordinate_names(bodies: Bodies, layout: Layout) -> tuple[str, ...]:
@@ -22,6 +25,14 @@ def coordinate_names(bodies: Bodies, layout: Layout) -> tuple[str, ...]:
         parts = ("x", "y", "angle", *_mode_names(modes - residual, residual))
         names += [f"{body}.{part}" for part in parts]
     return tuple(names)
+
+
+def coordinate_units(bodies: Bodies) -> tuple[str, ...]:
+    """Unit of each entry of q: m, m, rad, then that of modes of unit modal mass."""
+    units: list[str] = []
+    for first, last in pairwise(bodies.dof.tolist()):
+        units += [*RIGID_UNITS, *[MODAL_UNIT] * (last - first - N_RIGID)]
+    return tuple(units)
 
 
 def _mode_names(free: int, residual: int) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
 
-__all__ = ["JointReaction", "joint_reaction", "reaction_columns"]
+__all__ = ["JointReaction", "joint_reaction"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,12 +172,3 @@ def _path(result: Result, point: int) -> FloatArray:
     if b < 0:
         return np.broadcast_to(place, (len(result.times), 2))
     return trajectory(model, result.q, b, place, material_shapes(model, np.array([point]))[0])
-
-
-def reaction_columns(result: Result) -> dict[str, Any]:
-    """The columns of a table: force and moment of each joint."""
-    if result.compiled is None or result.joint_force is None:
-        return {}
-    ways = ("force x", "force y", "moment")
-    names = result.compiled.layout.joints
-    return {f"{name}.{way}": result.joint_force[:, k, i] for k, name in enumerate(names) for i, way in enumerate(ways)}

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics import libs
 from lcpflex.basics.arguments import absent, numbers
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.compile.coordinates import coordinate_names
@@ -25,7 +24,7 @@ from lcpflex.results.charts import plot
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
-from lcpflex.results.joint_reaction import JointReaction, joint_reaction, reaction_columns
+from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import material_shapes, trajectory, turned
@@ -35,6 +34,7 @@ from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 from lcpflex.results.stress_history import Stress, StressHistory, stress_history
 from lcpflex.results.summary import summary
+from lcpflex.results.tables import to_dataframe, to_xarray
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -285,25 +285,26 @@ class Result:
 
         Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
         ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
-        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. Raises
-        ModelError where pandas is not installed.
+        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. Units are
+        in ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it twice, before
+        and after. Raises ModelError where pandas is not installed.
         """
-        try:
-            pandas = libs.pandas
-        except ImportError as error:
-            raise ModelError("to_dataframe() needs pandas, which is not installed: pip install pandas") from error
-        columns: dict[str, Any] = {}
-        names = self.coordinate_names()
-        columns |= {name: self.q[:, k] for k, name in enumerate(names)}
-        columns |= {f"{name}'": self.u[:, k] for k, name in enumerate(names)}
-        for k, name in enumerate(self.contact_names):
-            for what, values in (("force", self.force), ("impulse", self.impulse)):
-                columns |= {f"{name}.{way} {what}": values[:, k, c] for c, way in enumerate(("normal", "tangential"))}
-            columns |= {f"{name}.state": self.state[:, k], f"{name}.gap": self.gap[:, k]}
-        columns |= reaction_columns(self)
-        columns |= {f"energy.{name}": getattr(self.energies, name) for name in Energies.__dataclass_fields__}
-        columns |= {name: getattr(self, name) for name in ("residual", "penetration", "joint_drift", "size")}
-        return pandas.DataFrame(columns, index=pandas.Index(self.times, name="time"))
+        return to_dataframe(self)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with the dimensions time, coordinate, contact, joint, touch, event, component and axis.
+
+        ``q`` and ``u`` (time, coordinate); ``force`` and ``impulse`` (time, contact, component), ``state``, ``gap``
+        (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time, joint) and more of joints;
+        ``energy_kinetic`` and so on (time); ``touch_place`` (touch, axis) and more of all touching points, of the
+        instant ``touch_time_index`` and the contact ``touch_contact_index``; ``event_time`` and more (event).
+
+        Units are in the attributes of each variable, those of q and u in ``q_units`` and ``u_units`` (coordinate); the
+        stepper, warnings and other facts of the run are attributes of the whole. Instants of events stand twice in
+        time, before and after. Of contacts, joints, touches and events there are variables where there are any.
+        ``to_netcdf`` writes all of it (engines h5netcdf, scipy). Raises ModelError where xarray is not installed.
+        """
+        return to_xarray(self)
 
     def coordinate_names(self) -> tuple[str, ...]:
         """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.result import STICK, Result
@@ -187,13 +186,6 @@ def test_dataframe(swing: Result, bounce: Result) -> None:
     np.testing.assert_array_equal(frame["disc on floor.tangential force"], -2.0)
     np.testing.assert_array_equal(frame.index, swing.times)
     assert "q 1" in bounce.to_dataframe().columns
-
-
-def test_dataframe_without_pandas(bounce: Result, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
-    monkeypatch.delitem(vars(libs), "pandas", raising=False)  # where another test has loaded it
-    with pytest.raises(ModelError, match="pip install pandas"):
-        bounce.to_dataframe()
 
 
 def test_shares_sum_to_one(swing: Result) -> None:

@@ -1,0 +1,195 @@
+"""Results for other programs: a table of pandas, labelled arrays of xarray; every column and array with its unit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lcpflex.basics import libs
+from lcpflex.basics.version import VERSION
+from lcpflex.compile.coordinates import coordinate_units
+from lcpflex.errors import ModelError
+from lcpflex.force_laws.friction.creep import CREEP
+from lcpflex.model.arrays import OPEN, SLIP, STICK
+from lcpflex.results.energy_balance import Energies
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from lcpflex.results.result import Result
+
+__all__ = ["facts", "to_dataframe", "to_xarray"]
+
+AXES = ("x", "y")
+COMPONENTS = ("normal", "tangential")
+STATES = {"open": OPEN, "stick": STICK, "slip": SLIP, "creep": CREEP}
+OF_EACH_INSTANT = {"residual": "1", "penetration": "m", "joint_drift": "m or rad", "size": "1", "strict": "1"}
+
+Variable = tuple[tuple[str, ...], "NDArray[Any]", dict[str, Any]]  # dimensions, values, attributes
+
+
+def facts(result: Result) -> dict[str, Any]:
+    """What a result says of its run, as numbers and texts; those that are not known are not among them.
+
+    Warnings, notes and what went wrong are lines of one text; ``complete`` is 0 or 1, as files have no truth values.
+    """
+    lines = {name: "\n".join(getattr(result, name)) for name in ("warnings", "found_wrong", "notes")}
+    plain = ("stepper", "duration", "message", "stored", "steps", "wall_time", "compile_time", "python_calls",
+             "python_time", "place_error", "speed_error")  # fmt: skip
+    told = {name: getattr(result, name) for name in plain if getattr(result, name) is not None}
+    return {"lcpflex": VERSION, **told, "complete": int(result.complete), **lines}
+
+
+def to_dataframe(result: Result) -> Any:
+    """See :meth:`lcpflex.results.result.Result.to_dataframe`."""
+    try:
+        pandas = libs.pandas
+    except ImportError as error:
+        raise ModelError("to_dataframe() needs pandas, which is not installed: pip install pandas") from error
+    columns = _columns(result)
+    table = pandas.DataFrame(
+        {name: values for name, (values, _) in columns.items()}, index=pandas.Index(result.times, name="time")
+    )
+    table.attrs |= {"units": {"time": "s", **{name: unit for name, (_, unit) in columns.items()}}, **facts(result)}
+    return table
+
+
+def _columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
+    """Values (m,) and unit of each column."""
+    units, rates = _units(result)
+    named = list(enumerate(result.coordinate_names()))
+    columns: dict[str, tuple[NDArray[Any], str]] = {name: (result.q[:, k], units[k]) for k, name in named}
+    columns |= {f"{name}'": (result.u[:, k], rates[k]) for k, name in named}
+    for k, name in enumerate(result.contact_names):
+        for what, values, unit in (("force", result.force, "N"), ("impulse", result.impulse, "N s")):
+            columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(COMPONENTS)}
+        columns[f"{name}.state"] = (result.state[:, k], "1")
+        columns[f"{name}.gap"] = (result.gap[:, k], "m")
+    if result.joint_force is not None:
+        for k, name in enumerate(_joints(result)):
+            for i, (way, unit) in enumerate((("force x", "N"), ("force y", "N"), ("moment", "N m"))):
+                columns[f"{name}.{way}"] = (result.joint_force[:, k, i], unit)
+    columns |= {f"energy.{name}": (getattr(result.energies, name), "J") for name in Energies.__dataclass_fields__}
+    known = {name: unit for name, unit in OF_EACH_INSTANT.items() if getattr(result, name) is not None}
+    return columns | {name: (getattr(result, name), unit) for name, unit in known.items()}
+
+
+def to_xarray(result: Result) -> Any:
+    """See :meth:`lcpflex.results.result.Result.to_xarray`. Dimensions of length 0 are none: netCDF 3 has no such."""
+    try:
+        xarray = libs.xarray
+    except ImportError as error:
+        raise ModelError("to_xarray() needs xarray, which is not installed: pip install 'lcpflex[tables]'") from error
+    variables = {**_motion(result), **_contacts(result), **_joint_variables(result), **_touches(result)}
+    variables |= _events(result)
+    variables |= {
+        f"energy_{name}": _variable(getattr(result.energies, name), "J", "time")
+        for name in Energies.__dataclass_fields__
+    }
+    units, rates = _units(result)
+    names = {"coordinate": result.coordinate_names(), "contact": result.contact_names, "joint": _joints(result)}
+    coordinates = {
+        "time": _variable(result.times, "s", "time"),
+        **{name: ((name,), _texts(labels)) for name, labels in names.items()},
+        "q_units": (("coordinate",), _texts(units)),
+        "u_units": (("coordinate",), _texts(rates)),
+        "component": (("component",), _texts(COMPONENTS)),
+        "axis": (("axis",), _texts(AXES)),
+    }
+    there = {name: one for name, one in variables.items() if np.size(one[1]) or one[0] == ("time",)}
+    dimensions = {name for one in there.values() for name in one[0]}
+    used = {name: one for name, one in coordinates.items() if set(one[0]) <= dimensions}
+    return xarray.Dataset(there, used, facts(result))
+
+
+def _motion(result: Result) -> dict[str, Variable]:
+    of_each = {name: unit for name, unit in OF_EACH_INSTANT.items() if getattr(result, name) is not None}
+    return {
+        "q": _variable(result.q, "see q_units", "time", "coordinate"),
+        "u": _variable(result.u, "see u_units", "time", "coordinate"),
+        **{name: _variable(getattr(result, name), unit, "time") for name, unit in of_each.items()},
+    }
+
+
+def _contacts(result: Result) -> dict[str, Variable]:
+    by_law = np.isin(_texts(result.contact_names), _texts(result.compliant))
+    found = {
+        "force": _variable(result.force, "N", "time", "contact", "component"),
+        "impulse": _variable(result.impulse, "N s", "time", "contact", "component"),
+        "state": _states(result.state, "time", "contact"),
+        "gap": _variable(result.gap, "m", "time", "contact", about="NaN: farther than gaps are measured"),
+        "compliant": _variable(by_law, "1", "contact"),
+    }
+    return found | ({"crept": _variable(np.array(result.crept), "m", "contact")} if result.crept else {})
+
+
+def _joint_variables(result: Result) -> dict[str, Variable]:
+    """Of results that recorded reactions."""
+    force, peak, impulse, unique = result.joint_force, result.joint_peak, result.joint_impulse, result.joint_unique
+    if force is None or peak is None or impulse is None or unique is None:
+        return {}
+    own = "time", "joint"
+    return {
+        "joint_force": _variable(force[..., :-1], "N", *own, "axis"),
+        "joint_moment": _variable(force[..., -1], "N m", *own),
+        "joint_largest_force": _variable(peak[..., 0], "N", *own),
+        "joint_largest_moment": _variable(peak[..., 1], "N m", *own),
+        "joint_impulse": _variable(impulse[..., :-1], "N s", *own, "axis"),
+        "joint_angular_impulse": _variable(impulse[..., -1], "N m s", *own),
+        "joint_unique": _variable(unique == 1, "1", *own),
+    }
+
+
+def _touches(result: Result) -> dict[str, Variable]:
+    """Touching points of all instants, one behind the other: their number changes."""
+    points = result.contact_points
+    return {
+        "touch_time_index": _variable(points.record, "1", "touch", about="index along time"),
+        "touch_contact_index": _variable(points.contact, "1", "touch", about="index along contact"),
+        "touch_place": _variable(points.place, "m", "touch", "axis"),
+        "touch_normal": _variable(points.normal, "1", "touch", "axis"),
+        "touch_force": _variable(points.force, "N", "touch", "component"),
+        "touch_state": _states(points.state, "touch"),
+    }
+
+
+def _events(result: Result) -> dict[str, Variable]:
+    events = result.events
+    return {
+        "event_time": _variable(np.array([event.time for event in events], dtype=float), "s", "event"),
+        "event_kind": _variable(_texts([event.kind for event in events]), "", "event"),
+        "event_contact": _variable(_texts([event.contact for event in events]), "", "event"),
+        "event_energy_change": _variable(np.array([one.energy_change for one in events], dtype=float), "J", "event"),
+    }
+
+
+def _variable(values: NDArray[Any], unit: str, *dimensions: str, about: str = "") -> Variable:
+    attributes = {"units": unit} | ({"comment": about} if about else {})
+    return dimensions, values, {name: text for name, text in attributes.items() if text}
+
+
+def _states(values: NDArray[Any], *dimensions: str) -> Variable:
+    """By the conventions of CF for flags."""
+    flags = {"flag_values": np.array(list(STATES.values()), dtype=np.int8), "flag_meanings": " ".join(STATES)}
+    return dimensions, values, flags
+
+
+def _texts(values: Sequence[str]) -> NDArray[Any]:
+    return np.array(values, dtype=np.str_) if values else np.zeros(0, dtype="U1")
+
+
+def _joints(result: Result) -> tuple[str, ...]:
+    """Names of those whose reactions were recorded; rows of a user's own system have none."""
+    return result.compiled.layout.joints if result.compiled is not None else ()
+
+
+def _units(result: Result) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Of q and u; those of a user's own system are not known."""
+    if result.compiled is None:
+        unknown = ("unknown",) * result.q.shape[1]
+        return unknown, unknown
+    units = coordinate_units(result.compiled.model.bodies)
+    return units, tuple(f"{unit}/s" for unit in units)
