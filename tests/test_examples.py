@@ -27,6 +27,7 @@ STUDIES = (
     "scotch_yoke",
     "settling_heap",
     "slider_crank_with_flexible_stop",
+    "slotted_joint_tables",
     "strip_pile",
     "two_spheres",
     "where_methods_fail",
