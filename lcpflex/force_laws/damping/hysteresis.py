@@ -52,6 +52,10 @@ class HysteresisFactor(Enum):
     GONTHIER is the approximation eta = d/e with d = 1 - e^2; the equation of Gonthier's paper itself is EXACT, as those
     of Marhefka & Orin 1999 and of Zhang & Sharf 2009. HUNT_CROSSLEY, HERBERT_MCWHANNELL, LEE_WANG and
     LANKARANI_NIKRAVESH stay finite at e = 0 and cannot give a low restitution.
+
+    LEE_WANG is what the literature since then calls so. Their paper of 1983 itself has a transition function, by which
+    the damping grows over a zone of the penetration; it was found in no public source, and is not here. The function
+    :func:`lcpflex.laws.impact_function` has such a zone, with the cubic of the programs that it is known from.
     """
 
     EXACT = "exact"

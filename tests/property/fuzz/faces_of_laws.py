@@ -113,6 +113,11 @@ def law_faces() -> list[Face]:
             laws.fit_power_law,
             lambda: {"law": laws.PowerLaw(1e9), "load_range": (1.0, 100.0), "points": 10},
         ),
+        Face(
+            "impact_function",
+            laws.impact_function,
+            lambda: {"stiffness": 1e8, "exponent": 1.5, "damping": 1e3, "depth": 1e-5},
+        ),
         Face("prescribed_restitution", laws.prescribed_restitution, lambda: {"law": laws.KelvinVoigt, "e_out": 0.5}),
         Face("restitution_of", laws.restitution_of, lambda: {"law": laws.Jankowski, "e": 0.5}),
     ]
