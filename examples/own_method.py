@@ -14,7 +14,9 @@ The lesson: both agree with the library to the last digits, an acceleration with
 steps, in which the strip bounces on its supports, with `lf.MoreauJean`. What is missing in a method of one's own are
 not equations but the rest: error control, events, an energy balance, and words where something goes wrong.
 
-Source: S. Ebrahimi, P. Eberhard, PAMM 5, 197-198 (2005).
+Source: S. Ebrahimi, P. Eberhard, PAMM 5, 197-198 (2005). It has no figure and no number: what can be compared is its
+equations, here, and its remark that bodies with waves of finite speed need no impacts. With N modes they do, and lose
+1/(2N+1) of the energy by each, to which the remark is the limit (``tests/analytic/test_bars.py``).
 """
 
 from pathlib import Path

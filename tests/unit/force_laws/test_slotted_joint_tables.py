@@ -10,6 +10,7 @@ import pytest
 
 import lcpflex as lf
 from tests.examples import example
+from tests.scenes import disc_on_floor
 
 TABLES = example("slotted_joint_tables")
 SHORT = {
@@ -88,3 +89,25 @@ def test_impacts_by_the_table_and_by_the_law() -> None:
             assert peaks[law] == pytest.approx(force[time < 0.6].max(), rel=2e-3)
     assert sorted(peaks, key=peaks.get) == ["Lankarani", "ESDU 78035", "Goldsmith", "Radzimovsky", "Johnson"]
     assert peaks["Johnson"] > 2.0 * peaks["Lankarani"]
+
+
+def test_defects_of_spring_and_dashpot() -> None:
+    """Its introduction: the force jumps at the touch, c v_0, and would pull before the indentation is zero.
+
+    Here it does not pull: it is zero from there on, while surfaces are still indented; c is the same throughout.
+    """
+    stiffness, speed = 1e6, 0.5
+    damping = lf.laws.KelvinVoigt(0.5, mass=1.0)
+    law = lf.ContactLaw(lf.laws.PowerLaw(stiffness, 1.0), damping)
+    scene = disc_on_floor(0.1 + 1e-4, (0.0, -speed), gravity=0.0)
+    result = lf.simulate(scene, 4e-3, lf.Smooth(law), record=2e-6, progress=False)
+    depth = -np.nan_to_num(result.contact("floor").gap, nan=-1.0)
+    force, rate = result.contact("floor").force[:, 0], -result.u[:, 1]
+    c = 2.0 * damping.parameters[0] * np.sqrt(stiffness)
+    pushed = force > 0.0
+    first = int(np.argmax(pushed))
+    assert force[first] == pytest.approx(c * speed, rel=0.02)
+    assert (force - stiffness * depth)[pushed] == pytest.approx(c * rate[pushed], rel=1e-9, abs=1e-9)
+    still = (depth > 0.0) & ~pushed
+    assert still.sum() > 50
+    assert np.all((stiffness * depth + c * rate)[still] <= 1e-9)
