@@ -28,6 +28,7 @@ STUDIES = (
     "settling_heap",
     "slider_crank_with_flexible_stop",
     "slotted_joint_tables",
+    "snap_fit",
     "strip_pile",
     "two_spheres",
     "where_methods_fail",

@@ -8,15 +8,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.dynamics.start import violation
 from lcpflex.errors import ModelError, shown
+from lcpflex.kinematics.relative import ANGLE
 from lcpflex.results.result import Result
 from lcpflex.statics.rest import Rest
 
 if TYPE_CHECKING:
+    from lcpflex.jit.kernel import FloatArray
     from lcpflex.runs.setup import Stepper
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["started_from"]
+
+OFF = 1e-3  # of the size, or rad: what joints may be off at the start; runs without projection drift by less
 
 # what steppers remember from step to step beside positions and velocities, by the name of their class
 REMEMBERED = {
@@ -55,10 +60,31 @@ def started_from(
             f"the scene, {_listed(ours)}"
         )
     if isinstance(source, CompiledScene):
+        _refuse_off_joints(source, q)
         q.setflags(write=False)
         u.setflags(write=False)
     notes = _notes_at_rest(initial) if isinstance(initial, Rest) else _notes(source, initial, stepper)
     return replace(source, q=q, u=u), tuple(notes)
+
+
+def _refuse_off_joints(source: CompiledScene, q: FloatArray) -> None:
+    """Raise ModelError where a joint or drive at t = 0 is elsewhere: the first step would throw the bodies there."""
+    model, names = source.model, source.layout.joints
+    if not names:
+        return
+    external = np.zeros((source.n_external, 3))
+    state = source.state(0.0, q, np.zeros_like(q))
+    for callback in source.callbacks:
+        callback.fill(0.0, state, external)
+    off = np.abs(violation(model, q.copy(), np.zeros_like(q), external).position)
+    worst = int(np.argmax(off / np.where(model.joints.kind == ANGLE, 1.0, source.size)))
+    angle = model.joints.kind[worst] == ANGLE
+    if off[worst] > OFF * (1.0 if angle else source.size):
+        name = names[int(np.searchsorted(model.joints.row, worst, side="right")) - 1]
+        raise ModelError(
+            f"initial: its state is off the joint {name!r} by {off[worst]:.4g} {'rad' if angle else 'm'} at t = 0, "
+            "expected one that fulfils the joints: drives begin at their value at t = 0, whatever was before"
+        )
 
 
 def _coordinates(source: Any, count: int | None = None) -> tuple[tuple[str, int], ...]:

@@ -2,7 +2,7 @@
 
     h(q) + J^T mu + W_N lambda_N + W_T lambda_T = 0,    phi(q) = 0,    0 <= g(q)  _|_  lambda_N >= 0
 
-h holds all generalised forces at u = 0 and t = 0; rows are ordered [joints; normals; tangents of contacts with
+h holds all generalised forces at u = 0 and one time; rows are ordered [joints; normals; tangents of contacts with
 friction]. Kernels are those of the steppers, so that what balances here balances there.
 """
 
@@ -50,10 +50,10 @@ class Configuration:
 
 
 class Balance:
-    """Forces and rows of a compiled scene. ``table`` holds the contacts that :meth:`look` found last."""
+    """Forces and rows of a compiled scene at a ``time`` [s]. ``table`` holds what :meth:`look` found last."""
 
-    def __init__(self, compiled: CompiledScene) -> None:
-        self.compiled = compiled
+    def __init__(self, compiled: CompiledScene, time: float = 0.0) -> None:
+        self.compiled, self.time = compiled, time
         self._system = compiled.system()
         self.model = self._system.model
         self._supply = self._system.hooks.get(mechanics.supply)
@@ -107,11 +107,12 @@ class Balance:
         model, work, n = self.model, self._work, self.n_contacts
         n_joint = len(work.residual)
         if self._supply is not None:
-            self._supply(model, 0.0, q, self._still, work)
-        mechanics.forces(model, 0.0, q, self._still, work)
+            self._supply(model, self.time, q, self._still, work)
+        mechanics.forces(model, self.time, q, self._still, work)
         if n_joint:
-            joint_rows(model, 0.0, q, self._still, work.external, work.rows, work.row_body, work.rate, work.bias)
-            joint_residual(model, 0.0, q, work.external, work.residual)
+            rows = work.rows, work.row_body, work.rate, work.bias
+            joint_rows(model, self.time, q, self._still, work.external, *rows)
+            joint_residual(model, self.time, q, work.external, work.residual)
         for k in range(n):
             refresh(model, q, work.table, k)
         work.n_tangents = mechanics.fill_contact_rows(model, q, n, n_joint, work) if n else 0

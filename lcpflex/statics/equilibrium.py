@@ -30,10 +30,12 @@ MOST_STEPS = 4000
 STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
 
 
-def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest: float | None = None) -> Rest:
+def equilibrium(
+    scene: Scene, *, initial: Result | Rest | None = None, farthest: float | None = None, time: float | None = None
+) -> Rest:
     """Find where ``scene`` rests: with its joints, springs, loads and rigid contacts, its flexible bodies bent.
 
-    A place of rest fulfils, with all generalised forces h at u = 0 and t = 0,
+    A place of rest fulfils, with all generalised forces h at u = 0 and at one time,
 
         h(q, 0) + J^T mu + W_N lambda_N + W_T lambda_T = 0,    phi(q) = 0,
         0 <= g(q)  _|_  lambda_N >= 0,    |lambda_T| <= friction lambda_N.
@@ -46,12 +48,16 @@ def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest:
     Parameters
     ----------
     scene
-        A :class:`lcpflex.Scene` of rigid contacts. Loads and drives count as they are at t = 0.
+        A :class:`lcpflex.Scene` of rigid contacts.
     initial
         Start from the last state of this result, or from this place of rest, of the same bodies, instead of from the
-        start of the scene.
+        start of the scene. Where its drives or joints are elsewhere, the path takes the bodies along, a fraction of
+        their size a step, and what lies in between pushes, sticks and slips: rest by rest, a drive goes slowly.
     farthest
         How far a point may move on the path [m]; 20 times the extent of the scene by default.
+    time
+        Time [s] at which loads and drives are taken, each drive held where it is then. By default those of t = 0, and
+        a drive that moves there is an error.
 
     Returns
     -------
@@ -61,7 +67,8 @@ def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest:
     Raises
     ------
     ModelError
-        For what is no Scene, a contact with a force law, a drive that moves at t = 0, an ``initial`` of other bodies.
+        For what is no Scene, a contact with a force law, a drive that moves at t = 0 and no ``time``, an ``initial`` of
+        other bodies.
     SolverError
         Where the scene does not come to rest: it says what moves, and which way.
 
@@ -72,11 +79,13 @@ def equilibrium(scene: Scene, *, initial: Result | Rest | None = None, farthest:
     """
     compiled = _compiled(scene)
     q = _start(compiled, initial)
-    balance = Balance(compiled)
+    held = 0.0 if time is None else in_range("time", time, -math.inf, math.inf)
+    balance = Balance(compiled, held)
     scales = scales_of(balance.model, q, compiled.size)
-    _refuse_moving_drives(balance, scales.size, q)
+    if time is None:
+        _refuse_moving_drives(balance, scales.size, q)
     limit = FAR * scales.size if farthest is None else in_range("farthest", farthest, 0.0, math.inf, open_ends=True)
-    path = Path(balance, scales, q)
+    path = Path(balance, scales, q, dict(initial.multipliers) if isinstance(initial, Rest) else None)
     for step in range(MOST_STEPS):
         here = path.station
         if here.residual <= NEAR:
@@ -133,7 +142,7 @@ def _refuse_moving_drives(balance: Balance, size: float, q: FloatArray) -> None:
             if abs(balance.work.rate[r]) > STILL * max(size, 1.0):
                 raise ModelError(
                     f"joint {name!r}: its drive moves at t = 0 with {-balance.work.rate[r]:.4g} a second, "
-                    "expected one that stands: nothing rests with it"
+                    "expected one that stands: nothing rests with it; or time=, at which it is held"
                 )
 
 

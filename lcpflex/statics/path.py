@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -26,19 +27,24 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.statics.balance import Balance, Configuration
-from lcpflex.statics.scales import Scales, acting
+from lcpflex.statics.scales import Scales, acting, softest
+from lcpflex.statics.slip import Slip
 from lcpflex.statics.tangent import tangent_stiffness
 
-__all__ = ["Path", "Station"]
+__all__ = ["Multipliers", "Path", "Station"]
+
+Multipliers: TypeAlias = dict[tuple[int, int], float]
 
 SHORT = 0.2  # of the extent of the smallest body: longest step
 LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral directions are held by
+SLOWLY = 0.01  # of the first alpha of a path: that of one from a place of rest, from which on all changes slowly
 MORE, LESS = 4.0, 0.2  # alpha after a step that was refused, and after one that was made
 WRONG = 0.3  # of the change of the forces: what the linearisation of a step may leave out
 SUNK = 0.05  # of the length of a step: by how much more than before bodies may overlap at its end
 ROUNDING = 1e-12  # of the size
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
+UNTOLD = 1e-16  # of the size: displacement of the softest spring or mode whose force is none
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
 
@@ -55,14 +61,25 @@ class Station:
 
 
 class Path:
-    """A path, advanced step by step."""
+    """A path, advanced step by step.
 
-    def __init__(self, balance: Balance, scales: Scales, q: FloatArray) -> None:
+    Parameters
+    ----------
+    balance, scales, q
+        Forces and rows of a scene, how large they are, and where the path begins (ndof,).
+    known
+        Multipliers of a place of rest that it begins at: damping is less then, which would hold back
+        what a drive moves, and friction counts slip from there on.
+    """
+
+    def __init__(self, balance: Balance, scales: Scales, q: FloatArray, known: Multipliers | None = None) -> None:
         self.balance, self.scales = balance, scales
         self.longest = SHORT * float(scales.extent.min())
+        self.soft = softest(balance.model, scales)
         self.largest = 0.0  # force on the path so far [N]
-        self.station = self._station(q, {}, 0.0, np.zeros_like(q))
-        self._alpha = 0.0
+        self.station = self._station(q, known or {}, 0.0, np.zeros_like(q))
+        self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
+        self._slip = Slip(balance, known is not None)
         self._solver = Auto()
 
     def advance(self) -> bool:
@@ -72,11 +89,14 @@ class Path:
         K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
         K = 0.5 * (K + K.T)
         masses = self.balance.model.bodies.mass
-        rate = max(here.scale, self.scales.force(here.at.force)) / (float(masses.max()) * self.scales.size)
+        off = self.soft * float(np.abs(here.at.phi).max(initial=0.0))  # what joints and drives are about to load
+        most = max(here.scale, self.scales.force(here.at.force), off)
+        rate = most / (float(masses.max()) * self.scales.size) or 1.0  # without a force any damping will do
         least = LEAST_DAMPING * rate
-        alpha = max(self._alpha, least) if self._alpha > 0.0 else rate
+        alpha = max(self._alpha, least) if self._alpha > 0.0 else self._first * rate
+        slid = self._slip.so_far(here.at)
         for _ in range(100):
-            found = self._step(here, M, K, alpha)
+            found = self._step(here, M, K, slid, alpha)
             length = self.scales.moved(found[0]) if found is not None else math.inf
             if found is not None and length <= self.longest and self._good(here, M, K, alpha, *found):
                 self._alpha = max((LESS if length <= 0.5 * self.longest else 1.0) * alpha, least)
@@ -89,19 +109,20 @@ class Path:
         """The force that residuals at a place on the path are relative to [N]."""
         acts = acting(self.balance, self.scales, at, p)
         self.largest = max(self.largest, acts)
-        return max(acts, KEPT * self.largest)
+        return max(acts, KEPT * self.largest, UNTOLD * self.soft * self.scales.size)
 
     def _go(self, dq: FloatArray, p: FloatArray) -> None:
         """To the end of a step."""
         here = self.station
-        known = dict(zip(self._keys(here.at), p, strict=True))
-        self.station = self._station(here.at.q + dq, known, here.travelled + self.scales.moved(dq), dq)
+        known, moved = self.multipliers(here.at, p), self.scales.moved(dq)
+        self._slip.add(here.at, dq, p, moved)
+        self.station = self._station(here.at.q + dq, known, here.travelled + moved, dq)
 
     def back(self) -> None:
         """Look at the contacts of the last station again, after others have been looked at."""
         self.balance.look(self.station.at.q, 2.0 * self.longest)
 
-    def _station(self, q: FloatArray, known: dict[tuple[int, int], float], travelled: float, dq: FloatArray) -> Station:
+    def _station(self, q: FloatArray, known: Multipliers, travelled: float, dq: FloatArray) -> Station:
         """At q, with the multipliers that are known by their keys, 0 of other contacts."""
         at = self.balance.look(q, 2.0 * self.longest)
         p = np.array([known.get(key, 0.0) for key in self._keys(at)])
@@ -111,13 +132,19 @@ class Path:
         violated = max(float(np.abs(at.phi).max(initial=0.0)), -float(at.gap.min(initial=0.0)))
         return Station(at, p, scale, max(residual, violated / self.scales.size), travelled, dq)
 
+    def multipliers(self, at: Configuration, p: FloatArray) -> Multipliers:
+        """The multipliers p of the rows of ``at``, which was looked at last, by keys that outlive it."""
+        return dict(zip(self._keys(at), p.tolist(), strict=True))
+
     def _keys(self, at: Configuration) -> list[tuple[int, int]]:
         """Of the rows of joints, normals and tangents, the same from step to step."""
         own = self.balance.work.table.key[: at.n_contacts].tolist()
         joints = [(0, r) for r in range(at.n_joint)]
         return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
 
-    def _step(self, here: Station, M: FloatArray, K: FloatArray, alpha: float) -> tuple[FloatArray, FloatArray] | None:
+    def _step(
+        self, here: Station, M: FloatArray, K: FloatArray, slid: FloatArray, alpha: float
+    ) -> tuple[FloatArray, FloatArray] | None:
         """dq and the multipliers of all rows; None where the contact problem is not solved."""
         at, arm = here.at, self.scales.arm
         L = _factor(alpha * M, K, arm)
@@ -126,9 +153,10 @@ class Path:
         n_joint = at.n_joint
         J, W = white[:, :n_joint], white[:, n_joint:]
         inverse = np.linalg.pinv(J.T @ J, rcond=INDEPENDENT, hermitian=True)
-        free = load - J @ (inverse @ (J.T @ load + at.phi))
+        phi = self._share(L, J @ (inverse @ at.phi)) * at.phi
+        free = load - J @ (inverse @ (J.T @ load + phi))
         factor = (W - J @ (inverse @ (J.T @ W))).T
-        target = np.concatenate([np.maximum(at.gap, -0.5 * self.longest), np.zeros(len(at.tangent))])
+        target = np.concatenate([np.maximum(at.gap, -0.5 * self.longest), slid])
         p = np.zeros(len(at.rows))
         if at.n_contacts:
             problem = ContactProblem(factor @ factor.T, W.T @ free + target, at.friction)
@@ -137,8 +165,13 @@ class Path:
                 return None
             p[n_joint:] = np.concatenate(problem.forces(found.z))
         white_dq = free + factor.T @ p[n_joint:]
-        p[:n_joint] = -inverse @ (J.T @ (load + W @ p[n_joint:]) + at.phi)
+        p[:n_joint] = -inverse @ (J.T @ (load + W @ p[n_joint:]) + phi)
         return np.linalg.solve(L.T, white_dq) / arm, p
+
+    def _share(self, L: FloatArray, white: FloatArray) -> float:
+        """Of what joints and drives are off, as much as half a step closes; ``white`` is the motion that closes all."""
+        whole = float(np.abs(np.linalg.solve(L.T, white)).max(initial=0.0))
+        return min(1.0, 0.5 * self.longest / whole) if whole > 0.0 else 1.0
 
     def _good(self, here: Station, M: FloatArray, K: FloatArray, alpha: float, dq: FloatArray, p: FloatArray) -> bool:
         """Whether the forces and gaps at the end of a step are those that its linearisation foresaw."""

@@ -69,6 +69,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
         steps=steps,
         warnings=compiled.warnings,
         compiled=compiled,
+        multipliers=path.multipliers(at, forces.p),
     )
 
 

@@ -13,6 +13,8 @@ from lcpflex.errors import ModelError
 from lcpflex.results.places import world_places
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
 
@@ -126,6 +128,7 @@ class Rest:
     steps: int
     warnings: tuple[str, ...]
     compiled: CompiledScene = field(repr=False)
+    multipliers: Mapping[tuple[int, int], float] = field(default_factory=dict, repr=False)  # for a path from here
 
     def contact(self, name: str) -> ContactAtRest:
         """The declared contact of that name. Raises ModelError where there is none."""

@@ -17,7 +17,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.statics.balance import Balance, Configuration
 
-__all__ = ["Scales", "acting", "scales_of"]
+__all__ = ["Scales", "acting", "scales_of", "softest"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +82,29 @@ def acting(balance: Balance, scales: Scales, at: Configuration, p: FloatArray) -
     return max(float(part.max(initial=0.0)) for part in parts)
 
 
+def softest(model: Model, scales: Scales) -> float:
+    """Least stiffness of a spring or mode [N/m]; 0 where there is none."""
+    bodies = model.bodies
+    modal = np.ones(len(scales.arm), bool)
+    modal[bodies.dof[:-1, None] + np.arange(N_RIGID)] = False
+    own = np.concatenate([bodies.stiffness / scales.arm[modal] ** 2, _spring_stiffness(model, scales)])
+    return float(own[own > 0.0].min(initial=np.inf)) if (own > 0.0).any() else 0.0
+
+
+def _spring_stiffness(model: Model, scales: Scales) -> FloatArray:
+    """Of each spring [N/m], of torsion springs by the square of the extent of the largest body they turn."""
+    k = np.array(model.loads.spring_value[:, 0], dtype=float)
+    for s in np.flatnonzero(model.loads.spring_kind == ANGLE):
+        k[s] /= _lever(model, scales, int(s)) ** 2
+    return k
+
+
+def _lever(model: Model, scales: Scales, spring: int) -> float:
+    """Extent of the largest body that a torsion spring turns [m]."""
+    held = [scales.extent[b] for b in model.points.body[model.loads.spring_point[spring]] if b >= 0]
+    return float(max(held, default=scales.size))
+
+
 def _springs(model: Model, scales: Scales, q: FloatArray) -> FloatArray:
     """Tension of each spring [N], of torsion springs by the extent of the largest body they turn."""
     loads = model.loads
@@ -92,6 +115,5 @@ def _springs(model: Model, scales: Scales, q: FloatArray) -> FloatArray:
         x, y = loads.spring_axis[k]
         tension[k] = loads.spring_value[k, 0] * (coordinate_value(kind, place, x, y) - loads.spring_value[k, 2])
         if kind == ANGLE:
-            held = [scales.extent[b] for b in model.points.body[[i, j]] if b >= 0]
-            tension[k] /= max(held, default=scales.size)
+            tension[k] /= _lever(model, scales, k)
     return np.abs(tension)
