@@ -112,3 +112,19 @@ def test_rest() -> None:
         needed = 0.5 * CLAW.GRAVITY * CLAW.MASS * s + contact.normal[0] * np.sqrt(1.0 - s * s)
         assert needed == pytest.approx(CLAW.TORQUE, rel=1e-8)
         assert contact.normal[0] > 0.4
+
+
+@pytest.mark.parametrize("gap", [-0.1, 1.1])
+def test_a_gap_that_is_none(gap: float) -> None:
+    """A tip behind the face of its wall would not be seen there."""
+    with pytest.raises(lf.ModelError, match=f"gap: {gap} was given"):
+        gallery.claw_in_step(gap=gap)
+
+
+def test_a_finger_never_passes_its_wall() -> None:
+    """Whatever it does above: the gap of the equations stays >= 0."""
+    result = lf.simulate(gallery.claw_in_step(5.0, mass=0.1, gap=0.9), 3.0, EXACT, record=1e-2)
+    wall = result.point("left wall", "center")[:, 0]
+    gap = 0.9 + (wall - wall[0]) - np.sin(CLAW.finger(result)[0])
+    assert CLAW.finger(result)[0].max() > 1.5
+    assert gap.min() > -1e-9

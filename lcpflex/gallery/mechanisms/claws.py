@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.bodies.rigid import Box, RigidBody
+from lcpflex.errors import in_range
 from lcpflex.gallery.mechanisms.arguments import checked
 from lcpflex.scene.joints.prismatic import Prismatic
 from lcpflex.scene.joints.revolute import Revolute
@@ -19,7 +20,7 @@ LENGTH = 1.0  # of a finger, the stem [m]: given
 FINGER, WIDTH, NAIL = 0.75, 0.03, 0.02  # of a finger [kg], [m], radius at its tip [m]: chosen
 THICKNESS, HEIGHT, ANCHOR = 0.1, 0.5, 1.0  # of the wall, and how far its spring reaches [m]: chosen
 OPEN = (30.0, 60.0)  # angles at which the fingers are let go [degrees]: chosen
-CORE, TALL = 0.5, 1.2  # half the width of the block between two walls, and their height [m]: chosen
+CORE, TALL = 0.5, 2.4  # half the width of the block between two walls, and their height [m]: chosen
 
 
 @checked
@@ -76,15 +77,21 @@ def claw_in_step(stiffness: float = 10.0, mass: float = 1.0, gap: float = 0.2, g
     mass
         Of a finger [kg].
     gap
-        Between the hanging finger and its wall at rest [m].
+        Between the hanging finger and its wall at rest, in [0, 1] [m]: beyond, it never touches.
     gravity
         Acceleration of gravity [m/s^2].
+
+    Raises
+    ------
+    ModelError
+        For a number out of its range.
     """
+    in_range("gap", gap, 0.0, LENGTH)
     scene = Scene(gravity=(0.0, -gravity))
     bar = RigidBody(mass, mass * LENGTH**2 / 12.0, points={"top": (0.0, 0.5 * LENGTH), "tip": (0.0, -0.5 * LENGTH)})
     for side, sign in (("left", -1.0), ("right", 1.0)):
-        core = scene.ground.at(0.0, 0.5 * LENGTH)
-        wall = scene.add(Box(THICKNESS, TALL, mass=WALL), name=f"{side} wall", position=(sign * CORE, 0.5 * LENGTH))
+        core = scene.ground.at(0.0, LENGTH)
+        wall = scene.add(Box(THICKNESS, TALL, mass=WALL), name=f"{side} wall", position=(sign * CORE, LENGTH))
         scene.join(Prismatic(wall.point("center"), core, axis=(1.0, 0.0), name=f"{side} guide"))
         scene.load(Spring(wall.at(-sign * 0.5 * THICKNESS, 0.0), core, stiffness, DAMPING))
         hinge = sign * (CORE + 0.5 * THICKNESS + gap)
