@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ from lcpflex.basics import libs
 from lcpflex.basics.whole_file import whole_file
 from lcpflex.errors import ModelError
 
-__all__ = ["array_of", "h5py_for", "put_array", "whole_hdf5"]
+__all__ = ["array_of", "create", "h5py_for", "put_array", "whole_hdf5"]
 
 SMALL = 1024  # bytes: what is smaller is not worth a chunk of its own
 CHUNK = 2**20  # bytes
@@ -56,16 +57,21 @@ def whole_hdf5(name: str, path: Any, what: str, libver: str = "v110") -> Iterato
         part.write_bytes(made.getbuffer())
 
 
+def create(group: Any, name: str, shape: tuple[int, ...], dtype: npt.DTypeLike) -> Any:
+    """A data set to be filled, compressed where it is not small."""
+    row = math.prod(shape[1:]) * np.dtype(dtype).itemsize
+    if not shape or shape[0] * row < SMALL:
+        return group.create_dataset(name, shape, dtype)
+    chunks = (min(shape[0], max(CHUNK // row, 1)), *shape[1:])
+    return group.create_dataset(
+        name, shape, dtype, chunks=chunks, compression="gzip", compression_opts=LEVEL, shuffle=True
+    )
+
+
 def put_array(group: Any, name: str, values: npt.NDArray[Any]) -> None:
-    """Write an array, compressed, with a check sum over its type, shape and bytes as attribute ``crc32``."""
-    if values.nbytes < SMALL:
-        dataset = group.create_dataset(name, data=values)
-    else:
-        row = max(values.nbytes // len(values), 1)
-        chunks = (min(len(values), max(CHUNK // row, 1)), *values.shape[1:])
-        dataset = group.create_dataset(
-            name, data=values, chunks=chunks, compression="gzip", compression_opts=LEVEL, shuffle=True
-        )
+    """Write an array, with a check sum over its type, shape and bytes as attribute ``crc32``."""
+    dataset = create(group, name, values.shape, values.dtype)
+    dataset[...] = values
     dataset.attrs["crc32"] = np.uint32(_check_sum(values))
 
 

@@ -18,13 +18,24 @@ if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
 
-__all__ = ["View", "draw_bodies", "draw_joints", "draw_surfaces", "view_of"]
+__all__ = [
+    "WHOLE",
+    "View",
+    "circle_points",
+    "draw_bodies",
+    "draw_joints",
+    "draw_surfaces",
+    "features_of",
+    "stars",
+    "surfaces_of_bodies",
+    "view_of",
+]
 
 View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
 
 _BODY, _GROUND, _JOINT = "#0072B2", "#6E6E6E", "#202020"
 _SOLID = "#D9D9D9"
-_WHOLE = 2.0 * np.pi - 1e-12  # extent of a whole circle
+WHOLE = 2.0 * np.pi - 1e-12  # extent of a whole circle
 _MARGIN = 0.12  # of the picture, around what moves
 _NEAR = 1.0  # an endless ground surface is shown if it is nearer to what moves than that is large
 
@@ -35,7 +46,7 @@ def view_of(result: Result, compiled: CompiledScene, records: IntArray) -> View:
     drawn = [ids for body, ids, _ in compiled.layout.outlines if body >= 0]
     round_ones = [(p, radius) for p, radius in compiled.layout.circles if points.body[p] >= 0]
     centers = np.array([p for p, _ in round_ones], dtype=np.int64)
-    moving = np.unique(np.concatenate([*drawn, *(ids for ends, _ in _stars(compiled) for ids in ends), centers]))
+    moving = np.unique(np.concatenate([*drawn, *(ids for ends, _ in stars(compiled) for ids in ends), centers]))
     rim = max([radius for _, radius in round_ones] + _added_discs(compiled), default=0.0)
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for record in records[:: max(1, len(records) // 60)]:
@@ -63,7 +74,7 @@ def view_of(result: Result, compiled: CompiledScene, records: IntArray) -> View:
 def draw_bodies(ax: Axes, compiled: CompiledScene, q: FloatArray) -> None:
     """Deformed outlines, with their holes left open, and discs of all bodies at the configuration q (ndof,)."""
     model = compiled.model
-    for ids, thin in _stars(compiled):
+    for ids, thin in stars(compiled):
         _draw_star(ax, compiled, q, ids, thin)
     loops: dict[int, list[libs.Path]] = {}
     for body, points, closed in compiled.layout.outlines:
@@ -97,7 +108,7 @@ def _draw_star(ax: Axes, compiled: CompiledScene, q: FloatArray, ends: list[IntA
         ax.plot(*np.array([middle, end]).T, color=_BODY, linewidth=0.8 if thin else 2.0)
 
 
-def _stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
+def stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
     """What bodies without an outline are drawn as: groups of points that lines end at, and whether those are thin.
 
     A body of points alone is a star to them, which is a rod where there are two. One of discs and surfaces shows these,
@@ -105,7 +116,7 @@ def _stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
     """
     model, owners = compiled.model, compiled.model.points.body
     held = np.unique(np.concatenate([model.joints.point.ravel(), model.loads.spring_point.ravel()]))
-    surfaces = _surfaces_of_bodies(compiled)
+    surfaces = surfaces_of_bodies(compiled)
     outlined = {body for body, _, _ in compiled.layout.outlines}
     circles: dict[int, list[IntArray]] = {}
     for point, _ in compiled.layout.circles:
@@ -114,20 +125,20 @@ def _stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
     found = []
     for body in (int(b) for b in np.unique(owners) if b >= 0 and int(b) not in outlined):
         shapes = circles.get(body, [])
-        shapes += [np.unique(_features(compiled, surface)) for surface in surfaces.get(body, [])]
+        shapes += [np.unique(features_of(compiled, surface)) for surface in surfaces.get(body, [])]
         points = order[np.searchsorted(owners, body, "left", order) : np.searchsorted(owners, body, "right", order)]
         ends = points if not shapes else np.intersect1d(held, points)
         found.append(([*([point] for point in ends), *shapes], bool(shapes)))
     return [([np.asarray(ids) for ids in ends], thin) for ends, thin in found if len(ends) > 1 or not thin]
 
 
-def _features(compiled: CompiledScene, surface: int) -> IntArray:
+def features_of(compiled: CompiledScene, surface: int) -> IntArray:
     """Material points of the features of a surface, (k, 2)."""
     contacts = compiled.model.contacts
     return contacts.feature_point[contacts.feature_start[surface] : contacts.feature_start[surface + 1]]
 
 
-def _surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:
+def surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:
     """Surfaces of each body that are not part of its outline or one of its discs."""
     contacts, points = compiled.model.contacts, compiled.model.points
     shapes: dict[int, list[FloatArray]] = {}
@@ -138,7 +149,7 @@ def _surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:
     known = {body: {tuple(place) for place in np.vstack(places).round(12)} for body, places in shapes.items()}
     found: dict[int, list[int]] = {}
     for surface, body in enumerate(contacts.surface_body):
-        places = points.place[_features(compiled, surface).ravel()].round(12)
+        places = points.place[features_of(compiled, surface).ravel()].round(12)
         if body >= 0 and not {tuple(place) for place in places} <= known.get(int(body), set()):
             found.setdefault(int(body), []).append(surface)
     return found
@@ -147,22 +158,22 @@ def _surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:
 def _added_discs(compiled: CompiledScene) -> list[float]:
     """Radii of whole discs that were put on bodies without a shape of their own [m]."""
     contacts = compiled.model.contacts
-    owners = [surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces]
+    owners = [surface for surfaces in surfaces_of_bodies(compiled).values() for surface in surfaces]
     features = [f for s in owners for f in range(contacts.feature_start[s], contacts.feature_start[s + 1])]
-    whole = [f for f in features if contacts.feature_kind[f] == ARC and contacts.feature_span[f, 1] >= _WHOLE]
+    whole = [f for f in features if contacts.feature_kind[f] == ARC and contacts.feature_span[f, 1] >= WHOLE]
     return [float(abs(contacts.feature_radius[f])) for f in whole if contacts.feature_sense[f] > 0]
 
 
 def draw_surfaces(ax: Axes, compiled: CompiledScene, q: FloatArray, view: View) -> None:
     """Ground surfaces and those that were put on bodies; half-planes of the ground are filled up to the edge."""
     contacts, model = compiled.model.contacts, compiled.model
-    added = {surface for surfaces in _surfaces_of_bodies(compiled).values() for surface in surfaces}
+    added = {surface for surfaces in surfaces_of_bodies(compiled).values() for surface in surfaces}
     for surface, body in enumerate(contacts.surface_body):
         first, last = contacts.feature_start[surface], contacts.feature_start[surface + 1]
         straight = contacts.feature_kind[first:last] == SEGMENT
         for f in np.arange(first, last)[~straight]:
             _draw_arc(ax, compiled, q, int(f), int(body), surface in added)
-        sides = _features(compiled, surface)[straight]
+        sides = features_of(compiled, surface)[straight]
         ends = np.array([world_places(model, q, pair) for pair in sides]).reshape(-1, 2, 2)
         if not np.isfinite(contacts.surface_extent[surface]):
             for a, b in ends:
@@ -175,11 +186,11 @@ def _draw_arc(ax: Axes, compiled: CompiledScene, q: FloatArray, f: int, body: in
     """A piece of a circle; whole discs of bodies are drawn as their outlines."""
     contacts = compiled.model.contacts
     radius, hole = abs(contacts.feature_radius[f]), contacts.feature_sense[f] < 0
-    whole = contacts.feature_span[f, 1] >= _WHOLE
+    whole = contacts.feature_span[f, 1] >= WHOLE
     if radius <= 0.0 or not (body < 0 or added or hole or not whole):
         return
     centre = world_places(compiled.model, q, contacts.feature_point[f])[0]
-    xy = centre + radius * _circle_points(contacts.feature_span[f], _angle_of(compiled, q, body))
+    xy = centre + radius * circle_points(contacts.feature_span[f], _angle_of(compiled, q, body))
     if not hole and (body < 0 or (added and whole)):
         shade = _SOLID if body < 0 else (0.0, 0.447, 0.698, 0.2)
         ax.fill(xy[:, 0], xy[:, 1], facecolor=shade, edgecolor="none")
@@ -245,7 +256,7 @@ def _angle_of(compiled: CompiledScene, q: FloatArray, body: int) -> float:
     return 0.0 if body < 0 else float(q[compiled.model.bodies.dof[body] + 2])
 
 
-def _circle_points(span: FloatArray, turn: float) -> FloatArray:
+def circle_points(span: FloatArray, turn: float) -> FloatArray:
     """Points of a unit arc from its start angle over its extent, turned by ``turn``: (k, 2)."""
     extent = min(float(span[1]), 2.0 * np.pi)
     angles = turn + float(span[0]) + np.linspace(0.0, extent, max(8, round(extent * 30)))

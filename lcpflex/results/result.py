@@ -27,6 +27,7 @@ from lcpflex.results.energy_balance import Energies
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.orientation import body_angle
+from lcpflex.results.paraview import to_vtkhdf
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
 from lcpflex.results.section_forces import SectionForces, section_forces
@@ -305,6 +306,15 @@ class Result:
         ``to_netcdf`` writes all of it (engines h5netcdf, scipy). Raises ModelError where xarray is not installed.
         """
         return to_xarray(self)
+
+    def to_vtkhdf(self, path: str | os.PathLike[str], *, stress: bool = True, every: int = 1) -> Path:
+        """Write the motion for ParaView: a VTKHDF file, see :mod:`lcpflex.results.paraview`. Needs h5py.
+
+        path: ends in .vtkhdf. stress: with that of meshes, beams and bars, computed as :meth:`stress` does. every: each
+        so many-th stored instant. The second of two equal times, as of an event, is the next larger number. Raises
+        ModelError for a system of the user's own, for more than 4 GiB, and with the path and the reason.
+        """
+        return to_vtkhdf(self, path, stress, every)
 
     def coordinate_names(self) -> tuple[str, ...]:
         """Name of each entry of q: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ..., or ``q 1``, ..."""

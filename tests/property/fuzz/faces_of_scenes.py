@@ -230,6 +230,7 @@ def run_faces() -> list[Face]:
         ("velocity", {"body": "disc", "point": "center"}),
         ("draw", {"t": 0.0}),
         ("save", {"path": "unused.npz"}),
+        ("to_vtkhdf", {"path": "unused.vtkhdf", "stress": False, "every": 2}),
         ("modes_of", {"body": "disc"}),
         ("at", {"t": 0.0015, "before": True}),
         ("angle", {"body": "disc", "relative_to": "box"}),
