@@ -13,7 +13,8 @@ from lcpflex.compile.state_arrays import mechanics_at
 from lcpflex.compile.state_mechanics import StateMechanics
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.compiled_function import CompiledFunction
-from lcpflex.dynamics.time_functions import Callback, Calls, Materials, State, supplier
+from lcpflex.dynamics.time_functions import COMPILED, Callback, Calls, Materials, State, supplier
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.law import Law
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis, Model, refrozen
@@ -64,6 +65,7 @@ class CompiledScene:
     warnings: tuple[str, ...] = ()  # bodies that give way too little where they are held, loaded or touched
     notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
     recovery: tuple[Shapes | None, ...] = field(default=(), repr=False)  # of each body, what stresses come from
+    laws_are_lost: bool = False  # whether contacts have force laws that are not here any more, as in a file
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its fields; see ``_compiled_again``."""
@@ -106,12 +108,29 @@ class CompiledScene:
         ------
         ModelError
             For numbers out of their range, arrays of another shape, a state so far out that a number is not finite,
-            a body bent or a contact with a force law compressed beyond its range, and a user's function that fails.
+            a body bent or a contact with a force law compressed beyond its range, a user's function that fails, and
+            a scene of a file, which keeps no functions and laws.
         """
         return mechanics_at(self, q, u, t, margin, gap_tolerance, velocity_threshold)
 
+    @property
+    def functions_are_lost(self) -> bool:
+        """Whether functions of time of a user's are not here any more, as in a scene of a file."""
+        slots = sum(len(getattr(callback, "slots", (0,))) for callback in self.callbacks)
+        compiled = bool((self.model.signals.kind == COMPILED).any())
+        return slots < self.n_external or (compiled and not self.functions)
+
     def system(self) -> System:
-        """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python."""
+        """What a stepper takes. With Python functions among the loads or motions, its outer loop runs in Python.
+
+        Raises ModelError for a scene of a file that has not kept all of it.
+        """
+        if self.functions_are_lost or self.laws_are_lost:
+            what = "Python functions of time" if self.functions_are_lost else "force laws"
+            raise ModelError(
+                f"scene: it is that of a result from a file, which keeps no {what}; expected one that was compiled in "
+                "this process"
+            )
         calls = Calls()
         return System(
             model=self.model,

@@ -27,6 +27,7 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.functions_of_time import Harmonic, Motion, Signal, Table, takes_state
 
 __all__ = [
+    "COMPILED",
     "DIFFERENCE_STEP",
     "Callback",
     "Calls",

@@ -38,7 +38,6 @@ from lcpflex.results.contact_history import ContactPoints
 
 __all__ = ["ActingForces", "PointLoad", "accelerations", "material_of"]
 
-COMPILED = 3  # kind of a function of time
 NEAR = (1e-3, 1e-2, 1e-1)  # of the size of the scene: pairs among which one that presses is looked for
 TURNED = 0.1  # of the size of the scene: as far as a normal that is turned by 1 rad is another pair
 REDUNDANT = 1e-12
@@ -89,8 +88,8 @@ class ActingForces:
     """
 
     def __init__(self, compiled: CompiledScene, step: float) -> None:
-        model, slots = compiled.model, sum(len(getattr(c, "slots", (0,))) for c in compiled.callbacks)
-        if slots < compiled.n_external or (not compiled.functions and (model.signals.kind == COMPILED).any()):
+        model = compiled.model
+        if compiled.functions_are_lost:
             raise ModelError(
                 "result: its scene has Python functions of time, which no file holds; expected the result of a run in "
                 "this process, not one that was loaded"

@@ -270,7 +270,9 @@ class Result:
         kept = self.compiled
         if kept is not None:
             recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
+            lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
             kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery)
+            kept = replace(kept, laws_are_lost=lost)
         return write(replace(self, compiled=kept), path)
 
     @classmethod

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 
+import lcpflex as lf
 from lcpflex.basics import libs
 from lcpflex.dynamics.applied_forces import spring_energy
 from lcpflex.errors import ModelError
@@ -274,3 +276,28 @@ def test_joints_and_loads_of_the_first_format_hold_as_they_held() -> None:
     weight = 10.0 * found.q[:, 1::3] @ model.bodies.mass
     springs = [spring_energy(model, q) for q in found.q]
     assert springs == pytest.approx(found.energies.potential - weight, abs=1e-9)
+
+
+@njit
+def _push(t: float) -> float:
+    return 3.0 * t
+
+
+@pytest.mark.parametrize("lost", ["compiled function", "Python function", "force law"])
+def test_mechanics_of_a_scene_whose_functions_no_file_keeps_are_refused(lost: str, tmp_path: Path) -> None:
+    """The address of a compiled function is that of nothing in another process; a force that is left out is 0."""
+    scene = lf.Scene()
+    disc = scene.add(lf.Disc(0.1, mass=1.0), name="disc", position=(0.0, 0.2))
+    force = {"compiled function": _push, "Python function": lambda t: 3.0 * t, "force law": 0.0}[lost]
+    scene.load(lf.Force(disc.point("center"), (0.0, force)))
+    law = lf.Penalty(1e5) if lost == "force law" else None
+    scene.contact(disc.surface(), scene.ground.half_plane((0.0, 0.0), (0.0, 1.0)), name="floor", law=law)
+    result = lf.simulate(scene, 2e-3, lf.MoreauJean(step=1e-3), progress=False)
+    result.compiled.at(t=0.1)
+    loaded = Result.load(result.save(tmp_path / "result.npz"))
+    again = Result.load(loaded.save(tmp_path / "again.npz"))
+    for found in (loaded, again):
+        kept = "no force laws" if lost == "force law" else "no Python functions of time"
+        with pytest.raises(ModelError, match=f"result from a file, which keeps {kept}"):
+            found.compiled.at(t=0.1)
+        np.testing.assert_array_equal(found.point("disc", "center"), result.point("disc", "center"))
