@@ -59,5 +59,5 @@ def impact_function(stiffness: float, exponent: float, damping: float, depth: fl
 
 def _force(indentation: float, rate: float, impact_speed: float, p: Any) -> float:
     """F before it is clipped."""
-    s = min(indentation / p[3], 1.0)
+    s = indentation / p[3] if indentation < p[3] else 1.0  # the quotient with the least of depths has no number
     return float(p[0] * indentation ** p[1] + p[2] * s * s * (3.0 - 2.0 * s) * rate)
