@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from lcpflex.force_laws.elastic.power_fit import *
     from lcpflex.force_laws.elastic.power_law import PowerLaw as PowerLaw
     from lcpflex.force_laws.friction.laws import *
-    from lcpflex.force_laws.impact_function import impact_function as impact_function
+    from lcpflex.force_laws.set_in_damper import impact_function as impact_function
     from lcpflex.force_laws.user_law import UserLaw as UserLaw
 
 __getattr__, __dir__ = attach(__name__, "lcpflex.laws", {"OwnLaw": "UserLaw"})

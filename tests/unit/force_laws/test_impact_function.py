@@ -10,7 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.force_laws.damping.rebound import rebound_of_ratio
-from lcpflex.force_laws.impact_function import impact_function
+from lcpflex.force_laws.set_in_damper import impact_function
 from tests.rates import assert_rate
 from tests.scenes import disc_on_floor
 
@@ -66,6 +66,16 @@ def test_tends_to_spring_and_dashpot() -> None:
     off = [abs(rebound(impact(2.0 * zeta * math.sqrt(K), depth)) - exact) for depth in depths]
     assert off[-1] < 2e-3
     assert_rate(depths, off, 1.0, within=0.1)
+
+
+def test_public_name_is_the_function() -> None:
+    """No module of the package may have it: once imported, it would stand in its place."""
+    assert lf.laws.impact_function is impact_function
+
+
+def test_depth_of_nothing() -> None:
+    """The least depth that floats know, of which no quotient has a number."""
+    assert impact_function(1e6, 1.0, 1.0, 5e-324).force(1e-6, rate=2.0) == pytest.approx(3.0, rel=1e-12)
 
 
 def test_without_damping_nothing_is_lost() -> None:
