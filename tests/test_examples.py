@@ -17,6 +17,7 @@ STUDIES = (
     "falling_chain",
     "flexible_pendulum_micro_collisions",
     "four_strikers",
+    "free_fall_and_strike",
     "hopper_and_silo",
     "many_laws",
     "own_method",
@@ -31,6 +32,7 @@ STUDIES = (
     "snap_fit",
     "strip_pile",
     "two_spheres",
+    "velocity_behind_contact",
     "where_methods_fail",
     "work_precision",
 )  # many runs each

@@ -10,7 +10,11 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.reduction.component_modes import craig_bampton
 from lcpflex.bodies.reduction.damping import Rayleigh
-from lcpflex.gallery.mechanisms.strikers import pendulum_and_rod, pendulum_with_hammer, rod_with_crown
+from lcpflex.gallery.mechanisms.strikers import (
+    pendulum_and_rod,
+    pendulum_with_hammer,
+    rod_with_crown,
+)
 
 STEPPERS = {
     "massless boundary": lf.MasslessBoundary(step=1e-7, dynamic_modes=20),
@@ -42,3 +46,30 @@ def test_rod_takes_up_the_impulse_and_energy_is_accounted_for(stepper: object) -
 def test_coarse_patch_is_reported() -> None:
     result = lf.simulate(scene(2.4e-3, 20), 2e-4, STEPPERS["massless boundary"], record=1e-6)
     assert any("1 pair of touching points" in warning for warning in result.warnings)
+
+
+def test_point_behind_the_contact_lies_there_and_moves_with_the_rest_before() -> None:
+    mesh = pendulum_with_hammer(2.4e-3).finite_elements()
+    (back,), face = mesh.places[mesh.sets["back"]], mesh.places[mesh.sets["face"]].mean(axis=0)
+    np.testing.assert_allclose(face - back, (0.012, 0.0), atol=1.3e-3)  # 12 mm before it, within half an element
+    result = lf.simulate(scene(2.4e-3, 20), 1e-6, STEPPERS["massless boundary"], record=1e-6)
+    lever = result.point("pendulum", "back")[0] - result.point("pendulum", "hinge")[0]
+    spin = result.u[0, result.coordinate_names().index("pendulum.angle")]
+    np.testing.assert_allclose(result.velocity("pendulum", "back")[0], spin * np.array([-lever[1], lever[0]]))
+    assert result.velocity("pendulum", "back")[0, 0] == pytest.approx(1.4, rel=0.01)
+
+
+def test_nodes_of_either_body_meet_edges_of_the_other() -> None:
+    coarse, fine = pendulum_with_hammer(2.4e-3), rod_with_crown(1.2e-3)
+
+    def pairs(side: str) -> int:
+        built = pendulum_and_rod(fine, coarse, lambda mesh, kept: craig_bampton(mesh, kept, modes=10), node_side=side)
+        result = lf.simulate(built, 1e-5, lf.MasslessBoundary(step=1e-7, dynamic_modes=10))
+        return int(result.contact("strike").pairs.max())
+
+    assert 0 < pairs("pendulum") < pairs("rod")
+
+
+def test_other_node_sides_are_refused() -> None:
+    with pytest.raises(lf.ModelError, match='node_side: \'face\' was given, expected "rod" or "pendulum"'):
+        pendulum_and_rod(node_side="face")

@@ -7,11 +7,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from lcpflex.basics.arguments import whole_number
 from lcpflex.bodies.body import Body
 from lcpflex.bodies.continuum import Continuum
 from lcpflex.bodies.fem.meshes import grid
 from lcpflex.bodies.reduction.component_modes import craig_bampton, sub_regional
 from lcpflex.bodies.reduction.damping import Rayleigh
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.scene.joints.revolute import Revolute
 from lcpflex.scene.scene import Scene
@@ -69,22 +71,28 @@ def pendulum_with_hammer(
     length: float = 0.4,
     strike: float = 0.36,
     remake: Callable[[Any], Any] | None = None,
+    layers: int | None = None,
 ) -> Continuum:
     """A steel pendulum of 12 x 20 mm, hung at (0, 0), "hinge", whose right face, "face", strikes ``strike`` below.
 
     Its nodes there lie half an element aside from those of the rod: no node meets a corner between two elements.
-    Elements are at most ``coarse`` long; with 3.5 mm its bending is less than 5 % too stiff (with 8.4 mm, 19 %).
+    Elements are at most ``coarse`` long; with 3.5 mm its bending is less than 5 % too stiff (with 8.4 mm, 19 %). In the
+    direction of the impact they grow from ``fine`` to 2.5 mm, or there are ``layers`` of one depth. "back" is the point
+    of the left face right behind the middle of the contact region.
     """
     width = 0.012
+    if layers is not None:
+        layers = whole_number("layers", layers, 1, 1000)
     up = graded(strike, fine, REACH + fine, coarse)
     down = graded(length - strike, fine, REACH + fine, coarse)
     offset = 0.5 * fine
     heights = np.concatenate([-down[:0:-1], up])
     fading = np.where(heights >= 0.0, 1.0 - heights / strike, 1.0 + heights / (length - strike))
     heights = heights + offset * fading - strike
-    depth = graded(width, fine, 2.0 * fine, 2.5e-3)
+    depth = graded(width, fine, 2.0 * fine, 2.5e-3) if layers is None else np.linspace(0.0, width, layers + 1)
     mesh: Any = grid(-depth[::-1], heights, order=ORDER)
     hinge = int(np.argmin(np.hypot(mesh.p[0] + 0.5 * width, mesh.p[1])))
+    back = int(np.argmin(np.hypot(mesh.p[0] + width, mesh.p[1] + strike)))
     face = -float(mesh.p[0, hinge])
     mesh = mesh.translated((face, 0.0))
     return Continuum(
@@ -93,7 +101,11 @@ def pendulum_with_hammer(
         youngs_modulus=210e9,
         poissons_ratio=0.3,
         thickness=0.02,
-        sets={"hinge": [hinge], "face": lambda x, y: (abs(y + strike) < REACH + 0.6 * fine) & (x > face - 1e-9)},
+        sets={
+            "hinge": [hinge],
+            "back": [back],
+            "face": lambda x, y: (abs(y + strike) < REACH + 0.6 * fine) & (x > face - 1e-9),
+        },
     )
 
 
@@ -103,12 +115,19 @@ def reduced(mesh: Continuum, boundary: list[str]) -> Body:
 
 
 def pendulum_and_rod(
-    rod: Continuum | None = None, pendulum: Continuum | None = None, reduce: Reduce = reduced, speed: float = 1.4
+    rod: Continuum | None = None,
+    pendulum: Continuum | None = None,
+    reduce: Reduce = reduced,
+    speed: float = 1.4,
+    node_side: str = "rod",
 ) -> Scene:
     """A pendulum meets the end of a free rod at ``speed`` [m/s]; no gravity, which would move 20 µm in 2 ms.
 
-    ``reduce`` makes a body of a mesh and the names of its sets that have contacts and joints.
+    ``reduce`` makes a body of a mesh and the names of its sets that have contacts and joints. The nodes of
+    ``node_side``, "rod" or "pendulum", meet the edges of the other.
     """
+    if node_side not in ("rod", "pendulum"):
+        raise ModelError(f'node_side: {shown(node_side)} was given, expected "rod" or "pendulum"')
     scene = Scene(gravity=(0.0, 0.0))
     hammer = pendulum_with_hammer() if pendulum is None else pendulum
     mesh = hammer.finite_elements()
@@ -118,8 +137,8 @@ def pendulum_and_rod(
     swinging = scene.add(body, name="pendulum", position=hinge, angular_velocity=speed / hinge[1])
     struck = scene.add(reduce(rod_with_crown() if rod is None else rod, ["tip"]), name="rod")
     scene.join(Revolute(swinging.point("hinge"), scene.ground.at(*hinge), name="hinge"))
-    tip = struck.surface("tip")
-    scene.contact(tip, swinging.surface("face"), name="strike", node_side=tip)
+    tip, face = struck.surface("tip"), swinging.surface("face")
+    scene.contact(tip, face, name="strike", node_side=tip if node_side == "rod" else face)
     return scene
 
 
@@ -127,7 +146,8 @@ def strip_with_patch(fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.
     """The strip of Shi, Hong & Liu 2013 (0.7 x 0.028 x 0.005 m, aluminium), hung at its left end, "hinge".
 
     Quadratic elements, ``fine`` [m] within ``patch`` [m] of its lower face at ``reach`` [m] from the hinge, the surface
-    "patch"; those of the two layers of elements there are the set "region".
+    "patch"; those of the two layers of elements there are the set "region", and "back" is the point of the upper face
+    right above the middle of the patch.
     """
     length, half = 0.7, 0.0025
     before, after = graded(reach, fine, patch, coarse), graded(length - reach, fine, patch, coarse)
@@ -136,7 +156,8 @@ def strip_with_patch(fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.
     places = mesh.doflocs
     hinge = int(np.argmin(np.hypot(*places)))
     mesh = mesh.translated((0.0, -float(places[1, hinge])))
-    low = float(mesh.doflocs[1].min())
+    low, high = float(mesh.doflocs[1].min()), float(mesh.doflocs[1].max())
+    back = int(np.argmin(np.hypot(mesh.doflocs[0] - reach, mesh.doflocs[1] - high)))
     edge = patch + 0.1 * fine
     return Continuum(
         mesh,
@@ -146,6 +167,7 @@ def strip_with_patch(fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.
         thickness=0.028,
         sets={
             "hinge": [hinge],
+            "back": [back],
             "patch": lambda x, y: (abs(x - reach) < edge) & (y < low + 1e-9),
             "region": lambda x, y: (abs(x - reach) < edge) & (y < low + 2.1 * fine),
         },
@@ -153,14 +175,19 @@ def strip_with_patch(fine: float = 5e-4, coarse: float = 5e-3, reach: float = 0.
 
 
 def pendulum_on_hemisphere(
-    strip: Continuum | None = None, modes: int = 160, speed: float = 0.4, radius: float = 0.1
+    strip: Continuum | None = None, modes: int = 160, speed: float = 0.4, radius: float = 0.1, nodal: bool = True
 ) -> Scene:
     """The strip, straight and level, meets a fixed round of ``radius`` [m] at ``speed`` [m/s] with its patch.
 
-    Nodal coordinates in the contact region and at the hinge, ``modes`` for the rest.
+    Nodal coordinates in the contact region and at the hinge, ``modes`` for the rest; where ``nodal`` is False, that
+    many free modes of the whole strip and nothing else.
     """
     mesh = strip_with_patch() if strip is None else strip
-    body = sub_regional(mesh, ["region", "hinge"], modes=modes, damping=Rayleigh(0.0, 1e-9))
+    damping = Rayleigh(0.0, 1e-9)
+    if nodal:
+        body = sub_regional(mesh, ["region", "hinge"], modes=modes, damping=damping)
+    else:
+        body = mesh.reduce(modes, damping=damping)
     elements = mesh.finite_elements()
     x, y = elements.places[elements.sets["patch"]].mean(axis=0)
     scene = Scene()
