@@ -32,6 +32,7 @@ def pushes(result: lf.Result) -> list[tuple[float, float, float]]:
     return [(history.times[a], history.times[b], float(history.force[a:b, 0].max())) for a, b in ends]
 
 
+@pytest.mark.slow
 def test_a_massless_boundary_keeps_what_was_asked_for() -> None:
     """30 modes, Hertz at the contact: pushes, their times and forces are those of all modes with continuous forces."""
     exact = lf.simulate(struck(STRIP.reduce(None), law=lf.ContactLaw(LAW)), 1.5e-3, lf.Smooth(), record=5e-7)
