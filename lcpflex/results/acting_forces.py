@@ -81,18 +81,20 @@ def material_of(model: Model, q: FloatArray, load: PointLoad) -> Material:
 class ActingForces:
     """Forces and accelerations of a compiled scene at stored instants; ``step``: mean one of the run [s].
 
+    values: (m, slots, 3) of functions of a user's, where they are not here any more (:mod:`.outside_values`).
+
     Raises
     ------
     ModelError
         Where functions of time of the scene are not there any more, as in a result that was loaded.
     """
 
-    def __init__(self, compiled: CompiledScene, step: float) -> None:
-        model = compiled.model
-        if compiled.functions_are_lost:
+    def __init__(self, compiled: CompiledScene, step: float, values: FloatArray | None = None) -> None:
+        model, self._values = compiled.model, values
+        if values is None and compiled.functions_are_lost:
             raise ModelError(
-                "result: its scene has Python functions of time, which no file holds; expected the result of a run in "
-                "this process, not one that was loaded"
+                "result: its scene has Python functions of time, which no file holds, and what they gave was not "
+                "saved; expected the result of a run in this process, not one that was loaded"
             )
         self._compiled = compiled
         self._model: Any = pack(model)
@@ -108,10 +110,21 @@ class ActingForces:
         self._alone = [pack(model._replace(loads=one)) for one in _one_by_one(model.loads)]
         self._width = int(np.diff(model.bodies.dof).max())
 
-    def at(self, touching: ContactPoints, t: float, q: FloatArray, u: FloatArray) -> tuple[FloatArray, list[PointLoad]]:
-        """udot (ndof,) and all loads at points of bodies, but weight, at an instant with the contacts ``touching``.
+    def outside(self, k: int, t: float, q: FloatArray, u: FloatArray) -> FloatArray:
+        """(slots, 3) what functions of a user's give at the stored instant k."""
+        if self._values is not None:
+            return np.asarray(self._values[k])
+        external = np.zeros((self._compiled.n_external, 3))
+        for callback in self._compiled.callbacks:
+            callback.fill(t, self._compiled.state(t, q, u), external)
+        return external
 
-        u has no rates of the modes ``still``.
+    def at(
+        self, k: int, touching: ContactPoints, t: float, q: FloatArray, u: FloatArray
+    ) -> tuple[FloatArray, list[PointLoad]]:
+        """udot (ndof,) and all loads at points of bodies, but weight, at the stored instant k.
+
+        touching: the contacts there. u has no rates of the modes ``still``.
 
         Raises
         ------
@@ -119,9 +132,7 @@ class ActingForces:
             Where a contact force cannot be told the points it acts on.
         """
         model, q, u = self._model, q.copy(), u.copy()
-        external = np.zeros((self._compiled.n_external, 3))
-        for callback in self._compiled.callbacks:
-            callback.fill(t, self._compiled.state(t, q, u), external)
+        external = self.outside(k, t, q, u)
         loads: list[PointLoad] = []
         for alone in self._alone:
             self._apply(alone, t, q, u, external, loads)

@@ -27,6 +27,7 @@ from lcpflex.results.energy_balance import Energies
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.orientation import body_angle
+from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
 from lcpflex.results.places import material_shapes, trajectory, turned
 from lcpflex.results.plot import animate, draw
@@ -118,6 +119,7 @@ class Result:
     joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]
     joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
     stored: str = INSTANTS  # "steps" where record=0 asked for all of them, "dense": with the middle of each
+    outside: FloatArray | None = None  # (m, slots, 3) what functions of the user gave; of a file, see ``save``
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
 
     def __post_init__(self) -> None:
@@ -264,16 +266,17 @@ class Result:
         """Write everything to one file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
 
         path: ends in .h5 or .hdf5 for HDF5, which needs h5py; any other file is an npz. Python callbacks and force
-        laws of the scene are left out: a loaded result can be drawn and measured, not continued. Raises ModelError
-        with the path and the reason.
+        laws of the scene are left out: a loaded result can be drawn and measured, not continued. Functions of time are
+        asked once more at the stored instants, for stresses. Raises ModelError with the path and the reason.
         """
-        kept = self.compiled
+        told = with_values(self)
+        kept = told.compiled
         if kept is not None:
             recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
             lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
             kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery)
             kept = replace(kept, laws_are_lost=lost)
-        return write(replace(self, compiled=kept), path)
+        return write(replace(told, compiled=kept), path)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:

@@ -110,12 +110,12 @@ def section_forces(result: Result, body: str, x: Any, records: IntArray | None =
     places = _sections(line, x)
     chosen = np.arange(len(result.times)) if records is None else records
     cut = _Cut(compiled.model, b, line, np.atleast_1d(places))
-    forces = ActingForces(compiled, mean_step(result))
+    forces = ActingForces(compiled, mean_step(result), result.outside)
     found = np.zeros((len(chosen), 3, places.size))
     for row, k in enumerate(chosen.tolist()):
         q, u = result.q[k], result.u[k].copy()
         u[forces.still] = 0.0
-        acceleration, loads = forces.at(result.contact_points.at(k), float(result.times[k]), q, u)
+        acceleration, loads = forces.at(k, result.contact_points.at(k), float(result.times[k]), q, u)
         found[row] = cut.forces(q, u, acceleration, loads)
     shape = (len(chosen), *places.shape)
     return SectionForces(body, result.times[chosen], places, *(found[:, i].reshape(shape) for i in range(3)))

@@ -189,7 +189,7 @@ class _OfMesh:
 
     def __init__(self, result: Result, compiled: CompiledScene, b: int, shapes: MeshShapes, static: bool) -> None:
         self._result, self._model, self._b = result, compiled.model, b
-        self._acting = ActingForces(compiled, mean_step(result)) if static else None
+        self._acting = ActingForces(compiled, mean_step(result), result.outside) if static else None
         first = int(compiled.model.bodies.dof[b]) + N_RIGID
         every = np.arange(first, int(compiled.model.bodies.dof[b + 1]))
         kept = every if self._acting is None else np.setdiff1d(every, self._acting.still)
@@ -211,7 +211,7 @@ class _OfMesh:
         result, model, mesh = self._result, self._model, self._mesh
         q, u = result.q[k], result.u[k].copy()
         u[acting.still] = 0.0
-        acceleration, loads = acting.at(result.contact_points.at(k), float(result.times[k]), q, u)
+        acceleration, loads = acting.at(k, result.contact_points.at(k), float(result.times[k]), q, u)
         felt = self._felt(q, u, acceleration).ravel()[mesh.mesh.dofs]
         total = np.asarray(mesh.mesh.mass @ felt)
         back = np.array(-q[self._parts.frame][2])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 
 import lcpflex as lf
 from lcpflex.errors import ModelError
@@ -231,7 +232,59 @@ def test_a_loaded_result_has_its_sections(tmp_path: Any) -> None:
     result = run(scene, 0.01, lf.MoreauJean(1e-3))
     loaded = lf.Result.load(result.save(tmp_path / "beam.npz"))
     assert (loaded.section("beam").M == result.section("beam").M).all()
-    scene.load(lf.Force(b.point("left"), lambda t: (t, 0.0)))
-    loaded = lf.Result.load(run(scene, 0.01, lf.MoreauJean(1e-3)).save(tmp_path / "beam.npz"))
-    with pytest.raises(ModelError, match="Python functions of time"):
+
+
+@njit
+def _swell(t: float) -> float:
+    return 40.0 * math.sin(200.0 * t)
+
+
+@njit
+def _swing(t: float) -> tuple[float, float, float]:
+    return 0.2 * t * t, 0.4 * t, 0.4
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(1e-3), lf.EventDriven(rtol=1e-5)])
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_loaded_result_counts_with_what_functions_gave(stepper: Any, compiled: bool, tmp_path: Any) -> None:
+    """Forces of time and state, motions with derivatives: the sections and stresses of a file are those of the run."""
+    scene = lf.Scene(gravity=(0, -G))
+    b = scene.add(beam(elements=6), name="beam", modes=2)
+    swing = _swing if compiled else (lambda t: 0.2 * t * t)
+    scene.join(lf.DrivenAngle(b.point("left"), scene.ground.at(0, 0), swing))
+    scene.join(lf.Revolute(b.point("left"), scene.ground.at(0, 0)))
+    scene.load(lf.Force(b.point("right"), (0.0, _swell if compiled else (lambda t: 40.0 * math.sin(200.0 * t)))))
+    tip = b.point("right")
+    scene.load(lf.Force(tip, lambda t, state: -30.0 * state.velocity(tip) - 5.0 * state.position(tip)))
+    scene.contact(b.surface(), scene.ground.circle((0.6, -0.02), 0.01), name="stop")
+    result = lf.simulate(scene, 0.01, stepper, record=2e-3, progress=False)
+    assert result.outside is None
+    forces, stress = result.section("beam"), result.stress("beam").all()
+    again = result
+    for name in ("once.npz", "again.npz"):
+        again = lf.Result.load(again.save(tmp_path / name))
+        found = again.section("beam")
+        for part in ("N", "V", "M"):
+            np.testing.assert_array_equal(getattr(found, part), getattr(forces, part))
+        np.testing.assert_array_equal(again.stress("beam").all().von_mises, stress.von_mises)
+    assert np.abs(forces.M).max() > 1.0
+    assert result.contact("stop").peak_force > 0.0
+
+
+def test_a_function_that_fails_when_saved_leaves_no_sections(tmp_path: Any) -> None:
+    scene = lf.Scene(gravity=(0, -G))
+    b = scene.add(beam(elements=6), name="beam", modes=2)
+    scene.join(lf.Weld(b.point("left"), scene.ground.at(0, 0)))
+    gone: list[int] = []
+
+    def push(t: float) -> float:
+        if gone:
+            raise OSError("the file is closed")
+        return t
+
+    scene.load(lf.Force(b.point("right"), (push, 0.0)))
+    result = run(scene, 0.01, lf.MoreauJean(1e-3))
+    gone.append(1)
+    loaded = lf.Result.load(result.save(tmp_path / "beam.npz"))
+    with pytest.raises(ModelError, match=r"Python functions of time.* what they gave was not saved"):
         loaded.section("beam")
