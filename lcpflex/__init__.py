@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lcp.lemke import Lemke
     from lcpflex.solvers.quadratic_program import QuadraticProgram
+    from lcpflex.statics.equilibria import equilibria
     from lcpflex.statics.equilibrium import equilibrium
     from lcpflex.statics.rest import Rest
     from lcpflex.steppers.adaptive import AdaptiveStep
@@ -148,6 +149,7 @@ __all__ = [
     "admissible_accelerations",
     "craig_bampton",
     "free_interface",
+    "equilibria",
     "equilibrium",
     "gallery",
     "laws",

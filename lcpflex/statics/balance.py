@@ -50,7 +50,10 @@ class Configuration:
 
 
 class Balance:
-    """Forces and rows of a compiled scene at a ``time`` [s]. ``table`` holds what :meth:`look` found last."""
+    """Forces and rows of a compiled scene at a ``time`` [s]. ``table`` holds what :meth:`look` found last.
+
+    ``push``: a row (ndof,) and the value that it is driven to, beside the joints and as their last row; None for none.
+    """
 
     def __init__(self, compiled: CompiledScene, time: float = 0.0) -> None:
         self.compiled, self.time = compiled, time
@@ -60,6 +63,7 @@ class Balance:
         self._still = np.zeros(len(compiled.q))
         self._work = self._system.workspace(16)
         self.n_contacts = 0
+        self.push: tuple[FloatArray, float] | None = None
 
     @property
     def work(self) -> Workspace:
@@ -85,22 +89,31 @@ class Balance:
         each = np.arange(total)[:, None]
         for side in range(2):
             np.add.at(rows, (each, columns[:, side]), work.rows[:total, side])
+        rows, phi = rows[:, :-1].copy(), work.residual.copy()
+        if self.push is not None:
+            rows = np.insert(rows, n_joint, self.push[0], axis=0)
+            phi = np.append(phi, self.push[0] @ q - self.push[1])
         return Configuration(
             q=q.copy(),
             force=work.total.copy(),
-            phi=work.residual.copy(),
+            phi=phi,
             gap=work.table.gap[:n].copy(),
             friction=work.mu[:n].copy(),
             tangent=work.tangent[:n_tangent].copy(),
-            rows=rows[:, :-1].copy(),
+            rows=rows,
         )
 
     def pull(self, q: FloatArray, p: FloatArray) -> FloatArray:
         """h + rows^T p (ndof,) at q with the contacts found last and the multipliers p of all rows."""
         self._lay(q)
+        pushed = np.zeros(len(q))
+        if self.push is not None:
+            n_joint = len(self._work.residual)
+            pushed, p = p[n_joint] * self.push[0], np.delete(p, n_joint)
         columns = self._columns(len(p))
         parts = (self._work.rows[: len(p)] * p[:, None, None]).ravel()
-        return self._work.total + np.bincount(columns.ravel(), weights=parts, minlength=len(q) + 1)[:-1]
+        held = np.bincount(columns.ravel(), weights=parts, minlength=len(q) + 1)[:-1]
+        return np.asarray(self._work.total + pushed + held)
 
     def _lay(self, q: FloatArray) -> None:
         """Forces to ``work.total``, rows of joints and contacts to ``work.rows``."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -18,20 +20,26 @@ from lcpflex.statics.balance import Balance
 from lcpflex.statics.path import Path
 from lcpflex.statics.place import rest_at
 from lcpflex.statics.rest import Rest
-from lcpflex.statics.scales import scales_of
+from lcpflex.statics.scales import Scales, scales_of
 from lcpflex.statics.words import what_moves
 
-__all__ = ["equilibrium"]
+__all__ = ["Problem", "come_to_rest", "equilibrium", "stated"]
 
 FAR = 20.0  # sizes of the scene: how far a path goes where nothing else is said
 NEAR = 1e-4  # residual from which on the place of rest is looked for by Newton's method
 THERE = 1e-9  # residual at which an unstable place is where the path ends, and is not just passed by
 MOST_STEPS = 4000
+MOST_COORDINATES = 1500  # which take minutes
 STILL = 1e-12  # [rad/s], or in sizes of the scene [1/s]: a drive that is slower stands
 
 
 def equilibrium(
-    scene: Scene, *, initial: Result | Rest | None = None, farthest: float | None = None, time: float | None = None
+    scene: Scene,
+    *,
+    initial: Result | Rest | None = None,
+    farthest: float | None = None,
+    time: float | None = None,
+    budget: float = 600.0,
 ) -> Rest:
     """Find where ``scene`` rests: with its joints, springs, loads and rigid contacts, its flexible bodies bent.
 
@@ -58,6 +66,8 @@ def equilibrium(
     time
         Time [s] at which loads and drives are taken, each drive held where it is then. By default those of t = 0, and
         a drive that moves there is an error.
+    budget
+        Seconds of computing after which the search is given up, as soon as a step is done.
 
     Returns
     -------
@@ -67,16 +77,41 @@ def equilibrium(
     Raises
     ------
     ModelError
-        For what is no Scene, a contact with a force law, a drive that moves at t = 0 and no ``time``, an ``initial`` of
-        other bodies.
+        For what is no Scene, more than 1500 coordinates, a contact with a force law, a drive that moves at t = 0 and no
+        ``time``, an ``initial`` of other bodies.
     SolverError
-        Where the scene does not come to rest: it says what moves, and which way.
+        Where the scene does not come to rest: it says what moves, and which way; or not within its budget.
 
     Notes
     -----
-    The path costs 2 ndof evaluations of all forces a step, and dense matrices of that size: a few hundred coordinates.
+    The path costs 2 ndof evaluations of all forces a step, and dense matrices of that size: 5 s for a mesh of 800
+    coordinates on two supports, minutes for one of 1500. Many contacts cost more: a heap of 30 discs takes 2 s, one of
+    100 (218 contacts) more than its budget; lay such heaps to rest by a run. ``lcpflex.equilibria`` looks for several
+    places.
     Sources: Moreau 1988 (steps); Josephy 1979 (Newton's method for inclusions); Lawson & Hanson 1974 (least forces).
     """
+    problem, path = stated(scene, initial, farthest, time, budget)
+    return come_to_rest(problem, path)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """A scene whose places of rest are looked for."""
+
+    compiled: CompiledScene
+    balance: Balance
+    scales: Scales
+    farthest: float  # [m]
+    budget: float  # [s]
+    until: float  # of the clock [s]
+
+
+def stated(
+    scene: Scene, initial: Result | Rest | None, farthest: float | None, time: float | None, budget: float
+) -> tuple[Problem, Path]:
+    """What :func:`equilibrium` is asked, checked, with a path that begins where it says."""
+    seconds = in_range("budget", budget, 0.0, math.inf, open_ends=True)
+    until = perf_counter() + seconds
     compiled = _compiled(scene)
     q = _start(compiled, initial)
     held = 0.0 if time is None else in_range("time", time, -math.inf, math.inf)
@@ -85,7 +120,13 @@ def equilibrium(
     if time is None:
         _refuse_moving_drives(balance, scales.size, q)
     limit = FAR * scales.size if farthest is None else in_range("farthest", farthest, 0.0, math.inf, open_ends=True)
-    path = Path(balance, scales, q, dict(initial.multipliers) if isinstance(initial, Rest) else None)
+    path = Path(balance, scales, q, initial.trace.multipliers if isinstance(initial, Rest) else None)
+    return Problem(compiled, balance, scales, limit, seconds, until), path
+
+
+def come_to_rest(problem: Problem, path: Path) -> Rest:
+    """The place of rest at the end of a path. Raises SolverError where there is none."""
+    compiled, balance, scales, limit = problem.compiled, problem.balance, problem.scales, problem.farthest
     for step in range(MOST_STEPS):
         here = path.station
         if here.residual <= NEAR:
@@ -95,7 +136,9 @@ def equilibrium(
             path.back()
         if here.travelled > limit:
             raise _restless(path, compiled, f"it does not come to rest within farthest = {limit:.4g} m")
-        if not path.advance():
+        if not path.advance(problem.until):
+            if perf_counter() > problem.until:
+                raise _unfinished(problem, path, step)
             raise _restless(path, compiled, "no step of its path could be made")
     raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps")
 
@@ -106,6 +149,11 @@ def _compiled(scene: Any) -> CompiledScene:
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
     compiled = compiled_scene(scene, True, None, False, listed=True)
     soft = [name for name, law in zip(compiled.layout.contacts, compiled.laws, strict=True) if law is not None]
+    if len(compiled.q) > MOST_COORDINATES:
+        raise ModelError(
+            f"scene: it has {len(compiled.q)} coordinates, expected at most {MOST_COORDINATES}, since matrices are "
+            "dense: reduce its flexible bodies, or let it settle in a run"
+        )
     if soft:
         raise ModelError(f"scene: it has contacts by a force law ({listed(soft)}), expected rigid contacts")
     return compiled
@@ -144,6 +192,16 @@ def _refuse_moving_drives(balance: Balance, size: float, q: FloatArray) -> None:
                     f"joint {name!r}: its drive moves at t = 0 with {-balance.work.rate[r]:.4g} a second, "
                     "expected one that stands: nothing rests with it; or time=, at which it is held"
                 )
+
+
+def _unfinished(problem: Problem, path: Path, steps: int) -> SolverError:
+    """What to raise where the time is up."""
+    here = path.station
+    return SolverError(
+        f"equilibrium: not at rest within budget = {problem.budget:g} s and {steps} steps (unbalanced "
+        f"{here.residual:.2g} of the forces that act): {len(here.at.q)} coordinates and {here.at.n_contacts} near "
+        "contacts; expected a larger budget, a smaller scene, or initial=, a result that has settled"
+    )
 
 
 def _restless(path: Path, compiled: CompiledScene, why: str) -> SolverError:

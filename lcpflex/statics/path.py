@@ -17,7 +17,9 @@ continuation).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TypeAlias
 
 import numpy as np
@@ -33,7 +35,7 @@ from lcpflex.statics.tangent import tangent_stiffness
 
 __all__ = ["Multipliers", "Path", "Station"]
 
-Multipliers: TypeAlias = dict[tuple[int, int], float]
+Multipliers: TypeAlias = Mapping[tuple[int, int], float]
 
 SHORT = 0.2  # of the extent of the smallest body: longest step
 LEAST_DAMPING = 1e-6  # of (largest force) / (mass size): what neutral directions are held by
@@ -44,6 +46,8 @@ SUNK = 0.05  # of the length of a step: by how much more than before bodies may 
 ROUNDING = 1e-12  # of the size
 TINY = 1e-3  # of the longest step: a shorter one is made whatever it leaves out
 KEPT = 1e-3  # of the largest force on the path so far: where forces come to nothing, it is what is compared with
+STIFF = 0.9  # of the length before: a step that more damping leaves longer is one that overlaps ask for
+SOLVING = 60.0  # [s] that a contact problem may take
 UNTOLD = 1e-16  # of the size: displacement of the softest spring or mode whose force is none
 INDEPENDENT = 1e-12  # of the largest eigenvalue: redundant joint rows
 
@@ -80,10 +84,10 @@ class Path:
         self.station = self._station(q, known or {}, 0.0, np.zeros_like(q))
         self._alpha, self._first = 0.0, 1.0 if known is None else SLOWLY
         self._slip = Slip(balance, known is not None)
-        self._solver = Auto()
+        self._solver = Auto(budget=SOLVING)
 
-    def advance(self) -> bool:
-        """One step; False where none can be made."""
+    def advance(self, until: float = math.inf) -> bool:
+        """One step; False where none can be made, or the clock is beyond ``until`` [s]."""
         here = self.station
         M = mass_matrix(self.balance.model, here.at.q)
         K = tangent_stiffness(self.balance, self.scales, here.at.q, here.p)
@@ -95,9 +99,17 @@ class Path:
         least = LEAST_DAMPING * rate
         alpha = max(self._alpha, least) if self._alpha > 0.0 else self._first * rate
         slid = self._slip.so_far(here.at)
+        part, before = 1.0, math.inf  # of overlaps, as much as is closed in the step
         for _ in range(100):
-            found = self._step(here, M, K, slid, alpha)
+            if perf_counter() > until:
+                return False
+            found = self._step(here, M, K, slid, part, alpha)
+            if found is None and self.balance.push is not None:
+                return False  # contacts are in the way of the push, whatever the damping
             length = self.scales.moved(found[0]) if found is not None else math.inf
+            if self.longest < length < math.inf and length > STIFF * before:  # no damping makes it shorter
+                part *= 0.5 * self.longest / length
+            before = length
             if found is not None and length <= self.longest and self._good(here, M, K, alpha, *found):
                 self._alpha = max((LESS if length <= 0.5 * self.longest else 1.0) * alpha, least)
                 self._go(*found)
@@ -143,7 +155,7 @@ class Path:
         return joints + [(1, key) for key in own] + [(2, own[k]) for k in at.tangent]
 
     def _step(
-        self, here: Station, M: FloatArray, K: FloatArray, slid: FloatArray, alpha: float
+        self, here: Station, M: FloatArray, K: FloatArray, slid: FloatArray, part: float, alpha: float
     ) -> tuple[FloatArray, FloatArray] | None:
         """dq and the multipliers of all rows; None where the contact problem is not solved."""
         at, arm = here.at, self.scales.arm
@@ -156,7 +168,7 @@ class Path:
         phi = self._share(L, J @ (inverse @ at.phi)) * at.phi
         free = load - J @ (inverse @ (J.T @ load + phi))
         factor = (W - J @ (inverse @ (J.T @ W))).T
-        target = np.concatenate([np.maximum(at.gap, -0.5 * self.longest), slid])
+        target = np.concatenate([np.maximum(np.where(at.gap < 0.0, part, 1.0) * at.gap, -0.5 * self.longest), slid])
         p = np.zeros(len(at.rows))
         if at.n_contacts:
             problem = ContactProblem(factor @ factor.T, W.T @ free + target, at.friction)

@@ -13,7 +13,7 @@ from lcpflex.kinematics.relative import ANGLE
 from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
 from lcpflex.statics.refinement import refined
-from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest
+from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest, Trace
 from lcpflex.statics.scales import Scales
 from lcpflex.statics.shared_forces import SharedForces, shared_forces
 from lcpflex.statics.stability import stability_of
@@ -54,6 +54,8 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     def ways(directions: FloatArray) -> tuple[str, ...]:
         return tuple(what_moves(compiled.layout.bodies, dof, scales, q, way) for way in directions)
 
+    shut = frozenset(balance.work.table.key[: at.n_contacts][closed].tolist())
+    trace = Trace(path.multipliers(at, forces.p), shut, found.family)
     q.setflags(write=False)
     return Rest(
         q=q,
@@ -69,7 +71,7 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
         steps=steps,
         warnings=compiled.warnings,
         compiled=compiled,
-        multipliers=path.multipliers(at, forces.p),
+        trace=trace,
     )
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray
 
-__all__ = ["ContactAtRest", "JointAtRest", "Rest"]
+__all__ = ["ContactAtRest", "JointAtRest", "Rest", "Trace"]
 
 ORDER = ("open", "touch", "slip", "stick")
 
@@ -84,6 +84,23 @@ class JointAtRest:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """What a path that begins at a place of rest, and the comparison of two places, have to know of it.
+
+    multipliers
+        Of the rows of joints and near contacts, by keys that outlive them.
+    closed
+        Keys of the contacts that are closed.
+    family
+        (k, ndof) directions in which it is one place of many: neutral ones, and those that friction holds.
+    """
+
+    multipliers: Mapping[tuple[int, int], float]
+    closed: frozenset[int]
+    family: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Rest:
     """Where a scene rests, by :func:`lcpflex.equilibrium`; ``simulate(scene, ..., initial=rest)`` starts there.
 
@@ -128,7 +145,7 @@ class Rest:
     steps: int
     warnings: tuple[str, ...]
     compiled: CompiledScene = field(repr=False)
-    multipliers: Mapping[tuple[int, int], float] = field(default_factory=dict, repr=False)  # for a path from here
+    trace: Trace = field(repr=False)
 
     def contact(self, name: str) -> ContactAtRest:
         """The declared contact of that name. Raises ModelError where there is none."""

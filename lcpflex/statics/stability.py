@@ -35,6 +35,7 @@ class Stability:
     unstable: FloatArray  # (k, ndof) directions of these
     neutral: FloatArray  # (k, ndof) directions in which nothing changes
     neighbours: int  # dimension of the places of rest next to it by friction
+    family: FloatArray  # (k, ndof) directions in which such places may lie, and the neutral ones
 
 
 def stability_of(at: Configuration, K: FloatArray, forces: SharedForces, scales: Scales, scale: float) -> Stability:
@@ -56,11 +57,13 @@ def stability_of(at: Configuration, K: FloatArray, forces: SharedForces, scales:
     sizes = np.linalg.svd(Y.T @ scaled @ wide, compute_uv=False)
     held = int((sizes > NEUTRAL).sum())
     neutral = np.abs(values.real) <= NEUTRAL
+    neighbours = max(wide.shape[1] - held - int(neutral.sum()), 0)
     return Stability(
         stable=not (values.real < -NEUTRAL).any(),
         unstable=ways[values.real < -NEUTRAL],
         neutral=ways[neutral],
-        neighbours=max(wide.shape[1] - held - int(neutral.sum()), 0),
+        neighbours=neighbours,
+        family=np.vstack([ways[neutral], wide.T * c]) if neighbours else ways[neutral],
     )
 
 

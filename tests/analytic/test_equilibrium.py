@@ -315,3 +315,77 @@ def test_an_event_driven_run_stays_there(name: str) -> None:
     result = lf.simulate(scene, 10.0, lf.EventDriven(), record=1.0, progress=False, initial=rest)
     assert np.abs(result.q - rest.q).max() < 1e-9 * rest.compiled.size
     assert not result.warnings
+
+
+def check_notch(rest: lf.Rest, planes: Any, anchor: Any, spring: Any, radius: float = 0.01) -> None:
+    """Place and forces of a frictionless ball between two planes, each an angle with a place on it."""
+    center = rest.point("ball", "center")
+    force = spring_force(center, anchor, *spring)
+    in_notch(center, planes, force, radius)
+    two_forces(rest, rest.contacts[0].name, [angle for angle, _ in planes], force)
+
+
+@pytest.mark.slow
+def test_latch_has_two_places() -> None:
+    """Both are listed, each with its forces, that of the start first."""
+    right = [(math.atan2(0.11, 0.15), (0.05, -0.01)), (math.atan2(-0.01, 0.05), (0.05, -0.01))]
+    left = [(math.atan2(-0.12, 0.15), (-0.05, -0.02)), (math.atan2(0.02, 0.05), (-0.05, -0.02))]
+    found = lf.equilibria(latch(0.01))
+    assert len(found) == 2
+    for rest, planes in zip(found, (right, left), strict=True):
+        check_notch(rest, planes, (0.01, -0.4), (100.0, 0.2))
+        assert rest.stable
+    assert len(lf.equilibria(latch(0.01), most=1)) == 1
+
+
+def grooves(x: float, friction: float = 0.0) -> lf.Scene:
+    """A ball of 3 mm that a spring pulls onto a strip with three notches of 60 and 45 degrees, 20 mm apart."""
+    scene = lf.Scene(gravity=(0.0, 0.0))
+    ball = scene.add(lf.Disc(0.003, mass=0.1), "ball", position=(x, 0.02))
+    scene.load(lf.Spring(ball.point("center"), scene.ground.at(0.0, -0.3), 200.0, length=0.1))
+    steep, flat = math.sqrt(3.0), 1.0
+    places = [(0.05, 0.0)]
+    for middle in (0.02, 0.0, -0.02):
+        places += [(middle + 0.005 / steep, 0.0), (middle, -0.005), (middle - 0.005 / flat, 0.0)]
+    scene.contact(ball.surface(), scene.ground.chain([*places, (-0.05, 0.0)]), friction=friction, name="strip")
+    return scene
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_detent_of_three_grooves(friction: float) -> None:
+    """All three, from any of them, with their forces; with a little friction as well, each once."""
+    found = lf.equilibria(grooves(0.0, friction))
+    sides = math.radians(60.0), -math.radians(45.0)
+    half = 0.5 * (math.radians(180.0) - sides[0] + sides[1])  # of the angle at the bottom
+    way = 0.5 * (sides[0] + sides[1]) + 0.5 * math.pi
+    middle = [0.003 / math.sin(half) * math.cos(way), -0.005 + 0.003 / math.sin(half) * math.sin(way)]
+    for rest in found:
+        groove = round(float(rest.q[0] - middle[0]) / 0.02) * 0.02
+        assert rest.q[:2] == pytest.approx([groove + middle[0], middle[1]], abs=1e-10)
+        if not friction:
+            check_notch(rest, [(side, (groove, -0.005)) for side in sides], (0.0, -0.3), (200.0, 0.1), 0.003)
+    assert sorted(round(float(rest.q[0] - middle[0]) / 0.02) for rest in found) == [-1, 0, 1]
+
+
+def test_one_place_of_rest() -> None:
+    """What friction or a smooth floor leaves open is one place, wherever it is pushed."""
+    for friction in (0.0, 0.3):
+        scene = lf.Scene(gravity=(0.0, -G))
+        disc = scene.add(lf.Disc(0.1, mass=1.0), "disc", position=(0.0, 0.1))
+        scene.contact(disc.surface(), floor_of(scene), friction=friction)
+        (rest,) = lf.equilibria(scene, reach=0.3)
+        assert rest.contacts[0].normal == pytest.approx([G], rel=EXACT)
+
+
+@pytest.mark.slow
+def test_sides_of_a_box() -> None:
+    """It is turned from side to side; the weight is on each."""
+    scene = lf.Scene(gravity=(0.0, -G))
+    box = scene.add(lf.Box(0.4, 0.2, mass=2.0), "box", position=(0.0, 0.1))
+    scene.contact(box.surface(), floor_of(scene), friction=0.3, name="floor")
+    found = lf.equilibria(scene)
+    heights = sorted(float(rest.q[1]) for rest in found)
+    assert heights == pytest.approx([0.1, 0.1, 0.2, 0.2], abs=1e-9)
+    for rest in found:
+        assert rest.contact("floor").on("box") == pytest.approx([0.0, 2.0 * G], rel=EXACT, abs=1e-8)

@@ -263,6 +263,7 @@ def run_faces() -> list[Face]:
     return [
         Face("simulate", lf.simulate, lambda: {"scene": small_scene(), **run}),
         Face("equilibrium", lf.equilibrium, lambda: {"scene": resting_scene()}),
+        Face("equilibria", lf.equilibria, lambda: {"scene": resting_scene(), "bodies": (), "reach": 0.1}),
         *(
             Face(f"Rest.{name}", getattr(lf.Rest, name), lambda given=given: dict(given), rest)
             for name, given in of_rest

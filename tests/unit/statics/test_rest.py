@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ def driven(rate: float) -> lf.Scene:
         ({"scene": 3}, "scene: 3 was given, expected a Scene"),
         ({"initial": 3}, "initial: 3 was given, expected a Result or a Rest"),
         ({"farthest": 0.0}, "farthest: 0.0 was given"),
+        ({"time": math.nan}, "time: nan was given"),
+        ({"budget": 0.0}, "budget: 0.0 was given"),
         ({"scene": driven(2.0)}, "joint 'cam': its drive moves at t = 0 with 2 a second"),
         ({"scene": disc_on_floor(law=lf.Penalty(1e5))}, "contacts by a force law .'floor'., expected rigid contacts"),
         ({"scene": disc_on_floor(height=0.05)}, "its surfaces penetrate by 0.05 m at the start"),
@@ -175,3 +178,45 @@ def test_shared_forces_against_all_corners() -> None:
                 tried += 1
                 assert np.linalg.norm(p) >= np.linalg.norm(found.p) * (1.0 - 1e-9)
     assert tried > 10
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"bodies": ("disc", "ball")}, r"bodies.1.: no body 'ball'"),
+        ({"bodies": 3}, "bodies: 3 was given"),
+        ({"reach": -1.0}, "reach: -1.0 was given"),
+        ({"most": 0}, "most: 0 was given"),
+    ],
+)
+def test_refused_by_equilibria(given: dict[str, Any], words: str) -> None:
+    with pytest.raises(lf.ModelError, match=words):
+        lf.equilibria(disc_on_floor(), **given)
+
+
+def test_too_large_or_too_slow() -> None:
+    """More coordinates than dense matrices are for, and a search whose time is up, are named with their numbers."""
+    scene = lf.Scene()
+    for k in range(501):
+        scene.add(lf.Disc(0.1, mass=1.0), position=(0.3 * k, 0.0))
+    with pytest.raises(lf.ModelError, match="scene: it has 1503 coordinates, expected at most 1500"):
+        lf.equilibrium(scene)
+    message = r"within budget = 1e-06 s and 0 steps .unbalanced 1 of.*: 3 coordinates and 0 near contacts"
+    with pytest.raises(lf.SolverError, match=message):
+        lf.equilibrium(disc_on_floor(height=1.0), budget=1e-6)
+
+
+def test_overlaps_of_a_run_are_closed_in_steps() -> None:
+    """Ten discs in a column, each a millimetre in the next: together more than the path may go in a step."""
+    scene = lf.Scene()
+    below = floor_of(scene)
+    for k in range(10):
+        disc = scene.add(lf.Disc(0.02, mass=1.0), position=(0.0, 0.02 + 0.04 * k))
+        scene.load(lf.Spring(disc.point("center"), scene.ground.at(0.0, 0.5), 10.0, length=0.0))
+        scene.contact(disc.surface(), below, friction=0.3)
+        below = disc.surface()
+    run = lf.simulate(scene, 1e-3, lf.MoreauJean(1e-3), progress=False)
+    sunk = run.q.copy()
+    sunk[-1, 1::3] -= 1e-3 * np.arange(1, 11)
+    rest = lf.equilibrium(scene, initial=replace(run, q=sunk))
+    assert rest.q[1::3] == pytest.approx(0.02 + 0.04 * np.arange(10), abs=1e-9)

@@ -1,0 +1,187 @@
+"""Several places of rest: those that are found when bodies are pushed out of one, slowly, and let go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from time import perf_counter
+
+import numpy as np
+
+from lcpflex.basics.arguments import absent, sequence_of, whole_number
+from lcpflex.errors import ModelError, SolverError, in_range
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.planar import N_RIGID
+from lcpflex.results.result import Result
+from lcpflex.scene.scene import Scene
+from lcpflex.statics.equilibrium import Problem, come_to_rest, stated
+from lcpflex.statics.path import Path
+from lcpflex.statics.rest import Rest
+
+__all__ = ["equilibria"]
+
+FAR = 10.0  # extents of a body: how far it is pushed
+MOST_PUSHES = 1000  # steps of a push
+RESISTS = 1e-6  # of the largest force: what does not resist a push
+SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2)  # of a push: where it is let go for a moment, where friction hides what resists
+FREE = 1e-6  # of a coordinate: what joints leave of it, where they leave it anything
+SAME = 1e-6  # of the size, or rad: places that differ by less are one
+TURN = math.pi  # [rad] that a body is turned at most
+DONE = 1e-6  # of the size: a push is at its end
+
+
+def equilibria(
+    scene: Scene,
+    *,
+    initial: Result | Rest | None = None,
+    farthest: float | None = None,
+    time: float | None = None,
+    bodies: Sequence[str] | None = None,
+    reach: float | None = None,
+    most: int = 16,
+    budget: float = 600.0,
+) -> tuple[Rest, ...]:
+    """List places where ``scene`` rests: that of :func:`lcpflex.equilibrium`, and those found from it by pushing.
+
+    From each place that is found every body is pushed slowly along x and y and turned, both ways, with contacts and
+    joints holding all the while, and let go behind each place where it no longer resists; where there is friction, at
+    some places of the way as well. What is found then is pushed in turn. A push ends at the first new place.
+
+    Places that only friction or a neutral direction tells from each other are one, as those of a ball on a floor: they
+    have the same closed contacts, and agree in all that such a direction does not move.
+
+    The list need not be complete: places that no push of a single body leads to are not found, as those of a strip that
+    has to be buckled by its second mode, or those farther than ``reach``.
+
+    Parameters
+    ----------
+    scene, initial, farthest, time
+        As for :func:`lcpflex.equilibrium`.
+    bodies
+        Names of those that are pushed; all by default.
+    reach
+        How far a body is pushed [m]; by default ten times the distance of its farthest point from its frame. Bodies
+        are turned by half a turn.
+    most
+        How many places are looked for at most.
+    budget
+        Seconds of computing after which no other place is looked for; what has been found is returned.
+
+    Returns
+    -------
+    tuple of Rest
+        That from the start first, each different from all others; of one alone if no push finds another.
+
+    Raises
+    ------
+    ModelError
+        As for :func:`lcpflex.equilibrium`; for names that are no bodies, a ``reach`` or ``most`` out of range.
+    SolverError
+        Where the scene does not come to rest from its start. Pushes after which it does not are passed over.
+
+    Notes
+    -----
+    Six pushes a body and place, each of ten steps a length of the smallest body: seconds for a few bodies.
+    """
+    problem, path = stated(scene, initial, farthest, time, budget)
+    chosen = _bodies(problem, bodies)
+    if reach is not None:
+        reach = in_range("reach", reach, 0.0, math.inf, open_ends=True)
+    most = whole_number("most", most, 1)
+    found = [come_to_rest(problem, path)]
+    for rest in found:  # which grows
+        for row, way in _pushes(problem, rest, chosen, reach):
+            if len(found) >= most or perf_counter() > problem.until:
+                return tuple(found)
+            new = _behind(problem, rest, row, way, found)
+            if new is not None:
+                found.append(new)
+    return tuple(found)
+
+
+def _bodies(problem: Problem, names: Sequence[str] | None) -> list[int]:
+    """Numbers of the bodies to be pushed."""
+    known = problem.compiled.layout.bodies
+    if names is None:
+        return list(range(len(known)))
+    chosen = sequence_of("bodies", names, "names of bodies")
+    for k, name in enumerate(chosen):
+        if not isinstance(name, str) or name not in known:
+            raise ModelError(f"bodies[{k}]: no body {absent(name, known)}")
+    return [known.index(name) for name in chosen]
+
+
+def _pushes(problem: Problem, rest: Rest, bodies: list[int], reach: float | None) -> Iterator[tuple[FloatArray, float]]:
+    """A row (ndof,) and how far it is driven, of all pushes of bodies that joints leave free."""
+    balance, scales = problem.balance, problem.scales
+    at = balance.look(rest.q.copy(), 0.0)
+    joints = at.rows[: at.n_joint] / scales.arm
+    for b in bodies:
+        length = FAR * float(scales.extent[b]) if reach is None else reach
+        for i in range(N_RIGID):
+            row = np.zeros(len(rest.q))
+            row[int(balance.model.bodies.dof[b]) + i] = 1.0
+            own = row / scales.arm / np.linalg.norm(row / scales.arm)
+            held = np.linalg.lstsq(joints.T, own, rcond=None)[0] @ joints if len(joints) else 0.0 * own
+            if np.linalg.norm(own - held) > FREE:
+                for sign in (1.0, -1.0):
+                    yield row, sign * (length if i < 2 else TURN)
+
+
+def _behind(problem: Problem, rest: Rest, row: FloatArray, way: float, known: list[Rest]) -> Rest | None:
+    """The first place, none of those that are known, that a push of ``rest`` leads to."""
+    for q in _let_go(problem, rest, row, way):
+        try:
+            new = come_to_rest(problem, Path(problem.balance, problem.scales, q))
+        except SolverError:
+            continue
+        if new.stable and not any(_same(problem, new, other) for other in known):
+            return new
+    return None
+
+
+def _let_go(problem: Problem, rest: Rest, row: FloatArray, way: float) -> Iterator[FloatArray]:
+    """Configurations on a push at which the scene is let go; the push goes on behind each."""
+    balance, scales = problem.balance, problem.scales
+    push = row, float(row @ rest.q) + way
+    rough = bool((balance.model.contacts.friction > 0.0).any())
+    left = [abs(way) * (1.0 - share) for share in (SHARES if rough else ())]
+    balance.push = push
+    try:
+        path = Path(balance, scales, rest.q.copy(), rest.trace.multipliers)
+        resisted = False
+        for _ in range(MOST_PUSHES):
+            if not path.advance(problem.until):
+                break
+            here = path.station
+            off = abs(float(here.at.phi[-1]))
+            resists = math.copysign(1.0, way) * float(here.p[here.at.n_joint - 1]) > RESISTS * here.scale
+            passed = bool(left) and off <= left[0]
+            if off <= DONE * scales.size:
+                break
+            if (resisted and not resists) or passed:
+                left = [length for length in left if length < off]
+                balance.push = None
+                yield here.at.q.copy()
+                balance.push = push
+                path.back()
+            resisted = resists
+        balance.push = None
+        yield path.station.at.q.copy()
+    finally:
+        balance.push = None
+
+
+def _same(problem: Problem, one: Rest, other: Rest) -> bool:
+    """Whether two places of rest are one, but for what friction or a neutral direction leaves open."""
+    scales, dof = problem.scales, problem.balance.model.bodies.dof
+    apart = one.q - other.q
+    turns = dof[:-1] + 2
+    apart[turns] -= 2.0 * math.pi * np.round(apart[turns] / (2.0 * math.pi))
+    far = np.abs(apart) * scales.arm > SAME * scales.size
+    if one.trace.closed != other.trace.closed:
+        return not far.any()
+    moved = np.abs(np.vstack([one.trace.family, other.trace.family]) * scales.arm)
+    most = moved.max(axis=1, keepdims=True, initial=0.0)
+    open_ = (moved > SAME * np.where(most > 0.0, most, 1.0)).any(axis=0)
+    return not (far & ~open_).any()
