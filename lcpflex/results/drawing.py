@@ -256,10 +256,10 @@ def _angle_of(compiled: CompiledScene, q: FloatArray, body: int) -> float:
     return 0.0 if body < 0 else float(q[compiled.model.bodies.dof[body] + 2])
 
 
-def circle_points(span: FloatArray, turn: float) -> FloatArray:
-    """Points of a unit arc from its start angle over its extent, turned by ``turn``: (k, 2)."""
+def circle_points(span: FloatArray, turn: float, a_radian: float = 30.0) -> FloatArray:
+    """Points of a unit arc from its start angle over its extent, turned by ``turn``: (k, 2), so many a radian."""
     extent = min(float(span[1]), 2.0 * np.pi)
-    angles = turn + float(span[0]) + np.linspace(0.0, extent, max(8, round(extent * 30)))
+    angles = turn + float(span[0]) + np.linspace(0.0, extent, max(8, round(extent * a_radian)))
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
