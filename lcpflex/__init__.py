@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import lcpflex.checks.resolution_rules as resolution_rules
     import lcpflex.force_laws as laws
     import lcpflex.gallery as gallery
+    import lcpflex.scene.sensors as sensors
     import lcpflex.solvers as solvers
     import lcpflex.studies as studies
     from lcpflex.bodies.bar import Bar
@@ -158,6 +159,7 @@ __all__ = [
     "residual_compliance",
     "resolution_rules",
     "resume",
+    "sensors",
     "simulate",
     "solvers",
     "studies",

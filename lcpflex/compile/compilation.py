@@ -23,6 +23,7 @@ from lcpflex.compile.joints import compile_joints
 from lcpflex.compile.loads import compile_loads
 from lcpflex.compile.missing_compliance import missing_compliance
 from lcpflex.compile.reduced_scene import reduced_scene
+from lcpflex.compile.sensors import compiled_sensor
 from lcpflex.dynamics.time_functions import Materials, State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model, frozen
@@ -60,7 +61,7 @@ def compiled_parts(
     listed: bool = False,
 ) -> CompiledScene:
     """A scene of reduced bodies as arrays; ``materials``: what points of the scene as it was declared mean in it."""
-    placed, joints, loads, contacts, rules, surfaces = parts
+    placed, joints, loads, contacts, rules, surfaces, sensors = parts
     refuse_no_body(placed)
     bodies = compile_bodies(parts.bodies)
     q = frozen(np.concatenate([p.start[0] for p in placed]))
@@ -121,4 +122,5 @@ def compiled_parts(
         materials,
         missing_compliance(parts, touched),
         recovery=tuple(body.recovery for body in parts.bodies),
+        sensors=tuple(compiled_sensor(name, sensor) for name, sensor in sensors.items()),
     )

@@ -19,6 +19,7 @@ from lcpflex.force_laws.law import Law
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis, Model, refrozen
 from lcpflex.model.recovery import Shapes
+from lcpflex.scene.sensors.sensor import Sensor
 from lcpflex.steppers.system import System
 
 __all__ = ["CompiledScene", "Layout"]
@@ -66,6 +67,7 @@ class CompiledScene:
     notes: tuple[str, ...] = ()  # which nodes of surfaces have residual modes
     recovery: tuple[Shapes | None, ...] = field(default=(), repr=False)  # of each body, what stresses come from
     laws_are_lost: bool = False  # whether contacts have force laws that are not here any more, as in a file
+    sensors: tuple[Sensor, ...] = field(default=(), repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its fields; see ``_compiled_again``."""

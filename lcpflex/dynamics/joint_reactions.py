@@ -18,7 +18,7 @@ from lcpflex.dynamics.islands import connect_bodies, root
 from lcpflex.dynamics.least_reactions import take_least
 from lcpflex.dynamics.reaction_memory import Reactions, reaction
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import kernel
+from lcpflex.jit.kernel import IntArray, kernel
 from lcpflex.model.arrays import Model
 
 __all__ = [
@@ -40,20 +40,23 @@ SHARED = 1e-6  # of the largest reaction: a change that is no rounding
 
 
 @kernel
-def raise_peak(reactions: Reactions, joint: int, x: float, y: float, moment: float) -> None:
+def raise_peak(reactions: Reactions, rate: int, joint: int, x: float, y: float, moment: float) -> None:
     """Keep the largest force and moment."""
-    reactions.peak[joint, 0] = max(reactions.peak[joint, 0], x * x + y * y)
-    reactions.peak[joint, 1] = max(reactions.peak[joint, 1], abs(moment))
+    reactions.peak[rate, joint, 0] = max(reactions.peak[rate, joint, 0], x * x + y * y)
+    reactions.peak[rate, joint, 1] = max(reactions.peak[rate, joint, 1], abs(moment))
 
 
 @kernel
 def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reactions) -> None:
     """Impulses ``work.p`` beside the forces of a step; those of an impact, where something was ``struck``, apart."""
-    total = reactions.impulse if struck else reactions.sum
-    for joint in range(len(total)):
+    for joint in range(len(reactions.impulse)):
         impulse = reaction(model, work, joint, work.p)
         for i in range(3):
-            total[joint, i] += impulse[i]
+            if struck:
+                reactions.impulse[joint, i] += impulse[i]
+            else:
+                for rate in range(len(reactions.sum)):
+                    reactions.sum[rate, joint, i] += impulse[i]
 
 
 @kernel
@@ -62,16 +65,19 @@ def note_step(model: Model, work: Workspace, h: float, struck: bool, reactions: 
 
     struck: there was one, and ``reactions.reached`` tells which bodies it reached.
     """
-    for joint in range(len(reactions.sum)):
-        apart = struck and is_reached(model, work, joint, reactions)
-        total = reactions.impulse if apart else reactions.sum
+    for joint in range(len(reactions.impulse)):
         x, y, moment = reaction(model, work, joint, work.p)
-        total[joint, 0] += x
-        total[joint, 1] += y
-        total[joint, 2] += moment
-        if not apart:
-            raise_peak(reactions, joint, x / h, y / h, moment / h)
-            reactions.time[joint] += h
+        if struck and is_reached(model, work, joint, reactions):
+            reactions.impulse[joint, 0] += x
+            reactions.impulse[joint, 1] += y
+            reactions.impulse[joint, 2] += moment
+            continue
+        for rate in range(len(reactions.sum)):
+            reactions.sum[rate, joint, 0] += x
+            reactions.sum[rate, joint, 1] += y
+            reactions.sum[rate, joint, 2] += moment
+            raise_peak(reactions, rate, joint, x / h, y / h, moment / h)
+            reactions.time[rate, joint] += h
 
 
 @kernel
@@ -144,8 +150,11 @@ def keep_reactions(model: Model, work: Workspace, reactions: Reactions) -> None:
 
 
 @kernel
-def compare_reactions(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """Which joints carry a load together with contacts: other contact forces with the same motion change theirs."""
+def compare_reactions(model: Model, work: Workspace, now: IntArray, reactions: Reactions) -> None:
+    """Which joints carry a load together with contacts: other contact forces with the same motion change theirs.
+
+    now: 1 for each rate that asks for this instant.
+    """
     answer_joints(work)
     largest = 0.0
     for joint in range(len(reactions.change)):
@@ -156,13 +165,14 @@ def compare_reactions(model: Model, work: Workspace, reactions: Reactions) -> No
         was = reactions.change[joint]
         change = abs(x - was[0]) + abs(y - was[1]) + abs(moment - was[2]) / reactions.size
         if change > SHARED * largest:
-            reactions.shared[joint] = 1
+            for rate in range(len(now)):
+                reactions.shared[rate, joint] = max(reactions.shared[rate, joint], now[rate])
 
 
 @kernel
 def note_ahead(model: Model, work: Workspace, reactions: Reactions) -> None:
     """Forces ``work.p`` at the end of the step that is being made."""
-    for joint in range(len(reactions.peak)):
+    for joint in range(len(reactions.ahead)):
         force = reaction(model, work, joint, work.p)
         for i in range(3):
             reactions.ahead[joint, i] = force[i]
@@ -171,43 +181,53 @@ def note_ahead(model: Model, work: Workspace, reactions: Reactions) -> None:
 @kernel
 def note_ends(h: float, reactions: Reactions) -> None:
     """A step of h [s] with the forces ``now`` and ``ahead`` at its ends; h = 0: the forces at the start are known."""
-    for joint in range(len(reactions.sum)):
+    for joint in range(len(reactions.now)):
         for i in range(3):
             mean = 0.5 * (reactions.now[joint, i] + reactions.ahead[joint, i])
-            reactions.sum[joint, i] += h * mean
+            for rate in range(len(reactions.sum)):
+                reactions.sum[rate, joint, i] += h * mean
             reactions.now[joint, i] = reactions.ahead[joint, i]
         now = reactions.now[joint]
-        raise_peak(reactions, joint, now[0], now[1], now[2])
-        reactions.time[joint] += h
+        for rate in range(len(reactions.sum)):
+            raise_peak(reactions, rate, joint, now[0], now[1], now[2])
+            reactions.time[rate, joint] += h
     reactions.known = 1
 
 
 @kernel
-def note_instant(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """Forces ``work.p`` at the instant that is about to be stored, in the place of a mean."""
-    for joint in range(len(reactions.peak)):
+def note_instant(model: Model, work: Workspace, now: IntArray, reactions: Reactions) -> None:
+    """Forces ``work.p`` at the instant that is about to be stored, in the place of a mean.
+
+    now: 1 for each rate that asks for it.
+    """
+    for joint in range(len(reactions.impulse)):
         x, y, moment = reaction(model, work, joint, work.p)
-        reactions.sum[joint, 0] = x
-        reactions.sum[joint, 1] = y
-        reactions.sum[joint, 2] = moment
-        raise_peak(reactions, joint, x, y, moment)
-        reactions.time[joint] = 1.0
+        for rate in range(len(now)):
+            if now[rate] == 1:
+                reactions.sum[rate, joint, 0] = x
+                reactions.sum[rate, joint, 1] = y
+                reactions.sum[rate, joint, 2] = moment
+                raise_peak(reactions, rate, joint, x, y, moment)
+                reactions.time[rate, joint] = 1.0
 
 
 @kernel
-def settle(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """``reactions.mean`` and which of it is unique, of all since the last call; NaN where no step made forces known."""
+def settle(model: Model, work: Workspace, rate: int, reactions: Reactions) -> None:
+    """``reactions.mean`` and which of it is unique, of all since the last call; NaN where no step made forces known.
+
+    rate: since the last call for it.
+    """
     some = reactions.known == 1
-    for joint in range(len(reactions.sum)):
-        time = reactions.time[joint]
+    for joint in range(len(reactions.mean)):
+        time = reactions.time[rate, joint]
         some = some or time > 0.0
         for i in range(3):
             if time > 0.0:
-                reactions.mean[joint, i] = reactions.sum[joint, i] / time
+                reactions.mean[joint, i] = reactions.sum[rate, joint, i] / time
             else:
                 reactions.mean[joint, i] = reactions.now[joint, i] if reactions.known == 1 else np.nan
-            reactions.sum[joint, i] = 0.0
+            reactions.sum[rate, joint, i] = 0.0
         reactions.unique[joint] = 1
-        reactions.time[joint] = 0.0
+        reactions.time[rate, joint] = 0.0
     if work.joints.factor.weak > 0 and some:
         take_least(model, work, reactions)

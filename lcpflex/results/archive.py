@@ -47,7 +47,8 @@ READ = ("lcpflex result 1", FORMAT)
 HDF5, FOR_OTHERS = (".h5", ".hdf5"), (".vtkhdf",)  # endings
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HOMES = (  # of the value classes that a file may name
-    "lcpflex.results.result", "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
+    "lcpflex.results.result", "lcpflex.results.sensor",
+    "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
     "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery",
 )  # fmt: skip
 
@@ -138,6 +139,7 @@ def _encode(value: Any, path: str, arrays: Arrays) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, np.ndarray) and not value.dtype.hasobject:
+        path = next((name for name, other in arrays.items() if other is value), path)  # times of sensors of one rate
         arrays[path] = value
         return {"array": path}
     prefix = f"{path}." if path else ""

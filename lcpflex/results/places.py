@@ -8,7 +8,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["material_shapes", "trajectory", "turned", "world_places"]
+__all__ = ["material_shapes", "modal_sum", "trajectory", "turned", "velocity", "world_places"]
 
 
 def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
@@ -20,8 +20,28 @@ def turned(angle: FloatArray, s: FloatArray) -> FloatArray:
 def trajectory(model: Model, q: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
     """World place of material points of body b: q (..., ndof), place (..., 2), phi (..., n, 2)."""
     d = int(model.bodies.dof[b])
-    s = place + np.einsum("...n,...nd->...d", q[..., d + N_RIGID : d + N_RIGID + phi.shape[-2]], phi)
+    s = place + modal_sum(q[..., d + N_RIGID : d + N_RIGID + phi.shape[-2]], phi)
     return q[..., d : d + 2] + turned(q[..., d + 2], s)
+
+
+def velocity(model: Model, q: FloatArray, u: FloatArray, b: int, place: FloatArray, phi: FloatArray) -> FloatArray:
+    """rdot = Rdot + A (Phi qdot + omega J s) of one material point of body b: q, u (m, ndof), phi (n, 2); (m, 2)."""
+    d = int(model.bodies.dof[b])
+    modal = slice(d + N_RIGID, d + N_RIGID + phi.shape[0])
+    s, spin = place + modal_sum(q[:, modal], phi), u[:, d + 2]
+    rate = modal_sum(u[:, modal], phi) + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
+    return np.asarray(u[:, d : d + 2] + turned(q[:, d + 2], rate))
+
+
+def modal_sum(q: FloatArray, phi: FloatArray) -> FloatArray:
+    """Sum of q_n phi_n, one mode after the other: q (..., n), phi (..., n, 2).
+
+    So the bits of a place do not depend on how many instants it is asked for, as those of a matrix product do.
+    """
+    total = np.zeros(np.broadcast_shapes(q.shape[:-1], phi.shape[:-2]) + phi.shape[-1:])
+    for n in range(phi.shape[-2]):
+        total += q[..., n, None] * phi[..., n, :]
+    return total
 
 
 def material_shapes(model: Model, points: IntArray) -> FloatArray:

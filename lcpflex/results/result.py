@@ -24,14 +24,16 @@ from lcpflex.results.charts import plot
 from lcpflex.results.contact_history import ContactHistory, ContactPoints, Event, StateArray, untouched
 from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
+from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.orientation import body_angle
 from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
-from lcpflex.results.places import material_shapes, trajectory, turned
+from lcpflex.results.places import material_shapes, trajectory, velocity
 from lcpflex.results.plot import animate, draw
 from lcpflex.results.section_forces import SectionForces, section_forces
+from lcpflex.results.sensor import SensorHistory, named_sensor
 from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
 from lcpflex.results.stress_history import Stress, StressHistory, stress_history
@@ -54,10 +56,12 @@ __all__ = [
     "ContactPoints",
     "ContactWindow",
     "Event",
+    "Instant",
     "JointReaction",
     "ModalCoordinates",
     "Result",
     "SectionForces",
+    "SensorHistory",
     "StateAt",
     "Stress",
     "StressHistory",
@@ -121,6 +125,7 @@ class Result:
     stored: str = INSTANTS  # "steps" where record=0 asked for all of them, "dense": with the middle of each
     outside: FloatArray | None = None  # (m, slots, 3) what functions of the user gave; of a file, see ``save``
     found_wrong: tuple[str, ...] = ()  # what the run itself saw go wrong, a clause each: not to be trusted
+    sensors: tuple[SensorHistory, ...] = ()  # what the sensors of the scene have measured, see ``sensor``
 
     def __post_init__(self) -> None:
         if self.compiled is not None and not self.contact_names:
@@ -179,6 +184,10 @@ class Result:
         """
         return joint_reaction(self, joint, axes)
 
+    def sensor(self, name: str) -> SensorHistory:
+        """What a sensor of the scene has measured, at its own rate. Raises ModelError for an unknown name."""
+        return named_sensor(self.sensors, name)
+
     def angle(self, body: str, relative_to: str | None = None) -> FloatArray:
         """Angle of the frame of a body, counter-clockwise, (m,) [rad]; without jumps: whole turns count.
 
@@ -232,12 +241,7 @@ class Result:
         body: its name. point: as in :meth:`trajectory`.
         """
         model, b, place, phi = self._material(body, point)
-        d = int(model.bodies.dof[b])
-        n = phi.shape[0]
-        s = place + self.q[:, d + N_RIGID : d + N_RIGID + n] @ phi
-        spin = self.u[:, d + 2]
-        rate = self.u[:, d + N_RIGID : d + N_RIGID + n] @ phi + np.column_stack([-spin * s[:, 1], spin * s[:, 0]])
-        return self.u[:, d : d + 2] + turned(self.q[:, d + 2], rate)
+        return velocity(model, self.q, self.u, b, place, phi)
 
     def summary(self) -> str:
         """The simulation in words: what ran, what touched, where the energy went, how far to trust it."""
@@ -274,7 +278,7 @@ class Result:
         if kept is not None:
             recovery, laws = small_enough(kept.recovery), (None,) * len(kept.laws)
             lost = kept.laws_are_lost or any(law is not None for law in kept.laws)
-            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery)
+            kept = replace(kept, callbacks=(), materials=None, functions=(), laws=laws, recovery=recovery, sensors=())
             kept = replace(kept, laws_are_lost=lost)
         return write(replace(told, compiled=kept), path)
 

@@ -101,8 +101,10 @@ def mean_step(result: Result) -> float:
     return float(result.times[-1] - result.times[0]) / max(result.steps, 1) if len(result.times) else 0.0
 
 
-def section_forces(result: Result, body: str, x: Any, records: IntArray | None = None) -> SectionForces:
-    """See :meth:`lcpflex.results.result.Result.section`; ``records``: instants, None for all."""
+def section_forces(
+    result: Result, body: str, x: Any, records: IntArray | None = None, step: float | None = None
+) -> SectionForces:
+    """See :meth:`lcpflex.results.result.Result.section`; ``records``: instants, ``step``: mean one; None: of all."""
     compiled, b = body_of_result(result, body, "section")
     line = compiled.recovery[b] if compiled.recovery else None
     if not isinstance(line, LineShapes):
@@ -110,7 +112,7 @@ def section_forces(result: Result, body: str, x: Any, records: IntArray | None =
     places = _sections(line, x)
     chosen = np.arange(len(result.times)) if records is None else records
     cut = _Cut(compiled.model, b, line, np.atleast_1d(places))
-    forces = ActingForces(compiled, mean_step(result), result.outside)
+    forces = ActingForces(compiled, mean_step(result) if step is None else step, result.outside)
     found = np.zeros((len(chosen), 3, places.size))
     for row, k in enumerate(chosen.tolist()):
         q, u = result.q[k], result.u[k].copy()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from lcpflex.basics.arguments import flag
+from lcpflex.basics.arguments import flag, whole_number
 from lcpflex.bodies.reduction.mesh_stress import MeshStress
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.model.planar import N_RIGID
@@ -104,8 +104,15 @@ class StressHistory:
             raise ModelError("t: a result without stored instants was given, expected one with some")
         wanted = in_range("t", t, float(self.times[0]), float(self.times[-1]))
         k = int(np.abs(self.times - wanted).argmin())
-        parts = self._recovery.at(np.array([k]))[:, 0]
-        return Stress(self.times[k], self.places, *parts)
+        return self.of(k)
+
+    def of(self, record: int) -> Stress:
+        """The stresses at one stored instant.
+
+        record: its index in ``times``. Raises ModelError for another.
+        """
+        k = whole_number("record", record, 0, len(self.times) - 1)
+        return Stress(self.times[k], self.places, *self._recovery.at(np.array([k]))[:, 0])
 
     def all(self) -> Stress:
         """The stresses at all stored instants. Raises ModelError where they would take more than 4 GiB."""
@@ -132,8 +139,9 @@ def _chunks(count: int) -> list[IntArray]:
     return [np.arange(first, min(first + AT_ONCE, count)) for first in range(0, count, AT_ONCE)]
 
 
-def stress_history(result: Result, body: str, static: bool) -> StressHistory:
-    """See :meth:`lcpflex.results.result.Result.stress`."""
+def stress_history(result: Result, body: str, static: bool, step: float | None = None) -> StressHistory:
+    """See :meth:`lcpflex.results.result.Result.stress`; ``step``: mean one of the run, None: that of the result."""
+    step = mean_step(result) if step is None else step
     compiled, b = body_of_result(result, body, "stress")
     shapes = compiled.recovery[b] if compiled.recovery else None
     whole = flag("static", static)
@@ -144,9 +152,9 @@ def stress_history(result: Result, body: str, static: bool) -> StressHistory:
                 f"static: {shown(static)} was given, expected True for a beam or bar, whose stress is that of its "
                 "section forces"
             )
-        recovery = _OfLine(result, body, shapes)
+        recovery = _OfLine(result, body, shapes, step)
     elif isinstance(shapes, MeshShapes):
-        recovery = _OfMesh(result, compiled, b, shapes, whole)
+        recovery = _OfMesh(result, compiled, b, shapes, whole, step)
     else:
         raise ModelError(
             f"body: {shown(body)} was given, expected a Beam, a Bar, or a body with modes of a Continuum or "
@@ -158,8 +166,8 @@ def stress_history(result: Result, body: str, static: bool) -> StressHistory:
 class _OfLine:
     """Of a beam or bar, from its section forces."""
 
-    def __init__(self, result: Result, body: str, line: LineShapes) -> None:
-        self._result, self._body, self._line = result, body, line
+    def __init__(self, result: Result, body: str, line: LineShapes, step: float) -> None:
+        self._result, self._body, self._line, self._step = result, body, line, step
         nodes = np.linspace(0.0, line.length, len(line.stretch))
         self._across = 0.5 * line.height * np.array([-1.0, 0.0, 1.0] if line.second_moment else [0.0])
         x, y = np.meshgrid(nodes, self._across, indexing="ij")
@@ -167,7 +175,7 @@ class _OfLine:
 
     def at(self, records: IntArray) -> FloatArray:
         """See :class:`Recovery`."""
-        line, found = self._line, section_forces(self._result, self._body, None, records)
+        line, found = self._line, section_forces(self._result, self._body, None, records, self._step)
         y = self._across
         bent = y / line.second_moment if line.second_moment else np.zeros(1)
         xx = found.N[:, :, None] / line.area - found.M[:, :, None] * bent
@@ -187,9 +195,11 @@ class _Parts(NamedTuple):
 class _OfMesh:
     """Of a mesh, from its modes and the static part of what they leave out."""
 
-    def __init__(self, result: Result, compiled: CompiledScene, b: int, shapes: MeshShapes, static: bool) -> None:
+    def __init__(
+        self, result: Result, compiled: CompiledScene, b: int, shapes: MeshShapes, static: bool, step: float
+    ) -> None:
         self._result, self._model, self._b = result, compiled.model, b
-        self._acting = ActingForces(compiled, mean_step(result), result.outside) if static else None
+        self._acting = ActingForces(compiled, step, result.outside) if static else None
         first = int(compiled.model.bodies.dof[b]) + N_RIGID
         every = np.arange(first, int(compiled.model.bodies.dof[b + 1]))
         kept = every if self._acting is None else np.setdiff1d(every, self._acting.still)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -104,7 +105,13 @@ def _run(result: Result) -> str:
         f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
     )
     lines.extend(_reduced(result))
+    if result.sensors:
+        lines.append("sensors: " + "; ".join(str(sensor) for sensor in result.sensors[:LISTED]) + _more(result.sensors))
     return "\n".join(lines)
+
+
+def _more(every: Sequence[object]) -> str:
+    return f" and {len(every) - LISTED} more" if len(every) > LISTED else ""
 
 
 def _declared(result: Result) -> str:

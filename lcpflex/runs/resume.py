@@ -149,7 +149,9 @@ def _source(kept: Checkpoint, scene: Scene | UserSystem | None, stepper: Stepper
         return given
     stored: CompiledScene = kept.thawed("scene")
     model = with_signals(stored.model, address=given.model.signals.address)
-    parts = {name: getattr(given, name) for name in ("callbacks", "functions", "materials", "laws", "recovery")}
+    parts = {
+        name: getattr(given, name) for name in ("callbacks", "functions", "materials", "laws", "recovery", "sensors")
+    }
     return replace(stored, model=model, **parts)  # the arrays to the last bit: a scene reduced anew may differ there
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Protocol
 
 from lcpflex.dynamics.time_structure import for_system, with_instants
 from lcpflex.errors import ModelError, shown
 from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
+from lcpflex.runs.sensing import Sensing, rates_of
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
@@ -72,6 +73,10 @@ class Setup:
     source: CompiledScene | UserSystem
     names: tuple[str, ...]  # of the declared contacts
     problem_log: ProblemLog | None
+    sensing: Sensing = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sensing", Sensing(self))
 
     @property
     def compiled(self) -> CompiledScene | None:
@@ -86,6 +91,7 @@ class Setup:
         """The run at its start."""
         run = self.stepper.start(self.system, self.options.duration, self.options.interval)
         watch(run.records, [("", function) for function in self.system.functions])
+        self.sensing.begin(run)
         return run
 
 
@@ -111,6 +117,7 @@ def set_up(
         system = replace(system, model=with_instants(system.model, known, start, options.duration))
     if system.probe is not None:
         system = replace(system, model=for_system(system.model, system.probe, options.duration))
+    system = replace(system, intervals=rates_of(source.sensors, options.duration, options.interval))
     _check_solver(stepper, system)
     problem_log = None
     if record_problems is not None:
@@ -118,6 +125,7 @@ def set_up(
         problem_log = ProblemLog(record_problems, lambda law: made.contact_name(law))
         system = replace(system, watch=problem_log.watch)
     made = Setup(options, stepper, system, source, names, problem_log)
+    made.sensing.try_all()
     return made
 
 

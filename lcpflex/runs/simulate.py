@@ -19,15 +19,16 @@ from lcpflex.checks.rebound import rebounds
 from lcpflex.checks.resolution import unresolved
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
-from lcpflex.force_laws.friction.creep import creeping, crept
+from lcpflex.force_laws.friction.creep import crept
 from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
-from lcpflex.results.result import ContactPoints, Event, Result
+from lcpflex.results.result import Event, Result
 from lcpflex.results.stated_error import stated_errors
 from lcpflex.results.stored_instants import stored_as
 from lcpflex.runs.checkpoint import Checkpoints
 from lcpflex.runs.initial_state import started_from
 from lcpflex.runs.limits import Limits
+from lcpflex.runs.page_result import touching_points, with_creep
 from lcpflex.runs.request import checked_request
 from lcpflex.runs.setup import Options, Run, Setup, Stepper, compiled_for, set_up
 from lcpflex.runs.touched import told
@@ -173,6 +174,13 @@ def carry_out(
             interrupted = True
     if keeper is not None:
         keeper.end(interrupted or not message)
+    try:
+        error = setup.sensing.finish(run.records)
+    except KeyboardInterrupt:
+        interrupted, error = True, None
+        setup.sensing.stop(run.records)
+    if error is not None and not message:
+        message, cause = str(error), error
     computing, loading = clock.ended()
     timing = (spent[0] + computing, spent[1] + loading)
     note = f"interrupted at t = {run.time:.6g} s" if interrupted else message or "ran to the end"
@@ -261,10 +269,8 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     energies = Energies.audit(*(data["energies"][:, i] for i in range(7)))
     controlled = not getattr(run, "fixed_step", 0.0)
     place_error, speed_error = stated_errors(found.model, run.records, found.rigid, data, run.steps, controlled)
-    touching = data["points"]
-    everywhere = np.broadcast_to(np.arange(len(names)), data["state"].shape)
     pressed = np.count_nonzero(data["force"][:, :, 0] > 0.0, axis=0) / max(len(data["times"]), 1)
-    state = creeping(laws, everywhere, data["state"]).astype(np.int8)
+    state = with_creep(laws, data["state"])
     events = tuple(
         Event(time=at, kind=kind, contact=setup.contact_name(law) if law >= 0 else "", energy_change=change)
         for at, kind, law, change in run.events
@@ -272,14 +278,8 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
     stored: dict[str, Any] = {field.name: data[field.name] for field in fields(Result) if field.name in data}
     return Result(
         **stored | {"state": state, "energies": energies},
-        contact_points=ContactPoints(
-            record=touching[:, 0].astype(np.int64),
-            contact=touching[:, 1].astype(np.int64),
-            place=touching[:, 2:4],
-            normal=touching[:, 4:6],
-            force=touching[:, 6:8],
-            state=creeping(laws, touching[:, 1].astype(np.int64), touching[:, 8]).astype(np.int8),
-        ),
+        contact_points=touching_points(found),
+        sensors=setup.sensing.histories(run.records),
         events=events,
         warnings=(
             *(compiled.warnings if compiled is not None else ()),

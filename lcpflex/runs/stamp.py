@@ -19,6 +19,7 @@ import numpy as np
 from lcpflex.basics.version import VERSION
 from lcpflex.model.recovery import small_enough
 from lcpflex.runs.object_tree import Arrays, Unkept, freeze
+from lcpflex.scene.sensors.user_function import Function
 from lcpflex.scene.user_system import UserSystem
 
 if TYPE_CHECKING:
@@ -76,8 +77,12 @@ def scene_node(source: CompiledScene | UserSystem, arrays: Arrays) -> tuple[Any,
     except Unkept:
         laws = ()
         why = why or "a force law of the scene holds a Python function, which no file can hold"
+    sensors = source.sensors
+    if any(isinstance(sensor, Function) for sensor in sensors):
+        sensors = ()
+        why = why or "a sensor of the scene is a Python function, which no file can hold"
     recovery = small_enough(source.recovery)
-    kept = replace(source, callbacks=(), functions=(), materials=None, laws=laws, recovery=recovery)
+    kept = replace(source, callbacks=(), functions=(), materials=None, laws=laws, recovery=recovery, sensors=sensors)
     return freeze(kept, "scene", arrays), why
 
 
@@ -96,10 +101,17 @@ def functions_of(source: CompiledScene | UserSystem) -> dict[str, str]:
     """The code of the functions of a scene, as hashes, by what they are called."""
     if isinstance(source, UserSystem):
         named = {name: getattr(source, name) for name in type(source).__dataclass_fields__ if not name.startswith("_")}
-        return {name: code_of(value) for name, value in named.items() if callable(value)}
+        return {name: code_of(value) for name, value in named.items() if callable(value)} | _sensors(source)
     functions = (*source.callbacks, *source.functions)
     found = {f"{k}: {function.name}": code_of(function.function) for k, function in enumerate(functions)}
-    return found | {f"law {k}": plain(repr(law)) for k, law in enumerate(source.laws) if law is not None}
+    laws = {f"law {k}": plain(repr(law)) for k, law in enumerate(source.laws) if law is not None}
+    return found | laws | _sensors(source)
+
+
+def _sensors(source: CompiledScene | UserSystem) -> dict[str, str]:
+    """What tells the sensors of a scene from others."""
+    code = {one.name: code_of(one.function) for one in source.sensors if isinstance(one, Function)}
+    return {f"sensor {one.name!r}": plain(f"{one!r} {code.get(one.name, '')}") for one in source.sensors}
 
 
 def code_of(function: Any) -> str:

@@ -12,7 +12,7 @@ from lcpflex.compile.touched_pairs import with_pairs
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import OPEN, Model
 from lcpflex.results.contact_history import CLOSED
-from lcpflex.steppers.records import BY_LAW, Records
+from lcpflex.steppers.records import BY_LAW, Page, Records
 from lcpflex.steppers.run import Event
 from lcpflex.steppers.system import System
 
@@ -32,15 +32,24 @@ class Told:
 
 
 def told(
-    system: System, compiled: CompiledScene | None, names: tuple[str, ...], records: Records, events: list[Event]
+    system: System,
+    compiled: CompiledScene | None,
+    names: tuple[str, ...],
+    records: Records,
+    events: list[Event],
+    page: Page | None = None,
 ) -> Told:
-    """The records of a run, by contact."""
-    data = records.collected()
+    """The records of a run, by contact; or one ``page`` of them, with pairs that have not touched in it, too."""
+    data = records.collected() if page is None else page
     if compiled is None or not len(system.rule_pairs.pair):
         return Told(compiled, system.model, names, data, records.rigid, records.laws)
     pair = system.rule_pairs.pair
     named = {law for _, _, law, _ in events}
-    laws = [law for law in np.flatnonzero(pair[:, 0] >= 0).tolist() if _touched(data, law) or law in named]
+    laws = [
+        law
+        for law in np.flatnonzero(pair[:, 0] >= 0).tolist()
+        if page is not None or _touched(data, law) or law in named
+    ]
     laws.sort(key=lambda law: tuple(pair[law].tolist()))
     listed, old = with_pairs(compiled, [tuple(pair[law].tolist()) for law in laws])
     order = np.array([k if k >= 0 else laws[-1 - k] for k in old.tolist()], dtype=np.int64)

@@ -11,6 +11,7 @@ from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.placed_surface import PlacedSurface
+from lcpflex.scene.sensors.sensor import Sensor
 
 __all__ = ["ContactRule", "DeclaredContact", "Parts"]
 
@@ -47,6 +48,7 @@ class Parts(NamedTuple):
     contacts: dict[str, DeclaredContact]
     rules: tuple[ContactRule, ...]
     surfaces: tuple[PlacedSurface, ...]  # made by hand on bodies and the ground
+    sensors: dict[str, Sensor]
 
     @property
     def bodies(self) -> tuple[Body, ...]:

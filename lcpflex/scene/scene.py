@@ -24,6 +24,7 @@ from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
+from lcpflex.scene.sensors.sensor import Sensor
 from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
 
@@ -59,6 +60,7 @@ class Scene:
         self._loads: list[Load] = []
         self._contacts: dict[str, DeclaredContact] = {}
         self._rules: list[ContactRule] = []
+        self._sensors: dict[str, Sensor] = {}
         # looked up with each declaration: a scene of n parts is declared in n steps, not in n squared
         self._between: dict[frozenset[str], str] = {}  # name of the contact between two surfaces, by their labels
         self._by_index: list[Placed] = []
@@ -181,6 +183,26 @@ class Scene:
             raise ModelError(f"load: {shown(load)} was given, expected a Spring, TorsionSpring, Force or Torque")
         check_own(self, "load", load.P)
         self._loads.append(load)
+
+    def sensor(self, sensor: Sensor) -> str:
+        """Add a sensor of :mod:`lcpflex.scene.sensors`; returns its name (sensor1, sensor2, ... if omitted).
+
+        It measures where it is asked to by ``every`` [s] of its own, whatever is recorded beside: None with the record,
+        0 at the end of each step, else as ``record=every`` would store instants; both sides of each event that is
+        located. ``result.sensor(name)`` tells its values. The motion and the rest of the result stay as they are, to
+        the bit.
+
+        sensor: ``lf.sensors.Point``, ``Body``, ``Coordinates``, ``Energy``, ``Reaction``, ``Contact``, ``Section``,
+        ``Stress`` or ``Function``.
+        """
+        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+            raise ModelError(f"sensor: {shown(sensor)} was given, expected a sensor such as lf.sensors.Point(P)")
+        for field in ("P", "body"):
+            if getattr(getattr(sensor, field, None), "scene", None) is not None:
+                check_own(self, "sensor", getattr(sensor, field))
+        name = _name("sensor", sensor.name or None, self._sensors)
+        self._sensors[name] = sensor
+        return name
 
     @renamed_keyword(slave="node_side")
     def contact(
@@ -307,6 +329,7 @@ class Scene:
             dict(self._contacts),
             tuple(self._rules),
             tuple(self._surfaces),
+            dict(self._sensors),
         )
 
     def keep(self, surface: PlacedSurface) -> None:

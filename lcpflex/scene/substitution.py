@@ -23,6 +23,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.planar import N_RIGID
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.placed_surface import PlacedSurface
+from lcpflex.scene.sensors.sensor import body_name
 
 if TYPE_CHECKING:
     from lcpflex.scene.compiling import ReductionOrder
@@ -107,6 +108,10 @@ class _Again:
                 rule.friction, rule.restitution, rule.tangential_restitution,
                 [(self._side(x), self._side(y)) for x, y in rule.exclude], law=rule.law,
             )  # fmt: skip
+
+        for name, sensor in parts.sensors.items():
+            body = {"body": body_name(sensor)} if hasattr(sensor, "body") else {}
+            self._new.sensor(replace(sensor, name=name, **body, **self._points(sensor)))
 
     def _points(self, part: Any) -> dict[str, Any]:
         points: dict[str, PlacedPoint | None] = {name: getattr(part, name, None) for name in ("P", "Q")}

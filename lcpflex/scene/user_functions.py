@@ -42,6 +42,7 @@ def functions_of(parts: Parts) -> Iterator[tuple[str, Any]]:
         yield from _of_law(f"contact {name!r}: law", contact.law)
     for rule in parts.rules:
         yield from _of_law("contact_all: law", rule.law)
+    yield from ((f"sensor {name!r}: function", getattr(one, "function", None)) for name, one in parts.sensors.items())
 
 
 def _of_load(number: int, load: Load) -> Iterator[tuple[str, Any]]:

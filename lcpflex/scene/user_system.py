@@ -18,6 +18,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import array_of, numbers
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene import compiling
+from lcpflex.scene.sensors.sensor import Sensor, named_sensors
 from lcpflex.scene.user_functions import check_names
 
 if TYPE_CHECKING:
@@ -62,6 +63,9 @@ class UserSystem:
     constraint_rate, constraint_bias
         Functions (t, q) -> (r,), the partial time derivative of phi, and (t, q, u) -> (r,), phiddot - J udot; where
         omitted, by central differences, for which phi and J are called a little before the start, too.
+    sensors
+        What is measured beside the record: ``lf.sensors.Coordinates``, ``Contact``, ``Energy`` and ``Function``, see
+        :meth:`lcpflex.Scene.sensor`; without a name they are called sensor1, sensor2, ...
 
     Raises
     ------
@@ -90,12 +94,14 @@ class UserSystem:
     jacobian: Callable[..., Any] | None = None
     constraint_rate: Callable[..., Any] | None = None
     constraint_bias: Callable[..., Any] | None = None
+    sensors: Sequence[Sensor] = ()
     _functions: Functions = field(init=False, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """By its arguments; functions by their names, ModelError for one that cannot be found by it."""
         given = {part.name: getattr(self, part.name) for part in fields(self) if part.init}
         check_names((f"UserSystem: {name}", value) for name, value in given.items())
+        check_names((f"sensor {one.name!r}: function", getattr(one, "function", None)) for one in self.sensors)
         return UserSystem, tuple(given.values())
 
     def __deepcopy__(self, memo: dict[int, Any]) -> UserSystem:
@@ -135,6 +141,7 @@ class UserSystem:
         for name in ("stiffness", "damping"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _semidefinite(name, _array(name, getattr(self, name), (n, n))))
+        object.__setattr__(self, "sensors", named_sensors(self.sensors))
         object.__setattr__(self, "_functions", Functions(self, n, m))
         self._functions.try_all()
 

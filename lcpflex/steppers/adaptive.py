@@ -38,6 +38,7 @@ __all__ = [
     "after_rejection",
     "doubling_error",
     "end_there",
+    "least_interval",
     "next_length",
     "position_tolerance",
     "resume",
@@ -97,7 +98,7 @@ class AdaptiveStep:
         system: what a scene or a system of the user's own is compiled to.
         """
         # never 0: an instant is stored once, however many steps from it are rejected
-        apart = max(interval, 4.0 * math.ulp(duration))
+        apart = max(interval, least_interval(duration))
         threshold = -1.0 if self.velocity_threshold is None else self.velocity_threshold
         scales = scales_of(system, duration)
         atol = absolute_tolerance(self.atol, self.rtol, system, scales)
@@ -120,6 +121,11 @@ class Limits(NamedTuple):
     shortest: float
     longest: float
     velocity_threshold: float  # negative: from the tolerances
+
+
+def least_interval(duration: float) -> float:
+    """Time between stored instants, at least [s]."""
+    return 4.0 * math.ulp(duration)
 
 
 @kernel

@@ -13,10 +13,11 @@ from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.clock import StepCount
 from lcpflex.steppers.passing import may_pass
+from lcpflex.steppers.rates import UNSTORED, ask_step, strides_of
 from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import NO_FACTOR, end_step, record, set_length, take_step
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import UNSTORED, Sampling
+from lcpflex.steppers.step_error import Sampling
 from lcpflex.steppers.time_stepping import TimeStepping
 
 __all__ = ["FixedSteps", "advance"]
@@ -34,7 +35,7 @@ def advance(model: Model, clock: StepCount, scheme: Any, work: Workspace, record
     while True:
         t = clock.time
         if clock.begun == 1 and clock.within == 0.0:
-            if (clock.steps % clock.stride == 0 or clock.steps == clock.last) and clock.stored != clock.steps:
+            if clock.stored != clock.steps and ask_step(recorder.rates, clock.stride, clock.steps, clock.last):
                 if not has_room(work, recorder):
                     return RunStatus.TAPE_FULL
                 clock.number = record(model, scheme, t, work, recorder)
@@ -78,6 +79,7 @@ class FixedSteps:
         self.clock = allocate(
             StepCount, {}, length=step, last=last, stored=-1, stride=max(1, round(interval / step)), begun=begun
         )
+        strides_of(self.records.recorder.rates, step)
         self._advance = stepping.link(advance)
         self._choose(step)
         self.records.impact_step = step if stepping.support.impulsive else 0.0

@@ -16,8 +16,10 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, shapes_of, struct
 from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
+from lcpflex.steppers.rates import Rates
 
 __all__ = [
+    "BY_RATE",
     "FIELDS",
     "RUNNING",
     "Counts",
@@ -81,10 +83,11 @@ class Recorder:
     penetration: FloatArray = array("capacity")
     joint_drift: FloatArray = array("capacity")
     size: IntArray = array("capacity")
-    joint_force: FloatArray = array("capacity", "joints", 3)
-    joint_peak: FloatArray = array("capacity", "joints", 2)
+    joint_force: FloatArray = array("capacity", "rates", "joints", 3)
+    joint_peak: FloatArray = array("capacity", "rates", "joints", 2)
     joint_impulse: FloatArray = array("capacity", "joints", 3)
-    joint_unique: IntArray = array("capacity", "joints")
+    joint_unique: IntArray = array("capacity", "rates", "joints")
+    asked: IntArray = array("capacity", "rates")  # 1: by this rate; the worst ones are since the last of rate 0
     points: FloatArray = array("points", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
     table: ContactTable  # near contacts at the stored instant, for gaps
     margin: float  # gaps larger than this are not measured [m]
@@ -102,11 +105,13 @@ class Recorder:
     local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
     counts: Counts
     reactions: Reactions
+    rates: Rates
     total_impulse: FloatArray = array("laws", 2)
     now_force: FloatArray = array("laws", 2)
     now_state: IntArray = array("laws")
 
 
+BY_RATE = {name for name, shape in shapes_of(Recorder).items() if shape[:2] == ("capacity", "rates")}
 FIELDS = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] == "capacity")  # stored of each instant
 RUNNING = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] not in ("capacity", "points"))
 
@@ -123,9 +128,10 @@ def recorder(
     farthest: float,
     deflection: FloatArray,
     reactions: Reactions,
+    rates: Rates,
 ) -> Recorder:
     """Allocate an empty recorder."""
-    n_joints = len(reactions.peak)
+    n_joints = len(reactions.impulse)
     return allocate(
         Recorder,
         {
@@ -133,6 +139,7 @@ def recorder(
             "bodies": len(deflection),
             "laws": n_laws,
             "joints": n_joints,
+            "rates": len(rates.now),
             "capacity": capacity,
             "points": points,
         },
@@ -145,6 +152,7 @@ def recorder(
         free=np.full(ndof, np.nan),
         counts=allocate(Counts, {}),
         reactions=reactions,
+        rates=rates,
     )
 
 
@@ -234,10 +242,17 @@ def note_large(work: Workspace, failed: bool, recorder: Recorder) -> None:
 
 
 @kernel
+def is_penetration(recorder: Recorder, law: int) -> bool:
+    """Whether a gap below zero of this contact, at the instant about to be stored, is one that the record tells of."""
+    rigid = len(recorder.table.compliant) == 0 or recorder.table.compliant[law] == RIGID
+    return rigid and recorder.rates.now[0] == 1
+
+
+@kernel
 def store_contacts(model: Model, q: FloatArray, recorder: Recorder) -> int:
     """Smallest gap of each declared contact; returns the entries that the table of the recorder must hold.
 
-    A rigid contact below zero counts as penetration: a step that ends there may be the last one.
+    A rigid contact below zero counts as penetration, where the record asks: a step that ends there may be the last one.
     """
     row = recorder.n_instants
     for law in range(len(recorder.total_impulse)):
@@ -249,7 +264,7 @@ def store_contacts(model: Model, q: FloatArray, recorder: Recorder) -> int:
         law = recorder.table.law[k]
         if not recorder.table.gap[k] >= recorder.gap[row, law]:
             recorder.gap[row, law] = recorder.table.gap[k]
-            if len(recorder.table.compliant) == 0 or recorder.table.compliant[law] == RIGID:
+            if is_penetration(recorder, law):
                 recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.table.gap[k])
     return n
 
@@ -266,23 +281,31 @@ def forget_worst(counts: Counts) -> None:
 
 @kernel
 def store_reactions(model: Model, work: Workspace, recorder: Recorder) -> None:
-    """Reactions of the joints since the last instant; where they are not unique, the largest is the one stored."""
+    """Reactions of the joints since the last instant of each rate that asks for this one.
+
+    Where they are not unique, the largest is the one stored.
+    """
     reactions, row = recorder.reactions, recorder.n_instants
-    settle(model, work, reactions)
-    for joint in range(len(reactions.peak)):
+    for joint in range(len(reactions.impulse)):
         for i in range(3):
-            recorder.joint_force[row, joint, i] = reactions.mean[joint, i]
             recorder.joint_impulse[row, joint, i] = reactions.impulse[joint, i]
-        if reactions.unique[joint] == 0:
-            mean = reactions.mean[joint]
-            reactions.peak[joint, 0] = mean[0] * mean[0] + mean[1] * mean[1]
-            reactions.peak[joint, 1] = abs(mean[2])
-        recorder.joint_peak[row, joint, 0] = math.sqrt(reactions.peak[joint, 0])
-        recorder.joint_peak[row, joint, 1] = reactions.peak[joint, 1]
-        recorder.joint_unique[row, joint] = reactions.unique[joint] * (1 - reactions.shared[joint])
-        reactions.shared[joint] = 0
-        reactions.peak[joint, 0] = 0.0
-        reactions.peak[joint, 1] = 0.0
+    for rate in range(len(recorder.rates.now)):
+        if recorder.rates.now[rate] == 0:
+            continue
+        settle(model, work, rate, reactions)
+        for joint in range(len(reactions.impulse)):
+            mean, peak = reactions.mean[joint], reactions.peak[rate, joint]
+            for i in range(3):
+                recorder.joint_force[row, rate, joint, i] = mean[i]
+            if reactions.unique[joint] == 0:
+                peak[0] = mean[0] * mean[0] + mean[1] * mean[1]
+                peak[1] = abs(mean[2])
+            recorder.joint_peak[row, rate, joint, 0] = math.sqrt(peak[0])
+            recorder.joint_peak[row, rate, joint, 1] = peak[1]
+            recorder.joint_unique[row, rate, joint] = reactions.unique[joint] * (1 - reactions.shared[rate, joint])
+            reactions.shared[rate, joint] = 0
+            peak[0] = 0.0
+            peak[1] = 0.0
 
 
 @kernel
@@ -291,7 +314,8 @@ def store_state(
 ) -> None:
     """Close the instant: store the state, energies, sums and worst ones, and reset what is counted per instant.
 
-    in_contacts: elastic energy of compliant contacts [J].
+    in_contacts: elastic energy of compliant contacts [J]. The worst ones are those since the last instant that the
+    record asked for: instants of sensors neither show them nor begin to count anew.
     """
     row = recorder.n_instants
     kinetic, elastic, potential = energies(model, q, u, work)
@@ -312,8 +336,11 @@ def store_state(
     recorder.penetration[row] = counts.worst_penetration
     recorder.joint_drift[row] = counts.worst_drift
     recorder.size[row] = int(counts.worst_size)
-    forget_worst(counts)
-    if len(recorder.reactions.peak) > 0:
+    if recorder.rates.now[0] == 1:
+        forget_worst(counts)
+    for rate in range(len(recorder.rates.now)):
+        recorder.asked[row, rate] = recorder.rates.now[rate]
+    if len(recorder.reactions.impulse) > 0:
         store_reactions(model, work, recorder)
     for law in range(len(recorder.total_impulse)):
         for i in range(2):

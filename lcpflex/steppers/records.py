@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,13 @@ from lcpflex.force_laws.layout import UserLaw
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import copy_parts, lengthen, shapes_of
 from lcpflex.steppers.passages import Passages, swallowed
-from lcpflex.steppers.recorder import FIELDS, RUNNING, Recorder
+from lcpflex.steppers.recorder import BY_RATE, FIELDS, RUNNING, Recorder
 from lcpflex.steppers.system import System
 
-__all__ = ["Records"]
+__all__ = ["Columns", "Page", "Records", "joined_pages"]
+
+Page = dict[str, Any]  # of the fields of a recorder and its points: those of some instants
+Columns = dict[str, list[FloatArray]]  # by the name of a sensor: values of instants one after the other
 
 BY_LAW = {name for name, shape in shapes_of(Recorder).items() if shape[0] == "capacity" and "laws" in shape}
 
@@ -22,9 +26,13 @@ BY_LAW = {name for name, shape in shapes_of(Recorder).items() if shape[0] == "ca
 class Records:
     """The recorder of a run and what was read off it before."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, recorder: Recorder | None = None) -> None:
         self._system = system
-        self._pages: list[dict[str, Any]] = []
+        self._pages: list[Page] = []
+        # what sensors make of the instants of a rate, page by page; the instant before a page goes with it
+        self.sensing: Callable[[int, Page, Page], tuple[Columns, Exception | None]] | None = None
+        self._measured: list[Columns] = [{} for _ in range(1 + len(system.intervals))]
+        self._before: list[Page] = [{} for _ in self._measured]
         # declared contacts that are a continuous force
         self.laws = [law.row() if law else None for law in system.laws] or [None] * system.n_laws  # those of them
         self.compliant = tuple(name for name, law in zip(system.names, system.laws, strict=False) if law is not None)
@@ -41,17 +49,62 @@ class Records:
         self.indentation: FloatArray | None = None  # (laws,) the largest so far, where contacts are compliant [m]
         self.functions: list[tuple[str, UserLaw]] = []  # of the user's; see lcpflex.steppers.user_functions
         self._passages = Passages(system)
-        self.recorder: Recorder = system.recorder(64, 1024)
+        self.recorder: Recorder = (
+            system.recorder(64, 4096 if system.intervals else 1024) if recorder is None else recorder
+        )
 
     def empty(self) -> None:
         """Read off the recorder and make it ready for more."""
         recorder = self.recorder
-        instants, points = recorder.n_instants, recorder.n_points
-        page = {name: getattr(recorder, name)[:instants].copy() for name in FIELDS}
-        page["points"] = recorder.points[:points].copy()
-        page["points"][:, 0] += sum(len(p["times"]) for p in self._pages)
-        self._pages.append(page)
+        pages = [self.of_rate(rate) for rate in range(len(recorder.rates.now))]
+        found = [self._sense(rate, page) for rate, page in enumerate(pages)]  # of functions of the user, too
+        before = sum(len(page["times"]) for page in self._pages)
+        pages[0]["points"][:, 0] += before
         recorder.n_instants = recorder.n_points = 0
+        if self._pages and not len(self._pages[-1]["times"]):  # it told of no more than the number of laws
+            self._pages.pop()
+        self._pages.append(pages[0])
+        for rate, (columns, _) in enumerate(found):
+            for name, values in columns.items():
+                self._measured[rate].setdefault(name, []).extend(values)
+            if columns:
+                self._before[rate] = {name: values[-1:].copy() for name, values in pages[rate].items()}
+                self._before[rate]["points"] = pages[rate]["points"][:0].copy()
+        for _, error in found:
+            if error is not None:
+                raise error
+
+    def of_rate(self, rate: int) -> Page:
+        """The instants in the recorder that a rate asked for."""
+        recorder = self.recorder
+        rows = np.flatnonzero(recorder.asked[: recorder.n_instants, rate])
+        page: Page = {}
+        for name in FIELDS:
+            values = getattr(recorder, name)[:, rate] if name in BY_RATE else getattr(recorder, name)
+            page[name] = values[rows]
+        points = recorder.points[: recorder.n_points]
+        number = np.full(recorder.n_instants, -1.0)
+        number[rows] = np.arange(len(rows))
+        of_rate = number[points[:, 0].astype(np.int64)]
+        page["points"] = points[of_rate >= 0.0]
+        page["points"][:, 0] = of_rate[of_rate >= 0.0]
+        return page
+
+    def _sense(self, rate: int, page: Page) -> tuple[Columns, Exception | None]:
+        """What sensors of a rate make of a page, and the error of one that could not."""
+        if self.sensing is None or not len(page["times"]):
+            return {}, None
+        return self.sensing(rate, self._before[rate], page)
+
+    def measured(self, rate: int) -> dict[str, FloatArray]:
+        """What sensors of a rate have measured so far."""
+        return {name: parts[0] for name, parts in self._one_part(rate).items()}
+
+    def _one_part(self, rate: int) -> Columns:
+        columns = self._measured[rate]
+        for parts in columns.values():
+            parts[:] = [np.concatenate(parts)]
+        return columns
 
     def make_room(self) -> None:
         """Room for one more instant: a recorder that holds none has too few points for its contacts."""
@@ -73,6 +126,7 @@ class Records:
             getattr(self.recorder, name)[: len(values)] = values
         copy_parts(old.counts, self.recorder.counts)
         copy_parts(old.reactions, self.recorder.reactions)
+        copy_parts(old.rates, self.recorder.rates)
 
     def more_laws(self, *structs: Any) -> None:
         """Room for more pairs under a rule, here and in the ``structs`` of a run."""
@@ -106,8 +160,9 @@ class Records:
     def merge(self) -> None:
         """Make one page of all, which a file holds in few pieces."""
         if len(self._pages) > 1:
-            names = (*FIELDS, "points")
-            self._pages = [{name: _joined([page[name] for page in self._pages], name) for name in names}]
+            self._pages = [joined_pages(self._pages)]
+        for rate in range(len(self._measured)):
+            self._one_part(rate)
 
     def collected(self) -> dict[str, FloatArray]:
         """All records so far, one array a field."""
@@ -123,9 +178,16 @@ class Records:
 
     def energy_scale(self) -> float:
         """Largest stored energy of the instants so far, counted from the lowest potential one [J]."""
-        pages = [page["energies"] for page in self._pages] + [self.recorder.energies[: int(self.recorder.n_instants)]]
+        recorder = self.recorder
+        now = recorder.energies[: recorder.n_instants][recorder.asked[: recorder.n_instants, 0] == 1]
+        pages = [*(page["energies"] for page in self._pages), now]
         energies = np.concatenate(pages)
         return float(energies[:, :3].sum(axis=1).max() - energies[:, 2].min()) if len(energies) else 0.0
+
+
+def joined_pages(pages: list[Page]) -> Page:
+    """Pages one after the other as one; the points of all but the first are numbered by the whole."""
+    return {name: _joined([page[name] for page in pages], name) for name in (*FIELDS, "points")}
 
 
 def _joined(parts: list[Any], name: str) -> Any:

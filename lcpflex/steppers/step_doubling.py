@@ -21,6 +21,7 @@ from lcpflex.steppers.adaptive import (
     after_rejection,
     doubling_error,
     end_there,
+    least_interval,
     next_length,
     position_tolerance,
     threshold,
@@ -28,6 +29,7 @@ from lcpflex.steppers.adaptive import (
 from lcpflex.steppers.backup import Backup, backup, keep_end, restore, save
 from lcpflex.steppers.clock import ALONE, FRESH, LONG, SECOND, StepClock
 from lcpflex.steppers.pace import Pace, stopped_note
+from lcpflex.steppers.rates import ask_time, went_on
 from lcpflex.steppers.recorder import Recorder, has_room
 from lcpflex.steppers.scheme import (
     NO_FACTOR,
@@ -52,7 +54,7 @@ __all__ = ["StepDoubling", "advance"]
 def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant where that is due; DONE, or why it could not be."""
     ended = clock.time >= limits.duration
-    if clock.due <= clock.time or (ended and clock.due < math.inf):
+    if ask_time(recorder.rates, clock.due, clock.time, ended):
         if not has_room(work, recorder):
             return RunStatus.TAPE_FULL
         clock.number = record(model, scheme, clock.time, work, recorder)
@@ -60,7 +62,9 @@ def store_due(model: Model, limits: Limits, clock: StepClock, scheme: Any, work:
             return RunStatus.GROW_FACTOR
         if clock.number > len(recorder.table.key):
             return RunStatus.GROW_TAPE
-        clock.due = math.inf if ended else clock.time + limits.interval
+        if recorder.rates.now[0] == 1:
+            clock.due = math.inf if ended else clock.time + limits.interval
+        went_on(recorder.rates, clock.time, ended)
     return RunStatus.DONE
 
 
@@ -184,6 +188,7 @@ class StepDoubling:
         scheme = stepping.scheme
         scheme.step = min(max(scheme.step, limits.shortest), limits.longest)
         self.clock = allocate(StepClock, {}, step=scheme.step)
+        self.records.recorder.rates.least = least_interval(limits.duration)
         self._kept = backup(stepping.system, _twin(scheme), 16)
         self._advance = stepping.link(advance)
 

@@ -22,6 +22,7 @@ from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.memory import carried_over
+from lcpflex.steppers.rates import UNSTORED
 from lcpflex.steppers.recorder import FIELDS
 from lcpflex.steppers.records import Records
 
@@ -32,7 +33,6 @@ SAMPLES = 12  # of a run: each costs some 0.1 ms
 GOLDEN = 0.6180339887498949
 ORDER = 4.0 / 3.0  # local error over the difference: of order 2; a third less than that of order 1
 SUDDEN = 2.0  # times the impulse of the step before: more is an impact
-UNSTORED = 2**40  # stride between stored steps: none of a sample is
 # of a recorder: not written while no instant is stored; never written; written anew in each step, or by error control
 UNTOUCHED = {*FIELDS, "points", "thickness", "deflection", "table", "before", "after", "free", "local"}
 

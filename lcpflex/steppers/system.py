@@ -27,11 +27,13 @@ from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
+from lcpflex.steppers.rates import rates
 from lcpflex.steppers.recorder import Recorder, recorder
 
 __all__ = ["System"]
 
 RECORD_CAPACITY = 256  # instants a recorder holds before the driver empties it
+SENSED_CAPACITY = 1024  # the same where sensors are measured on them, which costs as much for few as for many
 LEAST_INSTANTS, RECORD_WORDS = 8, 1 << 19  # of many contacts fewer, about so many in all
 TOUCHING = 5e-9  # of the margin: gaps up to that touch where no force is known, as at the start
 
@@ -63,6 +65,7 @@ class System:
     size: float = 0.0  # extent of the largest body [m]; 0 where bodies are unknown
     rule_surfaces: tuple[str, ...] = ()  # labels of the surfaces between which a rule holds that is not listed
     pairs: RulePairs | None = None  # of that rule, with a law for each that has touched; made for this system
+    intervals: tuple[float, ...] = ()  # between the instants of sensors [s], of each rate but that of the record
     pattern: JointPattern = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -185,7 +188,7 @@ class System:
         return recorder(
             len(self.q),
             self.n_laws,
-            max(LEAST_INSTANTS, min(RECORD_CAPACITY, RECORD_WORDS // max(self.n_laws, 1))),
+            self._capacity(),
             points,
             table,
             self.margin,
@@ -194,11 +197,17 @@ class System:
             farthest(contacts, self.model.points),
             self._deflection(),
             self.reactions(),
+            rates(self.intervals),
         )
+
+    def _capacity(self) -> int:
+        """Instants that a recorder holds."""
+        most, words = (SENSED_CAPACITY, len(self.q)) if self.intervals else (RECORD_CAPACITY, 1)
+        return max(LEAST_INSTANTS, min(most, RECORD_WORDS // max(self.n_laws, words)))
 
     def reactions(self) -> Reactions:
         """Memory for the reactions of the joints; a user's own system tells no points that they act at."""
-        return reactions(self.model.joints, len(self.model.bodies.dof) - 1, self.size)
+        return reactions(self.model.joints, len(self.model.bodies.dof) - 1, self.size, 1 + len(self.intervals))
 
     def _deflection(self) -> FloatArray:
         """How far a mode moves the surfaces of each body."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from lcpflex.contact.detection import RIGID
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.acceleration import SMOOTH, STICKING, project, room_for
 from lcpflex.dynamics.contact_forces import elastic_energy
@@ -26,7 +25,15 @@ from lcpflex.steppers.event_driven.memory import (
 )
 from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
-from lcpflex.steppers.recorder import Recorder, note_compliant, note_contact, store_contacts, store_state
+from lcpflex.steppers.rates import Rates, ask_all, ask_at, next_instant, stored_at
+from lcpflex.steppers.recorder import (
+    Recorder,
+    is_penetration,
+    note_compliant,
+    note_contact,
+    store_contacts,
+    store_state,
+)
 from lcpflex.steppers.runge_kutta import add_errors, copy_state, interpolate
 from lcpflex.steppers.status import RunStatus
 
@@ -73,9 +80,7 @@ def record(
     for law in range(len(recorder.total_impulse)):
         recorder.total_impulse[law, 0] = y[base + 3 + 2 * law]
         recorder.total_impulse[law, 1] = y[base + 4 + 2 * law]
-        if recorder.gap[row, law] < 0.0 and (
-            len(recorder.table.compliant) == 0 or recorder.table.compliant[law] == RIGID
-        ):
+        if recorder.gap[row, law] < 0.0 and is_penetration(recorder, law):
             recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -recorder.gap[row, law])
     for k in range(n):
         r = work.n_joint + k
@@ -92,23 +97,20 @@ def record(
     if work.compliant.n_contacts > 0:
         note_compliant(model, q, work.compliant, False, recorder)
     if work.n_joint > 0:
-        note_instant(model, work, recorder.reactions)
+        note_instant(model, work, recorder.rates.now, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, work.compliant), recorder)
     return RunStatus.DONE
 
 
 @kernel
-def due(settings: EventSettings, memory: EventMemory) -> float:
+def due(settings: EventSettings, memory: EventMemory, rates: Rates) -> float:
     """Time of the next instant to be stored in this step [s], its state in ``memory.at``; negative if none is left."""
     end = memory.time + memory.share * memory.step_taken
-    stored = memory.stored
-    if settings.interval > 0.0:
-        t = min(stored * settings.interval, settings.duration)
-    elif middle_due(settings, memory):
-        t = memory.time + 0.5 * memory.share * memory.step_taken
-    else:
-        t = end
-    if stored < 0 or t > end + 1e-12 * settings.duration:
+    own = next_instant(rates, 0, settings.interval, memory.stored, memory.steps, end, settings.duration)
+    if middle_due(settings, memory) and rates.done[0] <= memory.steps:
+        own = memory.time + 0.5 * memory.share * memory.step_taken
+    t = ask_at(rates, own, memory.steps, end, settings.duration)
+    if t > end + 1e-12 * settings.duration:
         return -1.0
     share = min((t - memory.time) / memory.step_taken, memory.share)
     interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.at)
@@ -118,18 +120,20 @@ def due(settings: EventSettings, memory: EventMemory) -> float:
 @kernel
 def middle_due(settings: EventSettings, memory: EventMemory) -> bool:
     """Whether the next instant is the middle of the step: all are kept, and those at the ends of steps are even."""
-    return settings.interval < 0.0 and memory.stored % 2 == 1
+    return settings.interval < 0.0 and memory.stored > 0 and memory.stored % 2 == 1
 
 
 @kernel
-def count_instant(settings: EventSettings, memory: EventMemory, t: float) -> bool:
-    """Go on to the next instant; whether there may be more in this step."""
+def count_instant(settings: EventSettings, memory: EventMemory, t: float, rates: Rates) -> None:
+    """Go on to the next instant of each rate."""
+    last = stored_at(rates, t, memory.steps, settings.duration)
+    if rates.now[0] == 0:
+        return
     if middle_due(settings, memory):
         memory.stored += 1
-        return True
-    last = t >= settings.duration * (1.0 - 1e-12)
-    memory.stored = -1 if last else memory.stored + 1
-    return settings.interval > 0.0 and not last
+        rates.done[0] = memory.steps  # its end is yet to come
+    else:
+        memory.stored = -1 if last else memory.stored + 1
 
 
 @kernel
@@ -205,22 +209,24 @@ def advance(
         if phase in (BEFORE, AFTER, EMITTING):
             t = memory.time
             if phase == EMITTING:
-                t = due(settings, memory)
+                t = due(settings, memory, recorder.rates)
             else:
+                ask_all(recorder.rates)
                 copy_state(memory.y, memory.at)
-            more = False
             if t >= 0.0:
                 status = record(model, settings, t, memory.at, work, memory, recorder)
                 if status != RunStatus.DONE:
                     return status
                 if phase == EMITTING:
-                    more = count_instant(settings, memory, t)
+                    count_instant(settings, memory, t, recorder.rates)
             if phase == BEFORE:
                 memory.phase = GATHERING
             elif phase == AFTER:
                 memory.phase = STEPPING
                 memory.stored = 1 if memory.stored == 0 else memory.stored
-            elif not more:
+                for r in range(len(recorder.rates.count)):
+                    recorder.rates.count[r] = 1 if recorder.rates.count[r] == 0 else recorder.rates.count[r]
+            elif t < 0.0:
                 memory.phase = CLOSING_STEP
         elif phase in (STEPPING, TRYING):
             slope(model, memory.time, memory.y, work, memory, memory.slopes[0])

@@ -171,7 +171,7 @@ def audit(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, rec
             recorder.counts.lost_friction -= done
             recorder.total_impulse[work.table.law[work.tangent[r - n_joint - n]], 1] += p
     note_gain(recorder, t, gained)
-    if len(recorder.reactions.peak) > 0:
+    if len(recorder.reactions.impulse) > 0:
         hit = n > 0 and struck(model, scheme, work, recorder.reactions)
         note_step(model, work, scheme.step, hit, recorder.reactions)
 
@@ -241,12 +241,12 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
 def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, recorder: Recorder) -> int:
     """Store the present instant; contact forces are the impulses of the last step over its length."""
     q, u, step = scheme.q, scheme.u, scheme.step
-    loaded = work.n_contacts > 0 and len(recorder.reactions.peak) > 0
+    loaded = work.n_contacts > 0 and len(recorder.reactions.impulse) > 0
     if loaded:
         keep_reactions(model, work, recorder.reactions)
     done = shorten_forces(work)
     if loaded:
-        compare_reactions(model, work, recorder.reactions)
+        compare_reactions(model, work, recorder.rates.now, recorder.reactions)
     if not done:
         return NO_FACTOR
     needed = store_contacts(model, q, recorder)

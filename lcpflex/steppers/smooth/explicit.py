@@ -17,6 +17,7 @@ from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import may_pass, set_out
+from lcpflex.steppers.rates import Rates, ask_at, ask_step, next_instant, stored_at
 from lcpflex.steppers.recorder import Recorder
 from lcpflex.steppers.runge_kutta import (
     STAGES,
@@ -150,17 +151,17 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
 
 
 @kernel
-def due(settings: SmoothSettings, memory: SmoothMemory) -> float:
+def due(settings: SmoothSettings, memory: SmoothMemory, rates: Rates) -> float:
     """Time of the next instant to be stored [s], its state in ``memory.at``; negative if none is left.
 
     Of those within a step, or of the one at its end: that is stored once contacts have taken note of it, or a contact
     that begins there with an indentation would show a force without its impact speed.
     """
-    stored = memory.stored
     ending = memory.phase != EMITTING
     end = memory.time if ending else memory.time + memory.step_taken
-    t = min(stored * settings.interval, settings.duration) if settings.interval > 0.0 else end
-    if stored < 0 or t > end + SAME * settings.duration:
+    own = next_instant(rates, 0, settings.interval, memory.stored, memory.steps, end, settings.duration)
+    t = ask_at(rates, own, memory.steps, end, settings.duration)
+    if t > end + SAME * settings.duration:
         return -1.0
     if ending:
         copy_state(memory.y, memory.at)
@@ -232,18 +233,16 @@ def advance(
             if status == RunStatus.DONE:
                 memory.phase = ENDING if phase == NOTING else STARTING
         else:
-            t = due(settings, memory)
+            t = due(settings, memory, recorder.rates)
             if t >= 0.0:
                 status = record(model, t, memory.at, work, memory, recorder)
                 if status == RunStatus.DONE:
-                    memory.stored += 1
-                    if t >= settings.duration * (1.0 - SAME):
-                        memory.stored = -1
+                    last = stored_at(recorder.rates, t, memory.steps, settings.duration)
+                    if recorder.rates.now[0] == 1:
+                        memory.stored = -1 if last else memory.stored + 1
             if status == RunStatus.DONE and phase == EMITTING:
                 memory.phase = EMITTING if t >= 0.0 else CLOSING
-            elif status == RunStatus.DONE and (
-                t < 0.0 or settings.interval <= 0.0 or memory.stored < 0 or phase == STARTING
-            ):
+            elif status == RunStatus.DONE and (t < 0.0 or phase == STARTING):
                 memory.phase = STEPPING
         if status != RunStatus.DONE:
             return status
@@ -324,7 +323,8 @@ def advance_fixed(
                 return status
             memory.phase = STEPPING
         ended = memory.time >= settings.duration
-        if memory.stored != memory.steps + 1 and (ended or memory.steps % settings.stride == 0):
+        last = memory.steps if ended else -1
+        if memory.stored != memory.steps + 1 and ask_step(recorder.rates, settings.stride, memory.steps, last):
             status = record(model, memory.time, memory.y, work, memory, recorder)
             if status != RunStatus.DONE:
                 return status

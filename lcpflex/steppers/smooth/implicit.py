@@ -16,6 +16,7 @@ from lcpflex.dynamics.instants import time_left
 from lcpflex.force_laws.history import FREE
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.steppers.rates import ask_at, next_instant, stored_at
 from lcpflex.steppers.run import remedied
 from lcpflex.steppers.scales import scales_of, usual_state
 from lcpflex.steppers.short_steps import ALL_OF_IT, HALVINGS
@@ -234,10 +235,9 @@ class ImplicitSteps:
 
     def _due(self, end: float) -> float:
         """Time of the next instant to be stored [s], infinite if there is none; ``end``: of the step."""
-        interval, stored = self._settings.interval, self._clock.stored
-        if stored < 0:
-            return math.inf
-        return min(stored * interval, self._duration) if interval > 0.0 else end
+        rates, steps = self._steps.records.recorder.rates, self._clock.steps
+        own = next_instant(rates, 0, self._settings.interval, self._clock.stored, steps, end, self._duration)
+        return float(ask_at(rates, own, steps, end, self._duration))
 
     def _store_between(self, between: Dense, ended: float) -> None:
         """Store the instants due before the end of the step."""
@@ -246,10 +246,8 @@ class ImplicitSteps:
 
     def _store_end(self) -> None:
         """Store the instant due at the end of the step, if there is one: contacts have taken note of it."""
-        if (t := self._due(self._clock.time)) <= self._clock.time + SAME * self._duration:
+        while (t := self._due(self._clock.time)) <= self._clock.time + SAME * self._duration:
             self._store(min(t, self._clock.time), self._clock.y)
-            if t >= self._duration * (1.0 - SAME):
-                self._clock.stored = -1
 
     def _store(self, t: float, y: FloatArray) -> None:
         """Store one instant."""
@@ -260,7 +258,10 @@ class ImplicitSteps:
                 self._system.model, t, memory.at, self._steps.work, memory, self._steps.records.recorder
             )
             if status == RunStatus.DONE:
-                memory.stored += 1
+                rates = self._steps.records.recorder.rates
+                last = stored_at(rates, t, memory.steps, self._duration)
+                if rates.now[0] == 1:
+                    memory.stored = -1 if last else memory.stored + 1
                 return
             remedied(self._steps, status)
 

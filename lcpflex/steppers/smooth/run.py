@@ -11,6 +11,7 @@ from lcpflex.force_laws.layout import LawRow
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import IntArray
 from lcpflex.steppers.law_run import law_warnings, too_deep
+from lcpflex.steppers.rates import UNSTORED, strides_of
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.smooth.explicit import (
     STEPPING,
@@ -22,7 +23,7 @@ from lcpflex.steppers.smooth.memory import (
     smooth_memory,
 )
 from lcpflex.steppers.status import RunStatus
-from lcpflex.steppers.step_error import UNSTORED, Sampling
+from lcpflex.steppers.step_error import Sampling
 from lcpflex.steppers.system import System
 
 __all__ = ["SmoothSteps"]
@@ -67,6 +68,7 @@ class SmoothSteps:
         self.records.indentation = self.history.worst
         self._advance = link(advance_fixed if fixed_step else advance, system.hooks)
         if fixed_step:
+            strides_of(self.records.recorder.rates, fixed_step)
             self.work.span[:] = 0.5 * fixed_step  # loads by their mean over a step
             total = math.ceil(settings.duration / fixed_step)
             self.records.sampling = Sampling(self, total, total)

@@ -187,10 +187,10 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     for law in range(len(recorder.total_impulse)):
         for c in range(2):
             recorder.total_impulse[law, c] = y[base + IMPULSES + 2 * law + c]
-    for k in range(n):
+    for k in range(n if recorder.rates.now[0] == 1 else 0):
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -contacts.table.gap[k])
     note_compliant(model, q, contacts, True, recorder)
     if len(work.residual) > 0:
-        note_instant(model, work, recorder.reactions)
+        note_instant(model, work, recorder.rates.now, recorder.reactions)
     store_state(model, t, q, u, work, elastic_energy(model, contacts), recorder)
     return RunStatus.DONE

@@ -6,7 +6,7 @@ from functools import cache
 
 from tests.property.fuzz.face import Face
 from tests.property.fuzz.faces_of_laws import advice_faces, law_faces, mesh_faces
-from tests.property.fuzz.faces_of_scenes import bodies_faces, run_faces, scene_faces
+from tests.property.fuzz.faces_of_scenes import bodies_faces, run_faces, scene_faces, sensor_faces
 from tests.property.fuzz.faces_of_solvers import solver_faces
 from tests.property.fuzz.faces_of_studies import gallery_faces, study_faces
 
@@ -90,6 +90,7 @@ def faces() -> tuple[Face, ...]:
         bodies_faces,
         scene_faces,
         run_faces,
+        sensor_faces,
         solver_faces,
         law_faces,
         mesh_faces,

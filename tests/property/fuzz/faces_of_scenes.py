@@ -12,6 +12,7 @@ import scipy.io
 
 import lcpflex as lf
 from lcpflex.compile.compiled_scene import CompiledScene
+from lcpflex.results.sensor import SensorHistory
 from lcpflex.results.stress_history import StressHistory
 from tests.property.fuzz.face import (
     Face,
@@ -32,7 +33,7 @@ from tests.property.fuzz.face import (
 )
 from tests.scenes import floor_of
 
-__all__ = ["bodies_faces", "run_faces", "scene_faces"]
+__all__ = ["bodies_faces", "run_faces", "scene_faces", "sensor_faces"]
 
 
 def _user_system() -> dict[str, Any]:
@@ -222,6 +223,40 @@ def scene_faces() -> list[Face]:
     ]
 
 
+def sensor_faces() -> list[Face]:
+    def sensor(sensor: Any) -> Any:
+        return small_scene().sensor(sensor)
+
+    @cache
+    def measured() -> lf.Result:
+        scene = small_scene()
+        scene.sensor(lf.sensors.Energy(name="energy"))
+        return lf.simulate(scene, 0.005, lf.MoreauJean(step=1e-3), progress=False)
+
+    kinds: dict[str, dict[str, Any]] = {
+        "Body": {"body": "disc"},
+        "Coordinates": {"names": ("disc.x",)},
+        "Energy": {},
+        "Reaction": {"joint": "hinge"},
+        "Contact": {"contact": "floor"},
+        "Section": {"body": "beam", "x": 0.1},
+        "Stress": {"body": "beam", "place": (0.1, 0.0)},
+        "Function": {"function": lambda now: now.time},
+    }
+    return [
+        Face("Scene.sensor", sensor, lambda: {"sensor": lf.sensors.Energy()}),
+        Face("Result.sensor", lf.Result.sensor, lambda: {"name": "energy"}, measured),
+        Face(
+            "SensorHistory.column",
+            SensorHistory.column,
+            lambda: {"name": "kinetic"},
+            lambda: measured().sensor("energy"),
+        ),
+        Face("Point", lf.sensors.Point, lambda: {"P": points()["P"]}),
+        *(Face(name, getattr(lf.sensors, name), lambda given=given: dict(given)) for name, given in kinds.items()),
+    ]
+
+
 def run_faces() -> list[Face]:
     run = {"duration": 0.005, "stepper": lf.MoreauJean(step=1e-3), "progress": False}
     of_result = [
@@ -274,6 +309,7 @@ def run_faces() -> list[Face]:
         Face("Result.section", lf.Result.section, lambda: {"body": "beam"}, flexible_result),
         Face("Result.stress", lf.Result.stress, lambda: {"body": "plate"}, flexible_result),
         Face("StressHistory.at", StressHistory.at, lambda: {"t": 0.0}, lambda: flexible_result().stress("plate")),
+        Face("StressHistory.of", StressHistory.of, lambda: {"record": 0}, lambda: flexible_result().stress("plate")),
         Face("Result.load", lf.Result.load, lambda: {"path": "unused.npz"}),
         *(
             Face(f"Result.{name}", getattr(lf.Result, name), lambda given=given: dict(given), result)

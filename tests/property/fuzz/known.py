@@ -62,6 +62,11 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("matrices_from_files", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
     ("Torque", "P"): {"strange point"},
+    ("Point", "P"): {"strange point"},  # as with sensors
+    **{(sensor, "body"): {"stranger"} for sensor in ("Body", "Section", "Stress")},
+    ("Coordinates", "names"): {"list of texts", "list of word", "text array"},  # scenes tell which names there are
+    ("Function", "columns"): {"list of texts", "list of word", "text array"},
+    ("Function", "units"): {"list of word"},
     ("advice.contact_advice", "half_section"): {"true"},
     ("stability", "truth"): {"true", "stepper"},
     ("right_size", "stepper"): {"stepper"},

@@ -18,6 +18,7 @@ from scipy.integrate import BDF
 import lcpflex as lf
 from lcpflex.runs.checkpoint import Checkpoints
 from tests.scenes import floor_of
+from tests.unit.runs.sensor_scenes import struck_beam
 
 LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
 ADAPTIVE = lf.AdaptiveStep(rtol=1e-4, atol=1e-6, shortest=1e-6)
@@ -37,6 +38,16 @@ def thrown(law: Any = None) -> lf.Scene:
     else:
         scene.contact(ball.surface(), ground, friction=0.3, law=law)
         scene.contact(box.surface(), ground, friction=0.3, restitution=0.5)
+    return scene
+
+
+def thrown_with_sensors() -> lf.Scene:
+    """The same with sensors, no Python function among them."""
+    scene = thrown()
+    for every in (0.0031, 0.002):
+        scene.sensor(lf.sensors.Point(scene.body("box").at(0.1, 0.0), every=every))
+        scene.sensor(lf.sensors.Contact("box.outline/ground.half_plane1", every=every))
+        scene.sensor(lf.sensors.Energy(every=every))
     return scene
 
 
@@ -98,6 +109,9 @@ RUNS: dict[str, tuple[Build, float, Any]] = {
     "verlet": (thrown, 0.1, lf.Smooth(LAW, integrator=lf.Verlet(5e-4))),
     "python force": (pushed, 0.05, lf.MoreauJean(1e-3)),
     "own system": (own_system, 0.3, lf.MoreauJean(1e-3)),
+    "sensors": (thrown_with_sensors, 0.1, lf.MoreauJean(1e-3)),
+    "sensors adaptive": (thrown_with_sensors, 0.1, lf.GeneralizedAlpha(1e-4, adaptive=ADAPTIVE)),
+    "sensors event-driven": (lambda: struck_beam(0.0031, 0.001, None, costly=False), 0.02, lf.EventDriven(rtol=1e-6)),
     "own system, event-driven": (own_system, 0.3, lf.EventDriven()),
 }
 
@@ -108,6 +122,9 @@ def values_of(value: Any, name: str = "result") -> Iterator[tuple[str, Any]]:
         for field in fields(value):
             if field.name not in (*TIMINGS, "compiled"):
                 yield from values_of(getattr(value, field.name), f"{name}.{field.name}")
+    elif isinstance(value, tuple) and value and is_dataclass(value[0]):
+        for k, part in enumerate(value):
+            yield from values_of(part, f"{name}[{k}]")
     else:
         yield name, value
 

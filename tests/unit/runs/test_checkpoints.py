@@ -22,7 +22,16 @@ from lcpflex.runs.object_tree import freeze
 from tests.unit.runs import checkpoint_runs
 from tests.unit.runs.checkpoint_runs import RUNS, Breaks, assert_same_bits, heap, own_system, pushed, thrown
 
-QUICK = ("moreau", "moreau adaptive", "alpha adaptive", "event-driven by law", "massless", "stiff", "own system")
+QUICK = (
+    "moreau",
+    "moreau adaptive",
+    "alpha adaptive",
+    "event-driven by law",
+    "massless",
+    "stiff",
+    "own system",
+    "sensors",
+)
 
 
 def missing(path: Path, build: Any, stepper: Any) -> dict[str, Any]:
@@ -61,7 +70,9 @@ def test_a_resumed_run_ends_with_the_same_bits(name: str, tmp_path: Path, monkey
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
 
 
-@pytest.mark.parametrize("name", ["moreau", "alpha", "event-driven by law", "massless", "verlet", "moreau adaptive"])
+@pytest.mark.parametrize(
+    "name", ["moreau", "alpha", "event-driven by law", "massless", "verlet", "moreau adaptive", "sensors"]
+)
 def test_no_two_arrays_of_a_run_share_memory(name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """They are kept apart, so that one that is a part of another would not be so after the run was resumed."""
     build, duration, stepper = RUNS[name]

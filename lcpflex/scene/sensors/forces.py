@@ -1,0 +1,95 @@
+"""Sensors of forces: at joints, contacts, sections of beams, and in the material."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from lcpflex.basics.options import keep_flag, keep_number
+from lcpflex.bodies.body import array_of
+from lcpflex.scene.handles import Placed
+from lcpflex.scene.sensors.sensor import check_sensor, keep_body, keep_text
+
+__all__ = ["Contact", "Reaction", "Section", "Stress"]
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """Force [N] and moment [N m] of a joint or drive, the largest of them, and the impulses of impacts.
+
+    As :class:`lcpflex.results.result.JointReaction`: under time stepping a mean, and the largest, since the measurement
+    before. joint: its name. axes: "world", "body" or the name of a body. every: time between measurements [s], see
+    :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for what are no names.
+    """
+
+    joint: str
+    axes: str = "world"
+    every: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_sensor(self)
+        keep_text(self, "joint", "the name of a joint")
+        keep_text(self, "axes", "'world', 'body' or the name of a body")
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Normal and tangential force [N], impulse since the start [N s], gap [m] and state of a contact.
+
+    The state is that of :class:`lcpflex.Result`: 0 open, 1 sticking, 2 slipping, 3 creeping; the gap is NaN where it is
+    far. contact: its name. every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the
+    sensor. Raises ModelError for what is no name.
+    """
+
+    contact: str
+    every: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_sensor(self)
+        keep_text(self, "contact", "the name of a contact")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Section forces N, V [N] and M [N m] of a beam or bar at x [m], as :class:`lcpflex.results.result.SectionForces`.
+
+    They are computed in Python, in about a millisecond a measurement. body: a Beam or Bar, or its name. x: along its
+    axis [m]. every: time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises
+    ModelError for another body, or a place off its axis.
+    """
+
+    body: Placed | str
+    x: float
+    every: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_sensor(self)
+        keep_body(self)
+        keep_number(self, "x", -math.inf, math.inf, label="Section: x")
+
+
+@dataclass(frozen=True, slots=True)
+class Stress:
+    """Stresses of a flexible body at one place [Pa], as :class:`lcpflex.results.result.StressHistory`.
+
+    They are computed in Python, in some milliseconds a measurement. body: a flexible one, or its name. place: (x, y)
+    of a place where stresses are known, such as a node [m], undeformed. static: with what its modes leave out. every:
+    time between measurements [s], see :meth:`lcpflex.Scene.sensor`. name: of the sensor. Raises ModelError for a body
+    without elements, or a place where no stress is known.
+    """
+
+    body: Placed | str
+    place: tuple[float, float]
+    static: bool = True
+    every: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_sensor(self)
+        keep_body(self)
+        x, y = array_of("Stress: place", self.place, (2,)).tolist()
+        object.__setattr__(self, "place", (x, y))
+        keep_flag(self, "static", label="Stress: static")
