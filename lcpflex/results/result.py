@@ -307,7 +307,8 @@ class Result:
         ``q`` and ``u`` (time, coordinate); ``force`` and ``impulse`` (time, contact, component), ``state``, ``gap``
         (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time, joint) and more of joints;
         ``energy_kinetic`` and so on (time); ``touch_place`` (touch, axis) and more of all touching points, of the
-        instant ``touch_time_index`` and the contact ``touch_contact_index``; ``event_time`` and more (event).
+        instant ``touch_time_index`` and the contact ``touch_contact_index``; ``event_time`` and more (event);
+        ``sensor_NAME`` (sensor_NAME_time, sensor_NAME_column) of each sensor, with / in its name as _.
 
         Units are in the attributes of each variable, those of q and u in ``q_units`` and ``u_units`` (coordinate); the
         stepper, warnings and other facts of the run are attributes of the whole. Instants of events stand twice in

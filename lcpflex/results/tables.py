@@ -28,6 +28,8 @@ COMPONENTS = ("normal", "tangential")
 STATES = {"open": OPEN, "stick": STICK, "slip": SLIP, "creep": CREEP}
 OF_EACH_INSTANT = {"residual": "1", "penetration": "m", "joint_drift": "m or rad", "size": "1", "strict": "1"}
 
+OF_SENSORS = "time", "column", "units"
+
 Variable = tuple[tuple[str, ...], "NDArray[Any]", dict[str, Any]]  # dimensions, values, attributes
 
 
@@ -85,6 +87,8 @@ def to_xarray(result: Result) -> Any:
         raise ModelError("to_xarray() needs xarray, which is not installed: pip install 'lcpflex[tables]'") from error
     variables = {**_motion(result), **_contacts(result), **_joint_variables(result), **_touches(result)}
     variables |= _events(result)
+    sensed, at = _sensors(result)
+    variables |= sensed
     variables |= {
         f"energy_{name}": _variable(getattr(result.energies, name), "J", "time")
         for name in Energies.__dataclass_fields__
@@ -98,6 +102,7 @@ def to_xarray(result: Result) -> Any:
         "u_units": (("coordinate",), _texts(rates)),
         "component": (("component",), _texts(COMPONENTS)),
         "axis": (("axis",), _texts(AXES)),
+        **at,
     }
     there = {name: one for name, one in variables.items() if np.size(one[1]) or one[0] == ("time",)}
     dimensions = {name for one in there.values() for name in one[0]}
@@ -164,6 +169,24 @@ def _events(result: Result) -> dict[str, Variable]:
         "event_contact": _variable(_texts([event.contact for event in events]), "", "event"),
         "event_energy_change": _variable(np.array([one.energy_change for one in events], dtype=float), "J", "event"),
     }
+
+
+def _sensors(result: Result) -> tuple[dict[str, Variable], dict[str, Any]]:
+    """Of each sensor its measurements, a variable with dimensions of its own; and their coordinates."""
+    variables: dict[str, Variable] = {}
+    coordinates: dict[str, Any] = {}
+    for sensor in result.sensors:
+        label = "sensor_" + sensor.name.replace("/", "_")  # which parts groups of netCDF
+        while {label, *(own := [f"{label}_{what}" for what in OF_SENSORS])} & {*variables, *coordinates}:
+            label += "_"
+        time, column, units = own
+        told = [unit or "1" for unit in sensor.units]
+        unit = told[0] if len(set(told)) == 1 else f"see {units}"
+        variables[label] = ((time, column), sensor.values, {"units": unit, "long_name": sensor.name})
+        coordinates[time] = _variable(sensor.times, "s", time)
+        coordinates[column] = ((column,), _texts(sensor.columns))
+        coordinates[units] = ((column,), _texts(told))
+    return variables, coordinates
 
 
 def _variable(values: NDArray[Any], unit: str, *dimensions: str, about: str = "") -> Variable:

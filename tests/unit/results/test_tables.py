@@ -47,7 +47,7 @@ def of_file(bounce: Result) -> Result:
     return replace(bounce, complete=False, message="a callback raised", warnings=("one", "two"), strict=None)
 
 
-@pytest.fixture(params=["struck", "free", "swing", "bounce", "of_file"])
+@pytest.fixture(params=["struck", "free", "swing", "bounce", "of_file", "sensed"])
 def any_result(request: pytest.FixtureRequest) -> Any:
     return request.getfixturevalue(request.param)
 
@@ -147,3 +147,45 @@ def test_without_the_package(
     monkeypatch.delitem(vars(libs), package, raising=False)  # where another test has loaded it
     with pytest.raises(ModelError, match=f"needs {package}, which is not installed: pip install"):
         work(bounce)
+
+
+@pytest.fixture(scope="module")
+def sensed() -> Result:
+    """Sensors at rates of their own; one with columns of different units, and a name that netCDF takes for a path."""
+    scene = disc_on_floor(0.12, (1.0, 0.0), friction=0.3)
+    center = scene.body("disc").point("center")
+    scene.sensor(lf.sensors.Point(center, every=0.01, name="centre/path"))
+    scene.sensor(lf.sensors.Energy(every=0.004, name="energy"))
+    for name in ("centre_path", "energy_time"):
+        scene.sensor(lf.sensors.Body("disc", every=0.02, name=name))
+    return lf.simulate(scene, 0.08, lf.MoreauJean(step=1e-3), record=0.02, progress=False)
+
+
+def test_dataset_has_sensors_at_times_of_their_own(sensed: Result) -> None:
+    pytest.importorskip("xarray")
+    found, path = sensed.to_xarray(), sensed.sensor("centre/path")
+    one = found["sensor_centre_path"]
+    assert found.sizes["sensor_centre_path_time"] == len(path.times) > found.sizes["time"]
+    np.testing.assert_array_equal(one, path.values)
+    np.testing.assert_array_equal(one.sensor_centre_path_time, path.times)
+    assert one.attrs["long_name"] == "centre/path"
+    assert tuple(one.sensor_centre_path_units.values) == path.units
+    assert one.attrs["units"] == "see sensor_centre_path_units"
+    energy = found["sensor_energy"]
+    assert energy.attrs["units"] == "J"
+    body = sensed.sensor("centre_path").values  # names that would be those of others
+    np.testing.assert_array_equal(found["sensor_centre_path_"], body)
+    np.testing.assert_array_equal(found["sensor_energy_time_"], body)
+    kinetic = energy.sel(sensor_energy_column="kinetic")
+    np.testing.assert_array_equal(kinetic, sensed.sensor("energy").column("kinetic"))
+
+
+@pytest.mark.parametrize("ending", [".npz", ".h5"])
+def test_files_keep_sensors(sensed: Result, ending: str, tmp_path: Path) -> None:
+    if ending == ".h5":
+        pytest.importorskip("h5py")
+    loaded = Result.load(sensed.save(tmp_path / f"sensed{ending}"))
+    for one, other in zip(loaded.sensors, sensed.sensors, strict=True):
+        assert (one.name, one.columns, one.units) == (other.name, other.columns, other.units)
+        np.testing.assert_array_equal(one.times, other.times)
+        np.testing.assert_array_equal(one.values, other.values)
