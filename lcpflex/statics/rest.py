@@ -130,6 +130,8 @@ class Rest:
         Length of the path from the start, of the point that moves most in each of its ``steps`` [m].
     warnings
         Of the compiled scene.
+    trace
+        What a path that begins here, and the comparison with another place, have to know of it.
     """
 
     q: FloatArray
