@@ -77,6 +77,13 @@ def project(
 
 
 def _nearest(M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:
-    """The shortest d, in the metric of M, with J d = residual; redundant rows allowed."""
+    """The shortest d, in the metric of M, with J d = residual; redundant rows allowed.
+
+    Rows are made alike in size first: beside an angle in rad, a length of a small body in m would count as redundant.
+    """
     spread = np.linalg.solve(M, J.T)
-    return np.asarray(spread @ (np.linalg.pinv(J @ spread, rcond=INDEPENDENT, hermitian=True) @ residual))
+    S = J @ spread
+    size = np.sqrt(np.maximum(np.diag(S), 0.0))
+    unit = 1.0 / np.where(size > 0.0, size, 1.0)
+    inverse = np.linalg.pinv(S * np.outer(unit, unit), rcond=INDEPENDENT, hermitian=True)
+    return np.asarray(spread @ (unit * (inverse @ (unit * residual))))

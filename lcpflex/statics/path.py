@@ -164,7 +164,9 @@ class Path:
         load = np.linalg.solve(L, at.force / arm)
         n_joint = at.n_joint
         J, W = white[:, :n_joint], white[:, n_joint:]
-        inverse = np.linalg.pinv(J.T @ J, rcond=INDEPENDENT, hermitian=True)
+        size = np.linalg.norm(J, axis=0)  # rows of rad and m, made alike
+        unit = np.diag(1.0 / np.where(size > 0.0, size, 1.0))
+        inverse = unit @ np.linalg.pinv(unit @ J.T @ J @ unit, rcond=INDEPENDENT, hermitian=True) @ unit
         phi = self._share(L, J @ (inverse @ at.phi)) * at.phi
         free = load - J @ (inverse @ (J.T @ load + phi))
         factor = (W - J @ (inverse @ (J.T @ W))).T

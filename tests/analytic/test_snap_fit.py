@@ -136,29 +136,33 @@ def test_hook_in_time(friction: float) -> None:
     assert means == pytest.approx(by_finite_elements(friction), rel=0.02)
 
 
-def pulled(time_to_place: Any) -> lf.Scene:
-    """A block of 2 kg on a floor, friction 0.4, pulled by a spring of 500 N/m behind a slider that a drive moves."""
+def pulled(time_to_place: Any, length: float = 1.0) -> lf.Scene:
+    """A block of 2 kg on a floor, friction 0.4, pulled by a spring of 500 N/m behind a slider that a drive moves.
+
+    With another ``length`` than 1 m all lengths and the stiffness are others, masses and weights are not.
+    """
     scene = lf.Scene(gravity=(0.0, -9.81))
-    block = scene.add(lf.Box(0.4, 0.2, mass=2.0), "block", position=(0.0, 0.1))
-    slider = scene.add(lf.Box(0.1, 0.1, mass=1.0), "slider", position=(1.0, 0.1))
-    place = scene.ground.at(1.0, 0.1)
+    block = scene.add(lf.Box(0.4 * length, 0.2 * length, mass=2.0), "block", position=(0.0, 0.1 * length))
+    slider = scene.add(lf.Box(0.1 * length, 0.1 * length, mass=1.0), "slider", position=(length, 0.1 * length))
+    place = scene.ground.at(length, 0.1 * length)
     scene.join(lf.Prismatic(slider.point("center"), place, axis=(1.0, 0.0)))
     scene.join(lf.DrivenDisplacement(slider.point("center"), place, (1.0, 0.0), time_to_place, name="drive"))
-    scene.load(lf.Spring(slider.point("center"), block.point("center"), 500.0, length=1.0))
+    scene.load(lf.Spring(slider.point("center"), block.point("center"), 500.0 / length, length=length))
     floor = scene.ground.half_plane((0.0, 0.0), (0.0, 1.0))
     scene.contact(block.surface(), floor, friction=0.4, name="floor")
     return scene
 
 
-def test_a_block_is_pulled_forth_and_back() -> None:
+@pytest.mark.parametrize("length", [1.0, 1e-6])
+def test_a_block_is_pulled_forth_and_back(length: float) -> None:
     """k s below the limit, mu m g above it, the same backwards after twice the limit: friction by path."""
-    scene = pulled(lf.Function(lambda t: t))
+    scene = pulled(lf.Function(lambda t: length * t), length)
     limit = 0.4 * 2.0 * 9.81
     stuck, rest = 0.0, None  # place of the block
     for s in (0.0, 0.012, 0.03, 0.045, 0.03, 0.005, -0.005):
         rest = lf.equilibrium(scene, initial=rest, time=s)
         stuck = min(max(stuck, s - limit / 500.0), s + limit / 500.0)
-        assert rest.q[0] == pytest.approx(stuck, abs=1e-9)
+        assert rest.q[0] == pytest.approx(length * stuck, abs=1e-8 * length)
         assert rest.joint("drive").force[0] == pytest.approx(500.0 * (s - stuck), rel=1e-8, abs=1e-8)
         slips = abs(abs(s - stuck) - limit / 500.0) < 1e-9
         assert rest.contact("floor").state == ("slip" if slips else "stick")
