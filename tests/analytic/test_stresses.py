@@ -254,3 +254,36 @@ def test_what_cannot_be_told() -> None:
         result.stress("beam", static=False)
     with pytest.raises(ModelError, match=r"t: 2 was given|t: 2.0 was given"):
         result.stress("beam").at(2.0)
+
+
+@pytest.mark.parametrize("kind", list(MESHES)[:4])
+def test_nodal_stress_by_scikit_fem_in_millimetres(kind: str) -> None:
+    """Of any displacements in mm and moduli in MPa: strains, extrapolation and mean made again, element by element."""
+    import skfem
+
+    mesh, quadratic, triangles = MESHES[kind].scaled(1e3), "quadratic" in kind, "triangles" in kind
+    with pytest.warns(lf.ModelWarning, match="look like N, mm and t"):
+        solid = solid_of(lf.Continuum(mesh, 7.8e-9, 2e5, NU))
+    places = solid.mesh.places
+    u = np.random.default_rng(3).normal(size=(len(places), 2))
+    element = getattr(skfem, f"Element{'Tri' if triangles else 'Quad'}{'P' if triangles else ''}{1 + quadratic}")()
+    points = 0.5 + np.array([[-1, 1, -1, 1], [-1, -1, 1, 1]]) / math.sqrt(12.0)
+    if triangles:
+        points = np.array([[1, 4, 1], [1, 1, 4]]) / 6.0 if quadratic else np.full((2, 1), 1 / 3)
+    basis = skfem.Basis(mesh, element, quadrature=(points, np.ones(points.shape[1])))
+    order = [int(np.hypot(*(places - at).T).argmin()) for at in basis.doflocs.T]
+    H = np.stack([np.asarray(basis.interpolate(u[order, i]).grad) for i in range(2)])  # (2, 2, elements, points)
+    strain = 0.5 * (H + H.swapaxes(0, 1))
+    moduli = 2e5 / (1.0 - NU**2)
+    xx, yy = (moduli * (strain[i, i] + NU * strain[1 - i, 1 - i]) for i in range(2))
+    corners = element.doflocs
+    terms = np.stack([np.ones(len(corners)), *corners.T, corners[:, 0] * corners[:, 1]])[: points.shape[1]]
+    known = np.stack([np.ones(points.shape[1]), *points, points[0] * points[1]])[: points.shape[1]]
+    found = nodal_stress(solid, nodal_gradients(solid), u[:, :, None])[:, :, 0]
+    for part, sigma in ((0, xx), (1, yy), (2, moduli * (1.0 - NU) * strain[0, 1])):
+        total, meet = np.zeros(len(places)), np.zeros(len(places))
+        for e in range(mesh.t.shape[1]):
+            nodes = [order[d] for d in basis.element_dofs[:, e]]
+            total[nodes] += np.linalg.solve(known.T, sigma[e]) @ terms
+            meet[nodes] += 1.0
+        assert found[part] == pytest.approx(total / meet, abs=1e-11 * np.abs(xx).max())
