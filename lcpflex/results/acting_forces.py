@@ -7,9 +7,10 @@ that touch; reactions of joints follow from
 
 with the least lambda where joints are redundant. So all that is here balances to rounding, for every body.
 
-Modes that the steps of a run do not follow (omega h > FOLLOWED, h the mean step) swing with the steps, from a static
-state to as much on the other side, and not as the body would: they are taken as static, qddot = qdot = 0 with whatever
-K q balances the rest. Where joints hold a body by such modes alone they are not, for nothing else tells the reactions.
+Modes that the steps of a run do not follow (omega h > FOLLOWED, h the mean step, 0 of explicit methods with error
+control, which follow all) swing with the steps, from a static state to as much on the other side, and not as the body
+would: they are taken as static, qddot = qdot = 0 with whatever K q balances the rest. Where joints hold a body by such
+modes alone they are not, for nothing else tells the reactions.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import LineShapes
 from lcpflex.results.acting_forces import ActingForces, PointLoad, material_of
 from lcpflex.results.places import turned
+from lcpflex.results.stored_instants import follows_modes
 
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
@@ -48,8 +49,8 @@ class SectionForces:
 
     They hold at the stored instants. Reactions of joints are those that the state (q, u) asks for there. Contact forces
     are those that were stored: of time-stepping schemes the mean of a step, with the impulse of an impact in it.
-    Modes that the steps do not follow (omega h > 2, h the mean step) count as static: they swing with the steps, not as
-    the beam would.
+    Modes that the steps of a time-stepping scheme or of ``Stiff`` do not follow (omega h > 2, h the mean step) count as
+    static: they swing with the steps, not as the beam would.
 
     Attributes
     ----------
@@ -96,8 +97,12 @@ def body_of_result(result: Result, body: Any, what: str) -> tuple[CompiledScene,
     return result.compiled, bodies.index(body)
 
 
-def mean_step(result: Result) -> float:
-    """Of the run [s]."""
+def mean_step(result: Result, so_far: float | None = None) -> float:
+    """Of the run, or ``so_far`` [s]; 0 where the steps follow all modes, however long they are on the whole."""
+    if follows_modes(result):
+        return 0.0
+    if so_far is not None:
+        return so_far
     return float(result.times[-1] - result.times[0]) / max(result.steps, 1) if len(result.times) else 0.0
 
 
@@ -112,7 +117,7 @@ def section_forces(
     places = _sections(line, x)
     chosen = np.arange(len(result.times)) if records is None else records
     cut = _Cut(compiled.model, b, line, np.atleast_1d(places))
-    forces = ActingForces(compiled, mean_step(result) if step is None else step, result.outside)
+    forces = ActingForces(compiled, mean_step(result, step), result.outside)
     found = np.zeros((len(chosen), 3, places.size))
     for row, k in enumerate(chosen.tolist()):
         q, u = result.q[k], result.u[k].copy()

@@ -14,6 +14,7 @@ __all__ = [
     "DENSE",
     "at_events",
     "each_step",
+    "follows_modes",
     "impulse_noise",
     "located",
     "stored_as",
@@ -37,6 +38,11 @@ def at_events(result: Result) -> bool:
 def tells_of_steps(result: Result) -> bool:
     """Whether an instant tells of the step before it; else of itself."""
     return family(result) not in ("EventDriven", "Smooth")
+
+
+def follows_modes(result: Result) -> bool:
+    """Whether no mode swings with the steps: error control of an explicit method makes them short enough for all."""
+    return at_events(result) or "integrator=ExplicitRungeKutta(" in result.stepper
 
 
 def stored_as(interval: float) -> str:

@@ -141,7 +141,7 @@ def _chunks(count: int) -> list[IntArray]:
 
 def stress_history(result: Result, body: str, static: bool, step: float | None = None) -> StressHistory:
     """See :meth:`lcpflex.results.result.Result.stress`; ``step``: mean one of the run, None: that of the result."""
-    step = mean_step(result) if step is None else step
+    step = mean_step(result, step)
     compiled, b = body_of_result(result, body, "stress")
     shapes = compiled.recovery[b] if compiled.recovery else None
     whole = flag("static", static)

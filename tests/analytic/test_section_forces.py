@@ -157,6 +157,21 @@ def test_struck_beam_bends_as_its_curvature(side: str) -> None:
     assert np.abs(found.V[:, [0, -1]]).max() < 1e-9 * np.abs(found.V).max()
 
 
+@pytest.mark.parametrize("stepper", [lf.EventDriven(), lf.Smooth()], ids=lambda s: type(s).__name__)
+def test_modes_that_long_steps_followed_at_first(stepper: Any) -> None:
+    """The end of a hinged beam bears what the hinge gives, while modes ring that later steps are too long for."""
+    scene = lf.Scene(gravity=(0, -G))
+    b = scene.add(beam(), name="beam", modes=6, damping=0.3, angular_velocity=5.0)
+    scene.join(lf.Revolute(b.point("left"), scene.ground.at(0, 0), name="hinge"))
+    scene.load(lf.Spring(b.at(0.6, 0.0), scene.ground.at(0.6, -0.2), stiffness=1e5))
+    result = run(scene, 0.05, stepper, record=1e-3)
+    fastest = math.sqrt(result.compiled.model.bodies.stiffness.max())
+    assert fastest * 0.05 / result.steps > 2.0
+    found, given = result.section("beam", 0.0), result.reaction("hinge").force
+    size = np.hypot(*given.T)
+    assert np.abs(np.hypot(found.N, found.V) - size).max() < 1e-6 * size.max()
+
+
 def test_a_plank_that_lies_on_two_discs() -> None:
     """Friction, a rule, a disc on top, contacts amid elements: shear and moment of statics beside each."""
     scene = lf.Scene(gravity=(0, -G))
