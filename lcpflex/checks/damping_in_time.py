@@ -4,7 +4,8 @@ A step answers a velocity u by -h A^-1 C u, with A = M + theta h C_d + (theta h)
 takes implicitly, the diagonal one of the modes). Where an eigenvalue x of h A^-1 C is above one, what damping takes
 away in a step is more than there was: the velocity changes its sign with each step, decays by 1 - x instead of
 exp(-h c / m), and grows beyond two. Forces and reactions, which are differences of velocities, ring with it. It counts
-where all such velocities together change by more than a hundredth of the largest speed, measured by kinetic energies.
+where all such velocities, as far as dampers resist them, change together by more than a hundredth of the largest speed,
+measured by kinetic energies: a light body that its damper takes along has none.
 """
 
 from __future__ import annotations
@@ -42,8 +43,9 @@ def ringing_dampers(result: Result, step: float, stepper: object) -> tuple[str, 
     strengths, velocities = damping.ringing(step)
     if not strengths.size:
         return ()
-    rates = result.u @ (damping.M @ _orthonormal(velocities, damping.M))
-    if not np.linalg.norm(np.ptp(rates, axis=0)) > MATTERS * np.sqrt(2.0 * result.energies.kinetic.max()):
+    if not np.linalg.norm(np.ptp(damping.damped(result.u, velocities), axis=0)) > MATTERS * np.sqrt(
+        2.0 * result.energies.kinetic.max()
+    ):
         return ()
     shorter = step
     for _ in range(HALVINGS):
@@ -98,6 +100,17 @@ class _Damping:
         rings = values > TURNS
         return values[rings], answers @ vectors[:, rings]
 
+    def damped(self, u: FloatArray, velocities: FloatArray) -> FloatArray:
+        """(m, r) the part of u (m, ndof) along ``velocities`` (ndof, r) that dampers resist, of kinetic energy y^2 / 2.
+
+        What carries a body along with its damper is none. The velocities are orthogonal in C, and their r coordinates
+        V^T C u / V^T C V, by those of an orthonormal base of the masses.
+        """
+        resisted_by = self.columns.T @ velocities
+        shares = (u @ self.columns) @ (resisted_by / (resisted_by**2).sum(axis=0))
+        base = np.linalg.qr(np.linalg.cholesky(self.M).T @ velocities)[1]
+        return np.asarray(shares @ base.T)
+
     def named(self, velocity: FloatArray) -> tuple[str, bool]:
         """The damper that takes most power out of ``velocity``, or the body whose modes do, and whether it is that."""
         powers = (self.columns.T @ velocity) ** 2
@@ -109,12 +122,6 @@ class _Damping:
         modes = np.abs(self._C_d @ velocity)
         body = int(np.searchsorted(self._compiled.model.bodies.dof, int(modes.argmax()), side="right")) - 1
         return f"the damping of the modes of {self._compiled.layout.bodies[body]}", True
-
-
-def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
-    """Velocities that span those of V (ndof, r), each of kinetic energy 1/2 and none with a share in another."""
-    L = np.linalg.cholesky(M)
-    return np.asarray(np.linalg.solve(L.T, np.linalg.qr(L.T @ V)[0]))
 
 
 def _factor(C: FloatArray) -> FloatArray:

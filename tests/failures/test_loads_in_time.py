@@ -303,3 +303,19 @@ def test_overdamped_modes_that_ring_are_told(theta: float) -> None:
     assert (last[1:] * last[:-1] < 0.0).any() == (theta == 0.5)
     told = [text for text in result.warnings if "the damping of the modes of bar" in text]
     assert [text.endswith("theta=1 lets it die out") for text in told] == [True] * (theta == 0.5)
+
+
+def test_a_light_body_that_its_damper_takes_along_does_not_ring() -> None:
+    """A drive moves off softly and draws 10 g through a damper of 1.5: it follows, and nothing alternates."""
+    scene, times = lf.Scene(gravity=(0.0, 0.0)), np.linspace(0.0, 0.2, 81)
+    cart = scene.add(lf.Disc(0.1, mass=1.0), name="cart")
+    light = scene.add(lf.Disc(0.1, mass=0.01), name="light", position=(1.0, 0.0))
+    for disc in (cart, light):
+        scene.join(lf.Prismatic(disc.point("center"), scene.ground.at(0.0, 0.0)))
+    path = lf.Table(times, 0.01 * (5.0 * times - np.sin(10.0 * np.pi * times) / (2.0 * np.pi)))
+    scene.join(lf.DrivenDisplacement(cart.point("center"), scene.ground.at(0.0, 0.0), (1.0, 0.0), path))
+    scene.load(lf.Spring(cart.point("center"), light.at(0.0, 0.0), stiffness=0.0, damping=15.0))
+    result = lf.simulate(scene, 0.2, lf.MoreauJean(step=1e-3), record=0)
+    assert result.u[:, 3].max() == pytest.approx(0.1, rel=1e-3)
+    assert np.abs(np.diff(result.u[:, 3], 2)).max() < 2e-4
+    assert not [text for text in result.warnings if "damper" in text]
