@@ -54,6 +54,8 @@ class Sensing:
 
     def try_all(self) -> None:
         """Measure all at the start, so that a wrong one is refused before time is spent."""
+        if not any(self._of_rate):
+            return
         recorder = self._setup.system.recorder(16, 16)
         recorder.n_instants = 1
         recorder.q[0], recorder.u[0] = self._setup.system.q, self._setup.system.u
