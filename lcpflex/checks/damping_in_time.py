@@ -39,25 +39,31 @@ def ringing_dampers(result: Result, step: float, stepper: object) -> tuple[str, 
         return ()
     if not _strong(compiled, step):
         return ()
-    damping = _Damping(compiled, theta)
+    for q in (result.q[0], result.q[-1]):  # a damper whose ends meet has no direction there
+        if found := _ringing_at(result, _Damping(compiled, theta, q), step):
+            return (found,)
+    return ()
+
+
+def _ringing_at(result: Result, damping: _Damping, step: float) -> str:
+    """The warning of what rings by the damping at one place, where that matters in all of the run."""
     strengths, velocities = damping.ringing(step)
     if not strengths.size:
-        return ()
-    if not np.linalg.norm(np.ptp(damping.damped(result.u, velocities), axis=0)) > MATTERS * np.sqrt(
-        2.0 * result.energies.kinetic.max()
-    ):
-        return ()
+        return ""
+    changes = np.linalg.norm(np.ptp(damping.damped(result.u, velocities), axis=0))
+    if not changes > MATTERS * np.sqrt(2.0 * result.energies.kinetic.max()):
+        return ""
     shorter = step
     for _ in range(HALVINGS):
         shorter *= 0.5
         if not damping.ringing(shorter)[0].size:
             break
     name, of_modes = damping.named(velocities[:, -1])
-    damped = "; theta=1 lets it die out" if of_modes and 0.0 < theta < 1.0 else ""
+    damped = "; theta=1 lets it die out" if of_modes and 0.0 < damping.theta < 1.0 else ""
     return (
         f"{name} takes {strengths[-1]:.3g} times the velocity that there is out of it in a "
         f"step of {step:.3g} s: it changes its sign from step to step, and forces and reactions with it: a step of "
-        f"{shorter:.2g} s would follow it{damped}",
+        f"{shorter:.2g} s would follow it{damped}"
     )
 
 
@@ -75,25 +81,25 @@ def _strong(compiled: CompiledScene, step: float) -> bool:
 
 
 class _Damping:
-    """All damping of a scene at its start: C = columns columns^T."""
+    """All damping of a scene at q: C = columns columns^T."""
 
-    def __init__(self, compiled: CompiledScene, theta: float) -> None:
-        model, still = compiled.model, np.zeros_like(compiled.q)
-        self._compiled, self._theta = compiled, theta
-        self.M = mass_matrix(model, compiled.q)
-        self._J = violation(model, compiled.q, still, np.zeros((compiled.n_external, 3))).jacobian
-        self._K, C = elastic_matrices(model, compiled.q)
+    def __init__(self, compiled: CompiledScene, theta: float, q: FloatArray) -> None:
+        model, still = compiled.model, np.zeros_like(q)
+        self._compiled, self.theta = compiled, theta
+        self.M = mass_matrix(model, q)
+        self._J = violation(model, q, still, np.zeros((compiled.n_external, 3))).jacobian
+        self._K, C = elastic_matrices(model, q)
         self._C_d = np.diag(np.diag(C))
         self._dampers = [k for k, c in enumerate(model.loads.spring_value[:, 1]) if c > 0.0]
-        self.columns = np.hstack([_factor(C), *(self._column(k) for k in self._dampers)])
+        self.columns = np.hstack([_factor(C), *(self._column(k, q) for k in self._dampers)])
 
-    def _column(self, k: int) -> FloatArray:
-        row = resisted(pack(self._compiled.model), self._compiled.q, k)
+    def _column(self, k: int, q: FloatArray) -> FloatArray:
+        row = resisted(pack(self._compiled.model), q, k)
         return np.asarray(np.sqrt(float(self._compiled.model.loads.spring_value[k, 1])) * row[:, None])
 
     def ringing(self, step: float) -> tuple[FloatArray, FloatArray]:
         """Eigenvalues of h A^-1 C above one while joints hold, the largest last, and their velocities (ndof, r)."""
-        lean = self._theta * step
+        lean = self.theta * step
         H = held_inverse(self.M + lean * self._C_d + lean * lean * self._K, self._J)
         answers = H @ self.columns
         values, vectors = np.linalg.eigh(step * self.columns.T @ answers)

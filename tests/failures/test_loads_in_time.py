@@ -278,6 +278,12 @@ def test_dampers_too_strong_for_the_step_are_told(stepper: Any, turning: bool, s
     assert not [text for text in sound.warnings if "damper" in text]
 
 
+def test_a_damper_whose_ends_meet_at_the_start_is_told(loud: Any) -> None:
+    scene = on_a_damper(0.5, 1e-3)
+    scene.load(lf.Spring(scene.body("disc").point("center"), scene.ground.at(0.0, 0.0), stiffness=0.0, damping=1300.0))
+    assert "takes 1.8 times the velocity" in loud(scene, 0.1, lf.MoreauJean(step=1e-3))
+
+
 def test_two_dampers_that_are_too_strong_together_are_told(loud: Any) -> None:
     scene = on_a_damper(0.7, 1e-3)
     scene.load(lf.Spring(scene.body("disc").point("center"), scene.ground.at(0.0, -5.0), stiffness=0.0, damping=700.0))
