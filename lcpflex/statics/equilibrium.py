@@ -87,7 +87,7 @@ def equilibrium(
     The path costs 2 ndof evaluations of all forces a step, and dense matrices of that size: 5 s for a mesh of 800
     coordinates on two supports, minutes for one of 1500. Many contacts cost more: a heap of 30 discs takes 2 s, one of
     100 (218 contacts) more than its budget; lay such heaps to rest by a run. ``lcpflex.equilibria`` looks for several
-    places.
+    places. A body on which nothing larger than 1e-13 of the largest force acts rests wherever it is.
     Sources: Moreau 1988 (steps); Josephy 1979 (Newton's method for inclusions); Lawson & Hanson 1974 (least forces).
     """
     problem, path = stated(scene, initial, farthest, time, budget)
@@ -139,8 +139,8 @@ def come_to_rest(problem: Problem, path: Path) -> Rest:
         if not path.advance(problem.until):
             if perf_counter() > problem.until:
                 raise _unfinished(problem, path, step)
-            raise _restless(path, compiled, "no step of its path could be made")
-    raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps")
+            raise _restless(path, compiled, "no step of its path could be made", False)
+    raise _restless(path, compiled, f"it does not come to rest within {MOST_STEPS} steps", False)
 
 
 def _compiled(scene: Any) -> CompiledScene:
@@ -204,13 +204,19 @@ def _unfinished(problem: Problem, path: Path, steps: int) -> SolverError:
     )
 
 
-def _restless(path: Path, compiled: CompiledScene, why: str) -> SolverError:
-    """What to raise where there is no rest: with what moves."""
+def _restless(path: Path, compiled: CompiledScene, why: str, loose: bool = True) -> SolverError:
+    """What to raise where there is no rest: with what moves, which nothing holds if it is ``loose``."""
     here = path.station
     dof = compiled.model.bodies.dof.tolist()
     motion = what_moves(compiled.layout.bodies, dof, path.scales, here.at.q, here.step)
     words = motion or "nothing moves"
+    held = ", and nothing holds that" if loose else " in the last step"
+    expected = (
+        "contacts, joints or springs that do"
+        if loose
+        else "a start nearer to rest (initial=), or springs, masses and sizes that differ less, if what moves is held"
+    )
     return SolverError(
-        f"equilibrium: {why}: {words}, and nothing holds that (moved {here.travelled:.4g} m, unbalanced "
-        f"{here.residual:.2g} of the forces that act); expected contacts, joints or springs that do"
+        f"equilibrium: {why}: {words}{held} (moved {here.travelled:.4g} m, unbalanced "
+        f"{here.residual:.2g} of the forces that act); expected {expected}"
     )

@@ -14,7 +14,7 @@ from lcpflex.statics.balance import Balance, Configuration
 from lcpflex.statics.path import Path
 from lcpflex.statics.refinement import refined
 from lcpflex.statics.rest import ContactAtRest, JointAtRest, Rest, Trace
-from lcpflex.statics.scales import Scales
+from lcpflex.statics.scales import Scales, acting_on
 from lcpflex.statics.shared_forces import SharedForces, shared_forces
 from lcpflex.statics.stability import stability_of
 from lcpflex.statics.tangent import tangent_stiffness
@@ -24,6 +24,8 @@ __all__ = ["rest_at"]
 
 CLOSED = 1e-9  # of the size of the scene: gaps up to it are closed, and deeper ones not yet at rest
 BALANCED = 1e-9  # residual of a place of rest
+OWN = 1e-6  # of the largest force on a body: what is not balanced of a light one beside heavy ones
+LIGHTEST = 1e-13  # of the largest force: what is rounding on any body
 
 
 def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Path, steps: int) -> Rest | None:
@@ -38,16 +40,21 @@ def rest_at(compiled: CompiledScene, balance: Balance, scales: Scales, path: Pat
     scale = path.station.scale
     unit = np.ones(len(at.rows))
     unit[: at.n_joint][balance.model.joints.kind == ANGLE] = compiled.size
-    forces = shared_forces(at, scales, closed, unit, scale)
+    bodies = np.diff(balance.model.bodies.dof)
+    forces = shared_forces(
+        at, scales, closed, unit, scale, lambda p: np.repeat(acting_on(balance, scales, at, p), bodies)
+    )
     if forces is None:
         return None
     scale = path.scale(at, forces.p)
-    left = scales.force(at.force + at.rows.T @ forces.p)
-    residual = left / scale if scale > 0.0 else 0.0
-    if not residual <= BALANCED:
+    left = np.abs(at.force + at.rows.T @ forces.p) / scales.arm
+    residual = float(left.max(initial=0.0)) / scale if scale > 0.0 else 0.0
+    on = np.maximum(acting_on(balance, scales, at, forces.p), LIGHTEST * scale)
+    each = np.maximum.reduceat(left, balance.model.bodies.dof[:-1])
+    if not residual <= BALANCED or (each > OWN * on + LIGHTEST * scale).any():
         return None
     K = tangent_stiffness(balance, scales, q, forces.p)
-    found = stability_of(at, K, forces, scales, scale)
+    found = stability_of(at, K, forces, scales, on, balance.model.bodies.dof)
     balance.again(q)
     dof = compiled.model.bodies.dof.tolist()
 

@@ -64,11 +64,11 @@ def sets_of(at: Configuration, pressed: BoolArray, ratio: FloatArray, sticks: Bo
     return Sets(hold.T @ at.rows, push.T @ at.rows, push, hold.T @ offset)
 
 
-def coordinate_units(K: FloatArray, scales: Scales, force: float) -> FloatArray:
+def coordinate_units(K: FloatArray, scales: Scales, force: float | FloatArray) -> FloatArray:
     """(ndof,) c = 1 / sqrt(k): k the own stiffness of each coordinate, no less than that of the forces that act.
 
-    Forces of ``force`` [N] in all turn with the bodies, which are of the ``size``: force / size [N/m]. In these units
-    stiffnesses are numbers up to about 1.
+    Forces of ``force`` [N], one for all or (ndof,) each its own, turn with the bodies, which are of the ``size``:
+    force / size [N/m]. In these units stiffnesses are numbers up to about 1.
     """
     floor = force / scales.size * scales.arm**2
     return np.asarray(1.0 / np.sqrt(np.maximum(np.abs(np.diag(K)), floor)))

@@ -17,7 +17,7 @@ from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 from lcpflex.statics.balance import Balance, Configuration
 
-__all__ = ["Scales", "acting", "scales_of", "softest"]
+__all__ = ["Scales", "acting", "acting_on", "scales_of", "softest"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,23 +63,33 @@ def scales_of(model: Model, q: FloatArray, size: float) -> Scales:
 def acting(balance: Balance, scales: Scales, at: Configuration, p: FloatArray) -> float:
     """The largest force that acts on a body, cancelled or not, with the multipliers p [N].
 
-    Weights, springs and applied forces, elastic forces, and those of joints and contacts: residuals are relative to it,
-    so that two springs against each other rest as exactly as their forces are known.
+    Residuals are relative to it, so that two springs against each other rest as exactly as their forces are known.
+    """
+    return float(acting_on(balance, scales, at, p).max(initial=0.0))
+
+
+def acting_on(balance: Balance, scales: Scales, at: Configuration, p: FloatArray) -> FloatArray:
+    """(nb,) the largest force that acts on each body, cancelled or not, with the multipliers p [N].
+
+    Weights, springs and applied forces, elastic forces, and those of joints and contacts.
     """
     model = balance.model
     loads, bodies = model.loads, model.bodies
-    weights = bodies.mass * float(np.hypot(*loads.gravity))
-    parts: list[FloatArray] = [weights, np.array([scales.force(balance.work.driving)])]
-    parts.append(_springs(model, scales, at.q))
-    stiff = np.zeros_like(at.q)
+    on = bodies.mass * float(np.hypot(*loads.gravity))
+    own = np.abs(balance.work.driving / scales.arm)
     for b in range(len(bodies.mass)):
         first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
         modes = slice(first - N_RIGID * (b + 1), last - N_RIGID * (b + 1))
-        stiff[first:last] = bodies.stiffness[modes] * at.q[first:last]
-    parts.append(np.abs(stiff / scales.arm))
+        stiff = np.abs(bodies.stiffness[modes] * at.q[first:last] / scales.arm[first:last])
+        own[first:last] = np.maximum(own[first:last], stiff)
     if len(p):
-        parts.append(np.abs(at.rows / scales.arm * p[:, None]).max(axis=1))
-    return max(float(part.max(initial=0.0)) for part in parts)
+        own = np.maximum(own, np.abs(at.rows / scales.arm * p[:, None]).max(axis=0))
+    on = np.maximum(on, np.maximum.reduceat(own, bodies.dof[:-1]))
+    for k, tension in enumerate(_springs(model, scales, at.q)):
+        for b in model.points.body[loads.spring_point[k]]:
+            if b >= 0:
+                on[b] = max(on[b], float(tension))
+    return np.asarray(on)
 
 
 def softest(model: Model, scales: Scales) -> float:

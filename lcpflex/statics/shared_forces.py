@@ -11,6 +11,7 @@ Source: Lawson & Hanson 1974 (least-distance programming).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,8 @@ ACTIVE = 1e-9  # of the largest force: nearer to the side of a cone is on it
 OPEN = 1e-7  # of the largest force: a range of solutions smaller than that is one force
 SAME = 1e-9  # entry of the null space that is none
 MARGIN = 1e-3  # of the largest force: as far inside a cone as is asked for
+LIGHT = 1e-6  # of the largest force: contacts and joints of bodies that bear less are measured by no less
+PULLS = 1e-3, 1e-14  # of the largest force on the lighter body, and on any: by how much a contact of it may pull
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,12 +46,18 @@ class SharedForces:
 
 
 def shared_forces(
-    at: Configuration, scales: Scales, closed: NDArray[np.bool_], unit: FloatArray, scale: float
+    at: Configuration,
+    scales: Scales,
+    closed: NDArray[np.bool_],
+    unit: FloatArray,
+    scale: float,
+    acting: Callable[[FloatArray], FloatArray],
 ) -> SharedForces | None:
     """Of the ``closed`` (n,) contacts and all joints; None where no forces balance the loads.
 
     unit (rows,): what a multiplier is measured in for the norm, 1 for forces, a length for moments [m]. scale: the
-    largest force that acts [N].
+    largest force that acts [N]. acting: (ndof,) the largest force on the body of each coordinate, of multipliers [N];
+    by those of the lighter body it is told what a contact does, which beside heavy bodies would seem nothing.
     """
     chosen = np.concatenate([np.ones(at.n_joint, bool), closed, closed[at.tangent]])
     p, unique = np.zeros(len(at.rows)), np.ones(len(at.rows), bool)
@@ -70,9 +79,15 @@ def shared_forces(
     if found is None:
         return None
     x = found
+    p[chosen] = x * unit[chosen] * size
+    own_size = _lighter(at.rows[chosen], acting(p)) / size
+    least = C @ x + PULLS[0] * (np.abs(C) > 0.0).astype(float) @ own_size + PULLS[1]
+    if not (least >= 0.0).all():
+        return None
+    d = np.clip(own_size, LIGHT, 1.0)
+    x, N = x / d, _orthonormal(N, E, d)
     own = _unique(x, N, C)
     inside = _inside(x, N, C)
-    p[chosen] = x * unit[chosen] * size
     unique[chosen] = own
     k = np.flatnonzero(closed)
     pressed[k] = inside[: len(k)]
@@ -80,6 +95,25 @@ def shared_forces(
     sides = inside[len(k) :].reshape(2, -1)
     sticks[rubbing] = sides[0] & sides[1]
     return SharedForces(p, unique, pressed, sticks)
+
+
+def _lighter(rows: FloatArray, on: FloatArray) -> FloatArray:
+    """(k,) of rows (k, ndof), the largest force on that of its bodies which bears less; on: (ndof,) of bodies."""
+    least = np.where(rows != 0.0, on, np.inf).min(axis=1, initial=np.inf)
+    return np.asarray(np.where(np.isfinite(least), least, on.max(initial=0.0)))
+
+
+def _orthonormal(N: FloatArray, E: FloatArray, d: FloatArray) -> FloatArray:
+    """The null space N of E in units d (k,) of its multipliers; each body is weighed by its lightest contact."""
+    if not N.shape[1] or (d == 1.0).all():
+        return N
+    touched = np.where(E != 0.0, d, np.inf).min(axis=1, initial=np.inf)
+    weights = np.where(np.isfinite(touched), touched, 1.0)
+    _, sizes, V = np.linalg.svd(E * d / weights[:, None])
+    rank = len(d) - N.shape[1]
+    if int((sizes > CUT * sizes[0]).sum()) == rank:
+        return np.asarray(V[rank:].T)
+    return np.asarray(np.linalg.qr(N / d[:, None])[0])
 
 
 def _cones(at: Configuration) -> FloatArray:
@@ -119,7 +153,7 @@ def _unique(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
     unique = np.asarray(np.abs(N).max(axis=1, initial=0.0) <= SAME)
     if not N.shape[1]:
         return unique
-    sides, room = (-(C @ N), C @ x + ACTIVE) if len(C) else (None, None)
+    sides, room = (-(C @ N), np.maximum(C @ x, 0.0) + ACTIVE) if len(C) else (None, None)
     for i in np.flatnonzero(~unique):
         ends = [linprog(sign * N[i], A_ub=sides, b_ub=room, bounds=(None, None)) for sign in (1.0, -1.0)]
         unique[i] = all(end.fun is not None and end.status == 0 and -end.fun <= OPEN for end in ends)
@@ -132,10 +166,15 @@ def _inside(x: FloatArray, N: FloatArray, C: FloatArray) -> NDArray[np.bool_]:
     if not N.shape[1] or inside.all():
         return inside
     free, count = N.shape[1], len(C)
-    found = linprog(  # as many sides as can be are kept away from together, by up to MARGIN
-        np.append(np.zeros(free), -np.ones(count)),
-        A_ub=np.hstack([-(C @ N), np.eye(count)]),
-        b_ub=C @ x + ACTIVE,
-        bounds=[(None, None)] * free + [(0.0, MARGIN)] * count,
-    )
-    return inside if found.x is None else np.asarray(inside | (found.x[free:] > OPEN))
+    while not inside.all():  # one solution may use up at one contact what would do for several; the mean of all is in
+        found = linprog(
+            np.append(np.zeros(free), inside - 1.0),
+            A_ub=np.hstack([-(C @ N), np.eye(count)]),
+            b_ub=np.maximum(C @ x, 0.0) + ACTIVE,
+            bounds=[(None, None)] * free + [(0.0, MARGIN)] * count,
+        )
+        more = inside | (found.x[free:] > OPEN) if found.x is not None else inside
+        if (more == inside).all():
+            break
+        inside = more
+    return inside

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lcpflex.dynamics.mass_matrix import null_space
-from lcpflex.jit.kernel import FloatArray
+from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.statics.balance import Configuration
 from lcpflex.statics.refinement import coordinate_units, sets_of
 from lcpflex.statics.scales import Scales
@@ -38,14 +38,19 @@ class Stability:
     family: FloatArray  # (k, ndof) directions in which such places may lie, and the neutral ones
 
 
-def stability_of(at: Configuration, K: FloatArray, forces: SharedForces, scales: Scales, scale: float) -> Stability:
-    """Of a configuration with its tangent stiffness K and its forces, the largest that acts being ``scale`` [N]."""
+def stability_of(
+    at: Configuration, K: FloatArray, forces: SharedForces, scales: Scales, on: FloatArray, dof: IntArray
+) -> Stability:
+    """Of a configuration with its tangent stiffness K and its forces, the largest on each body being ``on`` (nb,) [N].
+
+    Light bodies are measured by their own forces, lest all that holds or overturns them seem nothing beside heavy ones.
+    """
     r, n = at.n_joint, at.n_contacts
     normal = forces.p[r : r + n][at.tangent]
     ratio = np.where(normal > 0.0, forces.p[r + n :] / np.where(normal > 0.0, normal, 1.0), 0.0)
     sets = sets_of(at, forces.pressed, ratio, forces.sticks)
     smooth = sets_of(at, forces.pressed, ratio, np.zeros(len(at.tangent), bool))
-    c = coordinate_units(K, scales, scale if scale > 0.0 else 1.0)
+    c = coordinate_units(K, scales, np.repeat(np.where(on > 0.0, on, 1.0), np.diff(dof)))
     scaled = K * np.outer(c, c)
     Z, Y = _free(sets.hold, c), _free(sets.push, c)
     if Y.shape != Z.shape:

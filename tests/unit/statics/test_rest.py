@@ -163,7 +163,8 @@ def test_shared_forces_against_all_corners() -> None:
     balance = Balance(compiled)
     at = balance.look(compiled.q.copy(), 1e-3)
     scales = scales_of(balance.model, at.q, compiled.size)
-    found = shared_forces(at, scales, at.gap < 1e-9, np.ones(len(at.rows)), 20.0)
+    same = np.full(len(at.q), 20.0)
+    found = shared_forces(at, scales, at.gap < 1e-9, np.ones(len(at.rows)), 20.0, lambda p: same)
     assert found is not None
     n = at.n_contacts
     assert at.rows.T @ found.p == pytest.approx(-at.force, abs=1e-9)
