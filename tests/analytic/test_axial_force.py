@@ -183,6 +183,7 @@ def turned(push: float, pieces: int, stiffening: Stiffening | None = None) -> tu
     return result, (along[:, 0] * off[:, 1] - along[:, 1] * off[:, 0]) / np.hypot(*along.T)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5])
 def test_rod_of_a_slider_crank_bends_like_eight_welded_pieces(share):
     """Its compression peaks at so much of Euler's load, as the linear rod says, which is off by 20 to 45 %."""

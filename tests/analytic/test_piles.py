@@ -137,6 +137,7 @@ def left_in(result: lf.Result) -> FloatArray:
     return np.asarray((result.q[:, 1::3] > 0.0).sum(axis=1), dtype=float)
 
 
+@pytest.mark.slow
 def test_hopper_clogs_with_friction_and_runs_empty_without() -> None:
     stopped = left_in(run(gallery.hopper(), 3.5, record=0.05))
     assert 3 <= stopped[-1] <= 39

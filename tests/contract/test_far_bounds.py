@@ -104,6 +104,7 @@ class TestMany:
             assert solution.z / size == pytest.approx(plain.z, abs=1e-9)
             assert solution.w * units / load == pytest.approx(plain.w, abs=1e-9)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("matrix", ["definite", "semidefinite", "any"])
     def test_right_or_not_called_solved(self, matrix):
         solved = 0

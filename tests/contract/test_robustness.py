@@ -81,6 +81,7 @@ def test_no_solver_gives_a_wrong_answer(any_solver, all_solvers, faults, seed):
     assert asked >= 20
 
 
+@pytest.mark.slow
 def test_exhaustive_search_confirms_how_many_solutions_there_are(all_solvers):
     confirmed = collections.Counter()
     for example in examples(31, (1, 2, 4)):

@@ -102,7 +102,7 @@ def test_contacts_between_bodies_that_are_held():
         assert problem.residual(wrong) > 1e-5
 
 
-@pytest.mark.parametrize("n", [3, 30])
+@pytest.mark.parametrize("n", [3, pytest.param(30, marks=pytest.mark.slow)])
 def test_numbers_below_the_normal_range_end_at_once(n):
     """They cost a hundred times the others in every operation: no ladder of attempts on them."""
     rng = np.random.default_rng(3)

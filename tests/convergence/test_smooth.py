@@ -80,6 +80,7 @@ def test_order_of_verlet_in_contact() -> None:
     assert_order(1.0, Penalty(2e4, exponent=3.0, damping=0.1, slip_speed=0.5), 0.3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("implicit", [False, True], ids=["explicit", "stiff"])
 def test_error_and_remainder_follow_the_tolerance(implicit: bool) -> None:
     """Impact on a linear spring, kinks included: each decade of tolerance brings at least two thirds of one.

@@ -54,7 +54,9 @@ WRITERS: dict[str, Callable[[lf.Result, Path], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=pytest.mark.slow) if one == "film.gif" else one for one in WRITERS]
+)
 def test_a_full_disk_leaves_nothing_half(name: str, result: lf.Result, tmp_path: Path) -> None:
     if name.endswith(HDF5):
         pytest.importorskip("h5py")

@@ -193,6 +193,7 @@ def first_of_plate(n: int, triangles: bool, quadratic: bool) -> float:
     return float(Continuum(mesh, RHO, E, NU).reduce(1).frequencies()[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("triangles", "quadratic"), KINDS)
 def test_frequencies_converge_with_the_second_or_fourth_power_of_the_element_size(triangles, quadratic):
     exact = first_of_plate(50, False, True)  # its own error is below a hundredth of the least one here

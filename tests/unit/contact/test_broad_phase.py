@@ -130,6 +130,7 @@ def test_it_does_so_far_from_the_origin_and_on_the_edges_of_cells(monkeypatch: p
             assert found(kept, listed.q.copy(), margin) == found(listed, listed.q.copy(), margin) != []
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("overlapping")
 def test_what_is_too_much_to_be_listed_is_found_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = mixed(3)
@@ -235,6 +236,7 @@ def table_with_laws(made: lf.CompiledScene, touching: float) -> tuple[object, Co
     return model, contact_table(4096, len(made.model.contacts.surface_body), (), 2, pairs, touching)
 
 
+@pytest.mark.slow
 def test_a_pair_gets_a_law_when_it_touches_and_keeps_it() -> None:
     made = discs(49)
     model, table = table_with_laws(made, 0.0)

@@ -49,6 +49,7 @@ def run(law: ContactLaw, integrator: Any = FIXED, duration: float = 0.5) -> lf.R
     return lf.simulate(ball(), duration, stepper, record=0.01, progress=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("own", [hertz, numba.njit(hertz), hunt_crossley, as_python], ids=range(4))
 def test_own_law_is_as_good_as_one_of_the_library(own: Callable[..., float]) -> None:
     """Several impacts with friction; two laws of one function beside each other, so that no address is baked in."""

@@ -299,6 +299,7 @@ def test_damaged_files_are_compiled_again(filled: Path, tmp_path: Path, damage: 
     assert run(folder) == (0, "")
 
 
+@pytest.mark.slow
 def test_two_processes_compile_each_kernel_once(tmp_path: Path) -> None:
     """The others wait for what one of them compiles, and load it."""
     processes = [started(tmp_path) for _ in range(3)]

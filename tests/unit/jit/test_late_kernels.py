@@ -82,6 +82,7 @@ def test_what_is_not_called_is_not_compiled(sources: Path, tmp_path: Path) -> No
     assert compiled == [["small", "top"], ["share"], ["deep", "pair", "rare"], [], [], [], [], []]
 
 
+@pytest.mark.slow
 def test_without_thin_linking(sources: Path, tmp_path: Path) -> None:
     """They are kernels as all others."""
     plain = "private.why_not_thin = lambda: 'hidden'\n"
@@ -89,6 +90,7 @@ def test_without_thin_linking(sources: Path, tmp_path: Path) -> None:
     assert runs[0]["value"] == runs[1]["value"]
 
 
+@pytest.mark.slow
 def test_all_ahead_of_time(sources: Path, tmp_path: Path) -> None:
     """Whether what calls them was compiled in the process or before it."""
     first = "late_ones.top(-1.0, np.ones(2))\n"
@@ -152,6 +154,7 @@ else:
     assert run["value"] == plain["value"]
 
 
+@pytest.mark.slow
 def test_threads(sources: Path, tmp_path: Path) -> None:
     """That ask for the same ones at the same time, without the interpreter's lock."""
     threads = """
@@ -172,6 +175,7 @@ assert len(set(found)) == 1, found
         assert sorted(run["compiled"]) == sorted([*RARE, "small", "top"])
 
 
+@pytest.mark.slow
 def test_lost_files(sources: Path, tmp_path: Path) -> None:
     """Each of them, one at a time: the kernels are compiled again."""
     cache = tmp_path / "cache"

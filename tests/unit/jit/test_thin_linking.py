@@ -108,6 +108,7 @@ def check_damaged(filled: Filled, folder: Path, cases: list[tuple[str, str]]) ->
     assert [run["compiled"] for run in runs[1::2]] == [[]] * len(caches)
 
 
+@pytest.mark.slow
 def test_damaged_files(filled: Filled, tmp_path: Path) -> None:
     """One file, in each way."""
     check_damaged(filled, tmp_path, list(zip(sorted(filled.files), DAMAGES, strict=False)))
@@ -200,6 +201,7 @@ def caller(x, data):
 """
 
 
+@pytest.mark.slow
 def test_a_kernel_that_callers_have_a_copy_of(filled: Filled, tmp_path: Path) -> None:
     """What LLVM has made of the copy, some arguments gone, is never called in place of the kernel."""
     (filled.sources / "tiny_shared.py").write_text(SHARED)

@@ -165,6 +165,7 @@ def assert_killed_runs_end_alike(path: Path, duration: float, kills: int) -> Non
     assert_same_bits(whole, result)
 
 
+@pytest.mark.slow
 def test_a_run_that_is_killed_twice(tmp_path: Path) -> None:
     assert_killed_runs_end_alike(tmp_path / "run.npz", 4.0, kills=2)
 

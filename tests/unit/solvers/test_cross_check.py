@@ -224,6 +224,7 @@ class TestReplay:
         assert result.verdict.splitlines()[0] == "3 problems: wrong claims by liar"
         assert result.findings[1] == "slide: wrong claim by liar"
 
+    @pytest.mark.slow
     def test_gallery_without_wrong_claims(self):
         problems = [p for name in ("boxes", "kkt") for p in family(name, sizes=(1, 3))]
         result = replay(problems, repeats=1)

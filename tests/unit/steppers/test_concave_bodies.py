@@ -96,7 +96,7 @@ STEPPERS = {
 }
 
 
-@pytest.mark.parametrize("chain", ["closed", "open", "part"])
+@pytest.mark.parametrize("chain", ["closed", *(pytest.param(one, marks=pytest.mark.slow) for one in ("open", "part"))])
 @pytest.mark.parametrize("stepper", STEPPERS)
 def test_a_tooth_passes_the_pawl_and_is_held(stepper: str, chain: str) -> None:
     result = lf.simulate(ratchet(chain), 0.06, STEPPERS[stepper](), record=1e-5)

@@ -142,7 +142,9 @@ def assert_one_motion(pair: Pair, duration: float, stepper: Any, within: float =
 
 
 @pytest.mark.parametrize("stepper", STEPPERS.values(), ids=list(STEPPERS))
-@pytest.mark.parametrize(("mu", "e"), [(0.3, 0.5), (0.0, 0.8), (0.6, 0.0)])
+@pytest.mark.parametrize(
+    ("mu", "e"), [(0.3, 0.5), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0.0, 0.8), (0.6, 0.0)))]
+)
 @pytest.mark.parametrize("build", SYSTEMS.values(), ids=list(SYSTEMS))
 def test_a_scene_and_its_equations_move_alike(build: Callable[..., Pair], mu: float, e: float, stepper: Any) -> None:
     pair = build(mu, e)

@@ -109,6 +109,7 @@ def spent_on(found) -> float:
     return spent
 
 
+@pytest.mark.slow
 def test_rigid_is_chosen_where_rigid_suffices() -> None:
     check("sled")
 

@@ -41,6 +41,7 @@ def test_explicit_limit_of_two_over_omega(oscillators: StabilityMap) -> None:
     np.testing.assert_array_equal(oscillators.of("Moreau-Jean") == Outcome.DIVERGED, beyond)
 
 
+@pytest.mark.slow
 def test_painleve_boundary_lies_within_a_cell() -> None:
     axes = {"degrees": np.linspace(20.0, 85.0, 27), "friction": np.linspace(0.5, 3.0, 26)}
     found = stability(gallery.painleve_rod, {"acceleration level": acceleration_level}, axes)
