@@ -13,10 +13,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigh
 
-from lcpflex.checks.loads_in_time import place_name, resisted
+from lcpflex.checks.loads_in_time import masses_and_joints, place_name, resisted
 from lcpflex.compile.compiled_scene import CompiledScene
-from lcpflex.dynamics.mass_matrix import elastic_matrices, held_inverse, mass_matrix
-from lcpflex.dynamics.start import violation
+from lcpflex.dynamics.mass_matrix import elastic_matrices, held_inverse
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.results.result import Result
@@ -84,10 +83,9 @@ class _Damping:
     """All damping of a scene at q: C = columns columns^T."""
 
     def __init__(self, compiled: CompiledScene, theta: float, q: FloatArray) -> None:
-        model, still = compiled.model, np.zeros_like(q)
+        model = compiled.model
         self._compiled, self.theta = compiled, theta
-        self.M = mass_matrix(model, q)
-        self._J = violation(model, q, still, np.zeros((compiled.n_external, 3))).jacobian
+        self.M, self._J = masses_and_joints(compiled, q)
         self._K, C = elastic_matrices(model, q)
         self._C_d = np.diag(np.diag(C))
         self._dampers = [k for k, c in enumerate(model.loads.spring_value[:, 1]) if c > 0.0]

@@ -26,7 +26,7 @@ from lcpflex.model.planar import N_RIGID
 from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
 
-__all__ = ["place_name", "resisted", "unseen_loads"]
+__all__ = ["masses_and_joints", "place_name", "resisted", "unseen_loads"]
 
 TURN = 0.45  # omega times step up to which a mean over the step is good to (omega step)^2 / 12
 SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega step)^2 / 24
@@ -72,10 +72,7 @@ class _Scales:
 
     @cached_property
     def _mechanics(self) -> tuple[FloatArray, FloatArray]:
-        """Mass matrix and rows of the joints at the start."""
-        compiled = self._compiled
-        still, external = np.zeros_like(compiled.q), np.zeros((compiled.n_external, 3))
-        return mass_matrix(compiled.model, compiled.q), violation(compiled.model, compiled.q, still, external).jacobian
+        return masses_and_joints(self._compiled, self._compiled.q)
 
     @cached_property
     def _inverse(self) -> FloatArray:
@@ -94,6 +91,12 @@ class _Scales:
         """The same of bodies as if they were rigid: what lasts."""
         rows = rows[:, self._rigid]
         return max(float(np.linalg.eigvalsh(rows @ self._stiff @ rows.T)[-1]), 0.0)
+
+
+def masses_and_joints(compiled: CompiledScene, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mass matrix (ndof, ndof) and rows of the joints (nj, ndof) at q, drives as at t = 0."""
+    still, external = np.zeros_like(q), np.zeros((compiled.n_external, 3))
+    return mass_matrix(compiled.model, q), violation(compiled.model, q, still, external).jacobian
 
 
 def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:
