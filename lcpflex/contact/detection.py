@@ -14,6 +14,7 @@ from lcpflex.contact.passes import detect_pass
 from lcpflex.contact.rule_detection import detect_rule
 from lcpflex.contact.table import ALL, COMPLIANT, RIGID, ContactTable, contact_table
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
 __all__ = ["ALL", "COMPLIANT", "RIGID", "ContactTable", "bound", "contact_table", "detect"]
@@ -36,6 +37,7 @@ def detect_declared(
     return n
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def detect(model: Model, q: FloatArray, margin: float, table: ContactTable) -> int:
     """All contacts with gap <= margin [m] at q, in the order of passes, nodes and features.

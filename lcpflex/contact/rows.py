@@ -15,6 +15,7 @@ from __future__ import annotations
 from lcpflex.contact.narrow_phase.feature import feature_rows, feature_velocity
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.points import (
     add_point_rows,
     add_rotation_row,
@@ -24,6 +25,7 @@ from lcpflex.kinematics.points import (
 from lcpflex.model.arrays import Model
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def contact_rows(
     model: Model, q: FloatArray, table: ContactTable, k: int, normal_rows: FloatArray, tangent_rows: FloatArray
@@ -44,6 +46,7 @@ def contact_rows(
         feature_rows(model, q, table, k, normal_rows[1], tangent_rows[1])
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> float:
     """gdot_N [m/s] of entry k."""
@@ -52,6 +55,7 @@ def gap_rate(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k:
     return table.normal[k, 0] * (vx - wx) + table.normal[k, 1] * (vy - wy)
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def contact_point(model: Model, q: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """Where entry k touches: the point of the node's circle nearest to the feature [m], world axes."""

@@ -10,6 +10,7 @@ from lcpflex.contact.narrow_phase.feature import contact_bias
 from lcpflex.contact.rows import contact_rows
 from lcpflex.dynamics.applied_forces import applied_forces, spring_energy
 from lcpflex.dynamics.body_forces import elastic_forces, inertial_forces, stored_energies
+from lcpflex.dynamics.delassus import apply_impulses
 from lcpflex.dynamics.inertia import (
     factorise as factorise_bodies,
     multiply as multiply_bodies,
@@ -19,11 +20,13 @@ from lcpflex.dynamics.inertia import (
 from lcpflex.dynamics.whitening import whiten_rows as whiten
 from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
 
 __all__ = [
     "contact_biases",
+    "displace",
     "energies",
     "fill_contact_rows",
     "forces",
@@ -41,6 +44,7 @@ def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
     """Fill ``work.external`` from Python callbacks at time t: none in a compiled loop."""
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
     """All generalised forces but constraint ones: by kind in conservative, dissipative, driving; their sum in total."""
@@ -56,18 +60,21 @@ def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace
         work.total[i] = work.conservative[i] + work.dissipative[i] + work.driving[i]
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K."""
     factorise_bodies(model.bodies, q, alpha_c, alpha_k, work.arrow)
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
     """out = M(q) x, after ``factorise`` at the same q."""
     multiply_bodies(model.bodies, q, x, work.arrow, out)
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
     """x <- A^-1 x for a vector over all degrees of freedom."""
@@ -77,6 +84,7 @@ def solve_vector(model: Model, work: Workspace, x: FloatArray) -> None:
         solve_block(model.bodies, work.arrow, b, block, block)
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
     """solved[r] <- A^-1 rows[r] for first <= r < last."""
@@ -95,12 +103,14 @@ def solve_rows(model: Model, work: Rows, first: int, last: int) -> None:
                 solved[r, i, 2] = t
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def whiten_rows(model: Model, work: Workspace, first: int, last: int) -> None:
     """white[r] <- L^-1 rows[r] for first <= r < last, L L^T = A."""
     whiten(model.bodies, work.arrow, work.rows, work.row_body, first, last, work.white)
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: Rows) -> int:
     """Rows of the first n contacts of the table at q, behind the joint rows: normals, then tangents where mu > 0.
@@ -126,6 +136,7 @@ def fill_contact_rows(model: Model, q: FloatArray, n: int, n_joint: int, work: R
     return n_tangent
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def contact_biases(
     model: Model, q: FloatArray, u: FloatArray, n: int, n_tangent: int, n_joint: int, work: Workspace
@@ -140,6 +151,14 @@ def contact_biases(
             tangent += 1
 
 
+@in_space("lcpflex.dynamics.spatial.mechanics")
+@kernel
+def displace(model: Model, work: Workspace, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
+    """q moved by A^-1 W^T p of the rows first..last, ``work.solved``: what impulses are to a velocity."""
+    apply_impulses(work.solved, work.row_body, first, last, p, work.dof, q)
+
+
+@in_space("lcpflex.dynamics.spatial.mechanics")
 @kernel
 def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
     """Kinetic, elastic (bodies) and potential (weight, springs) energy [J]."""

@@ -39,8 +39,8 @@ class Workspace:
     table: ContactTable
     arrow: Arrow
     dense: FloatArray  # Cholesky factor of the matrix of a step; user-defined systems only
-    middle: FloatArray = array("ndof")  # configuration at which the step is linearised
-    ahead: FloatArray = array("ndof")  # configuration at which contacts are detected
+    middle: FloatArray = array("nq")  # configuration at which the step is linearised
+    ahead: FloatArray = array("nq")  # configuration at which contacts are detected
     free_u: FloatArray = array("ndof")  # velocity without constraint impulses
     conservative: FloatArray = array("ndof")  # generalised forces by kind
     dissipative: FloatArray = array("ndof")
@@ -111,6 +111,7 @@ Rows = Workspace | CompliantContacts  # both hold a table, rows and factors, by 
 
 def workspace(
     n_external: int,
+    nq: int,
     pattern: JointPattern,
     table: ContactTable,
     compliant: CompliantContacts,
@@ -119,6 +120,7 @@ def workspace(
 ) -> Workspace:
     """Allocate for as many contacts as ``table``, beside the compliant ones, with their offsets and factors.
 
+    ``nq``: numbers of a configuration.
     ``dense``: contacts that one problem may have. ``before``: a smaller one; what its solver knows goes on.
     """
     capacity = len(table.key)
@@ -128,6 +130,7 @@ def workspace(
     n_joint = len(joints.answer)
     sizes = {
         "slots": n_external,
+        "nq": nq,
         "ndof": ndof,
         "rows": n_joint + 2 * capacity + 1,
         "width": int(np.max(np.diff(dof), initial=1)),

@@ -142,8 +142,8 @@ def _own(function: Any, structs: frozenset[str]) -> tuple[str, list[Any]]:
     for name in sorted(_names(function.__code__)):  # of attributes, too: at worst, the hash holds what does not matter
         if name in function.__globals__:
             value = function.__globals__[name]
-            kernels = value.calls if isinstance(value, Leaf) else {"": value}
-            chosen = [kernel for kind, kernel in sorted(kernels.items()) if not kind or kind in structs]
+            kernels = value.of_kinds(structs) if isinstance(value, Leaf) else {"": value}
+            chosen = [kernel for _, kernel in sorted(kernels.items())]
             reached = list(map(_source, chosen))
             if all(map(_is_own, reached)):
                 called += [source for source in reached if not source.__module__.startswith(COMPILERS)]

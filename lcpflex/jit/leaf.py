@@ -10,16 +10,27 @@
 A call takes the kernel of the first argument whose struct has one: numba when it compiles the caller, from the types
 of the arguments; Python from their classes. The caller is compiled anew for each kind, and nothing is looked up while
 it runs.
+
+    @in_space("lcpflex.dynamics.spatial.forces")
+    @kernel
+    def forces(model, q, u): ...
+
+is a kernel for what is planar; where an argument is a struct of space, the function of the same name in that module
+goes before it. The module is loaded when it is first asked for: planar scenes pay nothing for it.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
 from typing import Any, Generic, ParamSpec, TypeVar
 
 from lcpflex.jit.kernel import kernel
 
-__all__ = ["Leaf", "leaf", "optional_leaf"]
+__all__ = ["Leaf", "in_space", "leaf", "optional_leaf"]
+
+SPATIAL = "Spatial"  # names of the structs of space begin so
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -36,12 +47,15 @@ class Leaf(Generic[P, R]):
         By the name of the struct.
     default
         The kernel of kinds that have none of their own; None where each must have one.
+    space
+        Module with the kernel of all kinds of space; empty where they have none of their own.
     """
 
-    def __init__(self, declared: Callable[P, R], default: Callable[P, R] | None = None) -> None:
+    def __init__(self, declared: Callable[P, R], default: Callable[P, R] | None = None, space: str = "") -> None:
         self.name = f"{declared.__module__}.{declared.__qualname__}"
         self.__doc__ = declared.__doc__
         self.default = default
+        self.space = space
         self.kernels: dict[str, Callable[P, R]] = {}
 
     def of(self, *kinds: type) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -65,10 +79,26 @@ class Leaf(Generic[P, R]):
         TypeError
             Where none of them has one.
         """
-        found = next((self.kernels[label] for label in labels if label in self.kernels), self.default)
+        found = next((self._kernel(label) for label in labels if self._knows(label)), self.default)
         if found is None:
             raise TypeError(f"{self.name} has kernels for {sorted(self.kernels)}, and for none of the arguments")
         return found
+
+    def _knows(self, label: str) -> bool:
+        return label in self.kernels or (bool(self.space) and label.startswith(SPATIAL))
+
+    def _kernel(self, label: str) -> Callable[P, R]:
+        key = label if label in self.kernels or not self.space else SPATIAL
+        if key not in self.kernels:
+            self.kernels[key] = getattr(import_module(self.space), self.name.rpartition(".")[2])
+        return self.kernels[key]
+
+    def of_kinds(self, labels: frozenset[str]) -> dict[str, Callable[P, R]]:
+        """All that a call with arguments of these structs may take, the default under ""."""
+        found = {label: self.kernels[label] for label in labels if label in self.kernels}
+        if self.space and any(map(self._knows, labels)):
+            return {SPATIAL: self._kernel(SPATIAL)}  # and no planar one
+        return found if self.default is None else {**found, "": self.default}
 
     def copy(self) -> Leaf[P, R]:
         """Another one with the same kernels."""
@@ -82,8 +112,15 @@ class Leaf(Generic[P, R]):
         self.default = functions.get("", self.default)
 
     @property
+    def py_func(self) -> Callable[P, R]:
+        """The plain Python source of the default."""
+        return getattr(self.default, "py_func", self.default)  # type: ignore[return-value]
+
+    @property
     def calls(self) -> dict[str, Callable[P, R]]:
-        """All its kernels, the default under ""."""
+        """All its kernels that are loaded, the default under ""."""
+        if self.space in sys.modules:
+            self._kernel(SPATIAL)
         return self.kernels if self.default is None else {**self.kernels, "": self.default}
 
 
@@ -95,6 +132,15 @@ def leaf(declared: Callable[P, R]) -> Leaf[P, R]:
 def optional_leaf(declared: Callable[P, R]) -> Leaf[P, R]:
     """A function whose code serves all kinds of structs that have no kernel for it."""
     return _known_to_numba(Leaf(declared, kernel(declared)))
+
+
+def in_space(module: str) -> Callable[[Callable[P, R]], Leaf[P, R]]:
+    """Decorator of a planar kernel: arguments of space are for the function of the same name in that module."""
+
+    def declare(planar: Callable[P, R]) -> Leaf[P, R]:
+        return _known_to_numba(Leaf(getattr(planar, "py_func", planar), planar, module))
+
+    return declare
 
 
 def _known_to_numba(made: Leaf[P, R]) -> Leaf[P, R]:

@@ -8,6 +8,7 @@ Each row prescribes one relative coordinate c of the points P and Q of its joint
 from __future__ import annotations
 
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.relative import add_gradient, apart, coordinate_gradient, coordinate_value, relative_motion
 from lcpflex.kinematics.signal_values import signal_value
 from lcpflex.model.arrays import Model
@@ -23,6 +24,7 @@ def prescribed(model: Model, row: int, t: float, external: FloatArray) -> tuple[
     return signal_value(model.signals, model.joints.signal[row], t, external)
 
 
+@in_space("lcpflex.kinematics.spatial.joint_rows")
 @kernel
 def joint_residual(model: Model, t: float, q: FloatArray, external: FloatArray, phi: FloatArray) -> None:
     """phi(q, t) of all joints, ``joints.row[-1]`` values [m] or [rad]."""
@@ -34,6 +36,7 @@ def joint_residual(model: Model, t: float, q: FloatArray, external: FloatArray, 
             phi[r] = coordinate_value(joints.kind[r], at, joints.axis[r, 0], joints.axis[r, 1]) - joints.rest[r] - f
 
 
+@in_space("lcpflex.kinematics.spatial.joint_rows")
 @kernel
 def joint_rows(
     model: Model,

@@ -8,10 +8,10 @@ from __future__ import annotations
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.contact_problem import pose_island
-from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.joint_response import solve_joints
 from lcpflex.dynamics.large_island import describe_island, is_large
-from lcpflex.dynamics.mechanics import supply
+from lcpflex.dynamics.mechanics import displace, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.joint_rows import joint_residual
@@ -42,7 +42,7 @@ def project_joints(
         for j in range(n_joint):
             work.bias[j] = -work.residual[j]
         solve_joints(work, work.bias)
-        apply_impulses(work.solved, work.row_body, 0, n_joint, work.bias, work.dof, q)
+        displace(model, work, 0, n_joint, work.bias, q)
     recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift)
 
 
@@ -103,12 +103,12 @@ def project_contacts(
         return False
     moved = False
     for i in range(work.islands.count):
-        moved = lift_island(work, i, q) or moved
+        moved = lift_island(model, work, i, q) or moved
     return moved
 
 
 @kernel
-def lift_island(work: Workspace, i: int, q: FloatArray) -> bool:
+def lift_island(model: Model, work: Workspace, i: int, q: FloatArray) -> bool:
     """Lift the sunk contacts of island i; whether there were any, and it could be done."""
     islands = work.islands
     first = islands.start[i]
@@ -121,7 +121,7 @@ def lift_island(work: Workspace, i: int, q: FloatArray) -> bool:
     if m == 0:
         return False
     if is_large(work, i):
-        return lift_large_island(work, i, m, q)
+        return lift_large_island(model, work, i, m, q)
     if islands.count > 1:
         pose_island(work, i)
     if solve_normals(work.problem, work.closed, work.drift, m, work.solver) != 0:
@@ -129,12 +129,12 @@ def lift_island(work: Workspace, i: int, q: FloatArray) -> bool:
     for c in range(m):
         r = work.n_joint + islands.contact[first + work.closed[c]]
         work.bias[r] = work.drift[c]
-        apply_impulses(work.solved, work.row_body, r, r + 1, work.bias, work.dof, q)
+        displace(model, work, r, r + 1, work.bias, q)
     return True
 
 
 @kernel
-def lift_large_island(work: Workspace, i: int, m: int, q: FloatArray) -> bool:
+def lift_large_island(model: Model, work: Workspace, i: int, m: int, q: FloatArray) -> bool:
     """Lift the m contacts ``work.closed`` of a large island, its joints held: without friction, in place of impulses.
 
     The right-hand side and the impulses of the step come back, and the residual that the next step looks back to.
@@ -158,7 +158,7 @@ def lift_large_island(work: Workspace, i: int, m: int, q: FloatArray) -> bool:
     for r in range(m + large.n_joints):
         row = large.normal_row[r] if r < m else large.joint_row[r - m]
         if solved:
-            apply_impulses(work.solved, work.row_body, row, row + 1, work.p, work.dof, q)
+            displace(model, work, row, row + 1, work.p, q)
         work.p[row], work.free[row] = aside[r, 0], aside[r, 1]
         if r < m:
             work.terms[row - first] = aside[r, 2]

@@ -71,7 +71,7 @@ class Recorder:
     n_instants: int  # written
     n_points: int
     times: FloatArray = array("capacity")
-    q: FloatArray = array("capacity", "ndof")
+    q: FloatArray = array("capacity", "nq")
     u: FloatArray = array("capacity", "ndof")
     force: FloatArray = array("capacity", "laws", 2)
     impulse: FloatArray = array("capacity", "laws", 2)
@@ -96,11 +96,9 @@ class Recorder:
     farthest: float  # point of a surface from its frame [m]
     thickness: FloatArray  # (surfaces, 2) of nodes and of features of each surface [m]
     deflection: FloatArray  # (bodies,) largest shape of a mode on a surface of the body
-    before: FloatArray = array("ndof")  # configuration at the start of the step
-    after: FloatArray = array("ndof")  # and at its end, where it is to be examined
-    free: FloatArray = array(
-        "ndof"
-    )  # where its first velocity leads; NaN under schemes that move no body out of another
+    before: FloatArray = array("nq")  # configuration at the start of the step
+    after: FloatArray = array("nq")  # and at its end, where it is to be examined
+    free: FloatArray = array("nq")  # where its first velocity leads; NaN under schemes that move no body out of another
     # running values
     local: FloatArray = array(2, "ndof")  # magnitudes of the errors that error control has accepted, summed, of q, u
     counts: Counts
@@ -117,6 +115,7 @@ RUNNING = tuple(name for name, shape in shapes_of(Recorder).items() if shape[0] 
 
 
 def recorder(
+    nq: int,
     ndof: int,
     n_laws: int,
     capacity: int,
@@ -135,6 +134,7 @@ def recorder(
     return allocate(
         Recorder,
         {
+            "nq": nq,
             "ndof": ndof,
             "bodies": len(deflection),
             "laws": n_laws,
@@ -149,7 +149,7 @@ def recorder(
         farthest=farthest,
         thickness=thickness,
         deflection=deflection,
-        free=np.full(ndof, np.nan),
+        free=np.full(nq, np.nan),
         counts=allocate(Counts, {}),
         reactions=reactions,
         rates=rates,

@@ -153,7 +153,7 @@ class System:
         rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws if laws is None else laws
         if before is None:
             shortening = np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0)
-            ndof = len(self.q) if self.dense else 0
+            ndof = len(self.u) if self.dense else 0
             factors = arrow(len(bodies.dof) - 1, len(bodies.stiffness), shortening)
             shared = contact_memory(contacts, rows), np.array(bodies.dof), factors, np.zeros((ndof, ndof))
         else:
@@ -176,7 +176,7 @@ class System:
         """
         given = compliant or (self.compliant() if before is None else before.compliant)
         room = capacity if dense is None else dense
-        return workspace(self.n_external, self.pattern, self.table(capacity), given, room, before)
+        return workspace(self.n_external, len(self.q), self.pattern, self.table(capacity), given, room, before)
 
     def recorder(self, table_capacity: int, points: int) -> Recorder:
         """An empty recorder."""
@@ -187,6 +187,7 @@ class System:
         thickness = surface_thickness(contacts)
         return recorder(
             len(self.q),
+            len(self.u),
             self.n_laws,
             self._capacity(),
             points,

@@ -25,6 +25,7 @@ from lcpflex.contact.narrow_phase.segment import (
 from lcpflex.contact.narrow_phase.vertex import over_vertex, vertex_margin
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.kinematics.points import point_angle
 from lcpflex.model.arrays import Model
 
@@ -75,6 +76,7 @@ def over(
     return over_arc(model, q, f, x, y, highest)
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def refresh(model: Model, q: FloatArray, table: ContactTable, k: int) -> None:
     """Gap, normal and foot of entry k at q, with its feature kept."""
@@ -103,6 +105,7 @@ def feature_velocity(model: Model, q: FloatArray, u: FloatArray, table: ContactT
     return arc_velocity(model, q, u, table, k)
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable, k: int) -> tuple[float, float]:
     """w_N and w_T [m/s^2] of entry k."""

@@ -39,6 +39,7 @@ from lcpflex.dynamics.mechanics import (
 from lcpflex.dynamics.reaction_memory import Reactions
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import struct
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
@@ -76,6 +77,7 @@ class MoreauJeanScheme:
     projection: int
     tolerance: float
     velocity_threshold: float
+    gyroscopic: int  # passes of the correction in space
     q: FloatArray
     u: FloatArray
 
@@ -98,11 +100,12 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     factorise(model, work.middle, lean, lean * lean, work)
     add_balanced_forces(model, t + lean, work.middle, u, h, work)
     spare_spin(model, lean, u, work)
-    for i in range(len(q)):
+    for i in range(len(u)):
         work.free_u[i] = h * work.total[i]
     solve_vector(model, work, work.free_u)
-    for i in range(len(q)):
+    for i in range(len(u)):
         work.free_u[i] += u[i]
+    turn_on(model, scheme.gyroscopic, h, u, work)
     n_joint = len(work.residual)
     if n_joint > 0:
         joint_rows(model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.rate, work.bias)
@@ -116,6 +119,16 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     return n
 
 
+@in_space("lcpflex.dynamics.spatial.gyroscopic")
+@kernel
+def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> None:
+    """Correct ``work.free_u`` for forces that depend on the velocity within the step: in the plane, nothing.
+
+    In space omega x J omega, taken at the start of a step alone, gains energy.
+    """
+
+
+@in_space("lcpflex.dynamics.spatial.gyroscopic")
 @kernel
 def spare_spin(model: Model, lean: float, u: FloatArray, work: Workspace) -> None:
     """Take the mean of a ringing body's torque 2 omega q^T G qdot, which has none, off the total force.
@@ -224,10 +237,13 @@ def correct(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace, r
     for i in range(len(u)):
         u[i] = theta * work.free_u[i] + (1.0 - theta) * u[i]
     advance(model, q, u, h, q)
-    for i in range(len(q)):
+    for i in range(len(u)):
         u[i] = work.free_u[i]
+        if not math.isfinite(u[i]):
+            return False
+    for i in range(len(q)):
         largest = max(largest, abs(q[i]))
-        if not math.isfinite(q[i] + u[i]):
+        if not math.isfinite(q[i]):
             return False
     tolerance = 1e-12 * (1.0 + largest)
     project_joints(model, t + h, q, u, work, recorder, tolerance)

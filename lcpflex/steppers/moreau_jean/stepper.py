@@ -117,6 +117,7 @@ class MoreauJean:
             projection=self.projection,
             tolerance=self.solver_tolerance,
             velocity_threshold=0.0,
+            gyroscopic=1,
             q=system.q.copy(),
             u=system.u.copy(),
         )

@@ -1,0 +1,1 @@
+"""Spatial bodies: rigid ones from shapes, flexible ones from matrices."""

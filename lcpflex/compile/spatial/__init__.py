@@ -1,0 +1,1 @@
+"""From the objects of a spatial scene to the arrays of a model."""

@@ -1,0 +1,1 @@
+"""Inertia, forces and constraints of spatial bodies."""

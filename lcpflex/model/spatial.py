@@ -1,0 +1,140 @@
+"""The compiled form of a spatial scene: the groups of :mod:`lcpflex.model.arrays` that differ from those of the plane.
+
+Configuration q and velocity u have layouts of their own. Body b owns the entries ``place[b]:place[b+1]`` of q,
+
+    [R (3), p (4), eta (n)]      R: origin of its frame, world axes [m]; p: unit quaternion, scalar first; eta: modal
+
+and the entries ``dof[b]:dof[b+1]`` of u,
+
+    [v (3), omega (3), etadot (n)]      v = Rdot, world axes [m/s]; omega: angular velocity, body axes [rad/s].
+
+A material point that lies at x in the undeformed body is found at r = R + A(p) s, s = x + Phi eta, and the material
+there is turned by A(p) exp(psi eta). Rows of W and of joint Jacobians act on u.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.arrays import Contacts, Signals, frozen
+
+__all__ = [
+    "N_PLACE",
+    "N_RIGID",
+    "SpatialBodies",
+    "SpatialJoints",
+    "SpatialLoads",
+    "SpatialModel",
+    "SpatialPointTable",
+    "SpatialPoints",
+]
+
+N_PLACE = 7  # numbers that place a body as a rigid one, R and p; its modal coordinates come behind them
+N_RIGID = 6  # its velocities, v and omega; the modal ones come behind them
+
+
+class SpatialBodies(NamedTuple):
+    """Inertia, stiffness and damping of all bodies, each in its own orthonormal modal basis (M_ff = I).
+
+    Mode k of body b has the global index ``dof[b] - 6 b + k``. With < . > the integral of rho ( . ) dV:
+    moment = <x>, second = <x x^T>, S_k = <Phi_k>, first_k = <x Phi_k^T>, products_lk = <Phi_l Phi_k^T>.
+    """
+
+    dof: IntArray  # (nb + 1,) offsets into u
+    place: IntArray  # (nb + 1,) offsets into q
+    centred: IntArray  # (nb,) 1 where moment = 0, S = 0 and <x x Phi_k> = 0: a mean frame about the mass centre
+    mass: FloatArray  # (nb,) m
+    moment: FloatArray  # (nb, 3) s0 [kg m]
+    second: FloatArray  # (nb, 3, 3) P0 [kg m^2]; the inertia is J0 = tr(P0) I - P0
+    S: FloatArray  # (modes, 3) [kg^1/2]
+    first: FloatArray  # (modes, 9) P1_k = <x Phi_k^T>, row-major: entry 3 i + j is <x_i Phi_k,j> [kg^1/2 m]
+    stiffness: FloatArray  # (modes,) omega_k^2
+    damping: FloatArray  # (modes,) 2 zeta_k omega_k
+    cross_damping_start: IntArray  # (nb + 1,)
+    cross_damping: FloatArray  # flat n x n off-diagonal part of the modal damping, row-major
+    second_modes: IntArray  # (nb,) n2: products are kept between the first n2 modes of a body, else taken as 0
+    products_start: IntArray  # (nb + 1,) offsets into products
+    products: FloatArray  # flat (n2, n2, 9): entry [l, k, 3 i + j] is <Phi_l,i Phi_k,j>
+
+
+class SpatialPoints(NamedTuple):
+    """Material points: undeformed place in the body frame and the mode shapes there."""
+
+    body: IntArray  # (np,) -1 for the ground
+    place: FloatArray  # (np, 3) x, undeformed, body frame
+    start: IntArray  # (np + 1,) offsets into phi and psi
+    phi: FloatArray  # (total, 3) displacement of each mode of the body
+    psi: FloatArray  # (total, 3) small rotation of the material at the point, of each mode
+
+
+class SpatialJoints(NamedTuple):
+    """Bilateral constraints phi(q, t) = 0, each of a relative coordinate: see :mod:`lcpflex.kinematics.spatial`."""
+
+    point: IntArray  # (nj, 2) material points P on body i and Q on body j
+    row: IntArray  # (nj + 1,) offsets of the rows of each joint
+    kind: IntArray  # (rows,) relative coordinate
+    axis: FloatArray  # (rows, 3) its direction, fixed in the material at Q (of a component: in the world)
+    on_p: FloatArray  # (rows, 3) what is fixed in the material at P: see the relative coordinates
+    on_q: FloatArray  # (rows, 3) and a second direction at Q
+    rest: FloatArray  # (rows,) value without a motion [m] or [rad]
+    signal: IntArray  # (rows,) prescribed motion, -1: none
+
+
+class SpatialLoads(NamedTuple):
+    """Gravity, spring-dampers, forces and torques."""
+
+    gravity: FloatArray  # (3,)
+    spring_kind: IntArray  # (nk,) relative coordinate that resists
+    spring_point: IntArray  # (nk, 2) P, Q
+    spring_axis: FloatArray  # (nk, 3) as of joints
+    spring_on_p: FloatArray  # (nk, 3)
+    spring_on_q: FloatArray  # (nk, 3)
+    spring_value: FloatArray  # (nk, 3) stiffness, damping, value without force
+    force_kind: IntArray  # (nf,) force in world axes or in those of the material, torque in world axes or these
+    force_point: IntArray  # (nf,)
+    force_signal: IntArray  # (nf, 3) signals of the components
+
+
+class SpatialModel(NamedTuple):
+    """A compiled spatial scene."""
+
+    bodies: SpatialBodies
+    points: SpatialPoints
+    signals: Signals
+    joints: SpatialJoints
+    loads: SpatialLoads
+    contacts: Contacts
+
+
+class SpatialPointTable:
+    """Collects material points while a scene is compiled; hands out their indices."""
+
+    def __init__(self) -> None:
+        self._body: list[int] = []
+        self._place: list[FloatArray] = []
+        self._start: list[int] = [0]
+        self._phi: list[FloatArray] = []
+        self._psi: list[FloatArray] = []
+
+    def add(self, body: int, place: npt.ArrayLike, phi: npt.ArrayLike, psi: npt.ArrayLike) -> int:
+        """Register a point of ``body``; phi (n, 3) and psi (n, 3) are its mode shapes."""
+        self._body.append(body)
+        self._place.append(np.asarray(place, dtype=float))
+        self._phi.append(np.asarray(phi, dtype=float).reshape(-1, 3))
+        self._psi.append(np.asarray(psi, dtype=float).reshape(-1, 3))
+        self._start.append(self._start[-1] + len(self._phi[-1]))
+        return len(self._body) - 1
+
+    def compile(self) -> SpatialPoints:
+        """All points so far as read-only arrays."""
+        return SpatialPoints(
+            body=frozen(self._body, np.int64),
+            place=frozen(np.reshape(self._place, (-1, 3))),
+            start=frozen(self._start, np.int64),
+            phi=frozen(np.concatenate([np.zeros((0, 3)), *self._phi])),
+            psi=frozen(np.concatenate([np.zeros((0, 3)), *self._psi])),
+        )

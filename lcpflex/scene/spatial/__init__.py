@@ -1,0 +1,1 @@
+"""Spatial scenes: bodies, joints and loads."""
