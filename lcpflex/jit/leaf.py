@@ -113,8 +113,17 @@ class Leaf(Generic[P, R]):
 
     @property
     def py_func(self) -> Callable[P, R]:
-        """The plain Python source of the default."""
-        return getattr(self.default, "py_func", self.default)  # type: ignore[return-value]
+        """The plain Python source of the default.
+
+        Raises
+        ------
+        AttributeError
+            Where there is none.
+        """
+        if self.default is None:
+            raise AttributeError("py_func")
+        source: Callable[P, R] = getattr(self.default, "py_func", self.default)
+        return source
 
     @property
     def calls(self) -> dict[str, Callable[P, R]]:
