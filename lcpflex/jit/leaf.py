@@ -47,6 +47,8 @@ class Leaf(Generic[P, R]):
         By the name of the struct.
     default
         The kernel of kinds that have none of their own; None where each must have one.
+    py_func
+        The plain Python source of the default, where there is one.
     space
         Module with the kernel of all kinds of space; empty where they have none of their own.
     """
@@ -57,6 +59,8 @@ class Leaf(Generic[P, R]):
         self.default = default
         self.space = space
         self.kernels: dict[str, Callable[P, R]] = {}
+        if default is not None:
+            self.py_func = getattr(default, "py_func", default)
 
     def of(self, *kinds: type) -> Callable[[Callable[P, R]], Callable[P, R]]:
         """Decorator: the kernel of these structs."""
@@ -110,20 +114,6 @@ class Leaf(Generic[P, R]):
         """Take other functions for some kinds, the default under ""."""
         self.kernels.update({kind: function for kind, function in functions.items() if kind})
         self.default = functions.get("", self.default)
-
-    @property
-    def py_func(self) -> Callable[P, R]:
-        """The plain Python source of the default.
-
-        Raises
-        ------
-        AttributeError
-            Where there is none.
-        """
-        if self.default is None:
-            raise AttributeError("py_func")
-        source: Callable[P, R] = getattr(self.default, "py_func", self.default)
-        return source
 
     @property
     def calls(self) -> dict[str, Callable[P, R]]:
