@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+    from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
+    from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, SpatialRigidBody, Sphere
     from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
     from lcpflex.errors import LcpflexError, ModelError, ModelWarning, SolverError, StepError
@@ -94,8 +96,12 @@ __all__ = [
     "Bar",
     "Beam",
     "Box",
+    "Capsule",
     "ContactLaw",
     "Continuum",
+    "ConvexHull",
+    "Cuboid",
+    "Cylinder",
     "Disc",
     "Distance",
     "DrivenAngle",
@@ -135,6 +141,10 @@ __all__ = [
     "Smooth",
     "SolidOfRevolution",
     "SolverError",
+    "SpatialBody",
+    "SpatialPoint",
+    "SpatialRigidBody",
+    "Sphere",
     "Spring",
     "StateMechanics",
     "StepError",

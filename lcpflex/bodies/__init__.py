@@ -32,5 +32,20 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening as Stiffening
     from lcpflex.bodies.rigid import Box as Box, Disc as Disc, Polygon as Polygon, RigidBody as RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution as SolidOfRevolution
+    from lcpflex.bodies.spatial.body import SpatialBody as SpatialBody, SpatialPoint as SpatialPoint
+    from lcpflex.bodies.spatial.rigid import (
+        Capsule as Capsule,
+        ConvexHull as ConvexHull,
+        Cuboid as Cuboid,
+        Cylinder as Cylinder,
+        SpatialRigidBody as SpatialRigidBody,
+        Sphere as Sphere,
+    )
+    from lcpflex.bodies.spatial.shapes import (
+        CapsuleShape as CapsuleShape,
+        CylinderShape as CylinderShape,
+        SphereShape as SphereShape,
+        SurfaceShape as SurfaceShape,
+    )
 
 __getattr__, __dir__ = attach(__name__, renamed={"Rung": "FidelityLevel"})

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -24,6 +24,7 @@ import numpy.typing as npt
 from lcpflex.basics.arguments import array_of, mapping_of as named, whole_number
 from lcpflex.basics.options import keep_number
 from lcpflex.basics.renamed import renamed_keyword, renamed_property
+from lcpflex.basics.restored import restore
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.arrays import Axis
@@ -296,10 +297,7 @@ class Body:
 
     def __setstate__(self, state: list[Any]) -> None:
         """Of a copy or what is unpickled, whose arrays are read-only again."""
-        for part, value in zip(fields(self), state, strict=True):
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-            object.__setattr__(self, part.name, value)
+        restore(self, state)
 
     @property
     def modes(self) -> int:

@@ -1,0 +1,49 @@
+"""Bodies of space."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import lcpflex as lf
+from tests.property.fuzz.face import Face
+
+__all__ = ["spatial_bodies_faces"]
+
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+
+
+def _written() -> dict[str, Any]:
+    """A body with one mode."""
+    products = np.zeros((1, 1, 9))
+    products[0, 0, 0] = 1.0
+    return {
+        "mass": 1.0,
+        "inertia": np.diag([0.2, 0.3, 0.4]),
+        "stiffness": [100.0],
+        "products": products,
+        "points": {"a": lf.SpatialPoint(np.zeros(3), np.ones((1, 3)), np.zeros((1, 3)))},
+    }
+
+
+def spatial_bodies_faces() -> list[Face]:
+    def named(name: str, **arguments: Any) -> Face:
+        return Face(name, getattr(lf, name), lambda: dict(arguments))
+
+    return [
+        named("SpatialRigidBody", mass=1.0, inertia=(0.2, 0.3, 0.4), center=(0, 0, 0), points={"a": (0.1, 0, 0)}),
+        named("Sphere", radius=0.1, mass=1.0),
+        Face("Sphere of density", lf.Sphere, lambda: {"radius": 0.1, "density": 7800.0}),
+        named("Cuboid", a=0.1, b=0.2, c=0.3, mass=1.0),
+        named("Cylinder", radius=0.1, length=0.3, mass=1.0),
+        named("Capsule", radius=0.1, length=0.3, mass=1.0),
+        named("ConvexHull", points=CORNERS, mass=1.0),
+        Face("SpatialBody", lf.SpatialBody, _written),
+        Face(
+            "SpatialBody.point",
+            lf.SpatialBody.point,
+            lambda: {"name": "center"},
+            lambda: lf.Sphere(0.1, mass=1.0),
+        ),
+    ]
