@@ -27,6 +27,7 @@ from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.islands import forget_islands
 from lcpflex.dynamics.mechanics import (
     contact_biases,
+    displace,
     factorise,
     fill_contact_rows,
     forces,
@@ -129,7 +130,7 @@ def assemble(model: Model, t: float, q: FloatArray, u: FloatArray, n: int, work:
     forces(model, t, q, u, work)
     add_contact_forces(model, q, u, work)
     contact_biases(model, q, u, n, work.n_tangents, work.n_joint, work)
-    for i in range(len(q)):
+    for i in range(len(u)):
         work.free_u[i] = work.total[i]
     solve_vector(model, work, work.free_u)
     n_joint = work.n_joint
@@ -372,7 +373,9 @@ def project(
                     work.free[r] += work.rate[r]
         lay_contacts(work)
         solve_sets(work, sets, VELOCITY if left == 1 and velocities else POSITION)
-        target = u if left == 1 and velocities else q
-        apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, target)
+        if left == 1 and velocities:
+            apply_impulses(work.solved, work.row_body, 0, total, work.p, work.dof, u)
+        else:
+            displace(model, work, 0, total, work.p, q)
         left -= 1
     return joint_drift, gap_drift

@@ -213,7 +213,7 @@ def add_contact_forces(model: Model, q: FloatArray, u: FloatArray, work: Workspa
         return
     add_normal_forces(model, q, u, work)
     friction_forces(model, u, contacts.states, contacts.states, contacts)
-    for i in range(len(q)):
+    for i in range(len(u)):
         contacts.friction[i] = 0.0
     first = contacts.n_joint + contacts.n_contacts
     for j in range(contacts.n_tangents):

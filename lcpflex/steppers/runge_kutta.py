@@ -13,6 +13,8 @@ import math
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
+from lcpflex.model.arrays import Model
 
 __all__ = ["C", "STAGES", "add_errors", "copy_state", "error_norm", "interpolate", "stage_state", "step_factor"]
 
@@ -90,9 +92,10 @@ def error_norm(
     return math.sqrt(total / max(n, 1))
 
 
+@in_space("lcpflex.steppers.spatial.errors")
 @kernel
-def add_errors(slopes: FloatArray, h: float, sums: FloatArray) -> None:
-    """sums (2, n) += magnitudes of the errors of a step of length h in the first 2 n components.
+def add_errors(model: Model, y: FloatArray, slopes: FloatArray, h: float, sums: FloatArray) -> None:
+    """sums (2, n) += magnitudes of the errors of a step of length h from y, of q as of velocities, and of u.
 
     The estimate is that of the result of order 4; of the one of order 5 that goes on, the error is much less.
     """

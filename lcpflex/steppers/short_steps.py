@@ -7,6 +7,8 @@ import math
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.contact_forces_history import has_begun
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
+from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.runge_kutta import interpolate
 
@@ -17,6 +19,7 @@ HALVINGS = 45  # of a step, to find where a contact begins
 ALL_OF_IT = 1.0 - 1e-6  # share of a step beyond which it is not repeated to end where a contact begins
 
 
+@in_space("lcpflex.steppers.spatial.speeds")
 @kernel
 def travel_time(model: Model, y: FloatArray, slope: FloatArray) -> float:
     """Time [s] in which no body turns by more than TURN nor travels farther than the extent of the smallest surface.
@@ -43,19 +46,21 @@ def travel_time(model: Model, y: FloatArray, slope: FloatArray) -> float:
 
 @kernel
 def onset_share(
-    model: Model, y: FloatArray, slopes: FloatArray, h: float, at: FloatArray, contacts: CompliantContacts
+    model: Model, nq: int, y: FloatArray, slopes: FloatArray, h: float, at: FloatArray, contacts: CompliantContacts
 ) -> float:
     """Share of the step h [s] from y at which the first compliant contact with a history begins, or turns back.
 
-    For a step at whose end one has. ``at``: scratch for states on the dense output.
+    For a step at whose end one has. ``nq``: numbers of a configuration, the first of y; ``at``: scratch for states on
+    the dense output.
     """
-    ndof = model.bodies.dof[len(model.bodies.dof) - 1]
+    base = nq + model.bodies.dof[len(model.bodies.dof) - 1]
     low = 0.0
     high = 1.0
     for _ in range(HALVINGS):
         share = 0.5 * (low + high)
         interpolate(y, slopes, h, share, at)
-        if has_begun(model, at[:ndof], at[ndof : 2 * ndof], contacts):
+        normalise(model, at[:nq])
+        if has_begun(model, at[:nq], at[nq:base], contacts):
             high = share
         else:
             low = share

@@ -114,6 +114,7 @@ def contact_bias(model: Model, q: FloatArray, u: FloatArray, table: ContactTable
     return arc_bias(model, q, u, table, k)
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside its feature: in s of a segment or its neighbours, in angle of an arc."""
@@ -124,6 +125,7 @@ def foot_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> flo
     return arc_margin(model, q, table, k)
 
 
+@in_space("lcpflex.contact.spatial.detection")
 @kernel
 def node_margin(model: Model, q: FloatArray, table: ContactTable, k: int) -> float:
     """How far the foot of entry k is inside the arc that its node is [rad]."""

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 from lcpflex.contact.table import ContactTable
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["contact_bias", "contact_point", "contact_rows", "detect", "gap_rate", "refresh"]
+__all__ = [
+    "contact_bias",
+    "contact_point",
+    "contact_rows",
+    "detect",
+    "foot_margin",
+    "gap_rate",
+    "node_margin",
+    "refresh",
+]
 
 
 @kernel
@@ -31,6 +42,18 @@ def contact_rows(
     model: SpatialModel, q: FloatArray, table: ContactTable, k: int, normal: FloatArray, tangent: FloatArray
 ) -> None:
     """Rows of contact k."""
+
+
+@kernel
+def foot_margin(model: SpatialModel, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of contact k is inside its feature."""
+    return math.inf
+
+
+@kernel
+def node_margin(model: SpatialModel, q: FloatArray, table: ContactTable, k: int) -> float:
+    """How far the foot of contact k is inside what its node is."""
+    return math.inf
 
 
 @kernel

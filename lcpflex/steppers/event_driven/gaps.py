@@ -14,12 +14,12 @@ from lcpflex.contact.narrow_phase.limits import SPAN_TOLERANCE
 from lcpflex.contact.table import entry_of
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 from lcpflex.model.planar import N_RIGID
-from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings
+from lcpflex.steppers.event_driven.memory import EventMemory, EventSettings, within
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
 from lcpflex.steppers.golden_section import LOOKS, begin_section, narrow, next_place
-from lcpflex.steppers.runge_kutta import interpolate
 
 __all__ = [
     "CROSSED",
@@ -64,15 +64,15 @@ def locate_gap(
     narrow = NARROW * (memory.time + memory.step_taken) / memory.step_taken
     start(memory.bracket, low, high, f_low, f_high, SHALLOW * settings.gap_tolerance, narrow)
     while asked(memory.bracket) >= 0.0:
-        interpolate(memory.y, memory.slopes, memory.step_taken, asked(memory.bracket), memory.dipping)
-        tell(memory.bracket, gap_above(model, settings, table, k, memory.dipping[: len(memory.u)]))
+        within(model, memory, asked(memory.bracket), memory.dipping)
+        tell(memory.bracket, gap_above(model, settings, table, k, memory.dipping[: memory.nq]))
     return found(memory.bracket)
 
 
 @kernel
 def seen_before(model: Model, settings: EventSettings, memory: EventMemory, key: int) -> bool:
     """Whether the pair penetrates in the state before, too."""
-    count = detect(model, memory.before[: len(memory.u)], -SHALLOW * settings.gap_tolerance, memory.near)
+    count = detect(model, memory.before[: memory.nq], -SHALLOW * settings.gap_tolerance, memory.near)
     present = count > len(memory.near.key)
     for i in range(min(count, len(memory.near.key))):
         present = present or memory.near.key[i] == key
@@ -89,9 +89,9 @@ def first_closing(
     penetrates and did not come in through its feature: it has gone so far that another one is nearer by now.
     """
     memory.hidden = 0
-    ndof = len(memory.u)
+    nq = memory.nq
     n = memory.n_contacts
-    count = detect(model, memory.at[:ndof], -SHALLOW * settings.gap_tolerance, memory.seen)
+    count = detect(model, memory.at[:nq], -SHALLOW * settings.gap_tolerance, memory.seen)
     if count > len(memory.seen.key):
         return -float(count)
     first = 2.0
@@ -102,12 +102,12 @@ def first_closing(
             last = present + 1
             continue
         f_high = memory.seen.gap[i]
-        f_low = gap_above(model, settings, memory.seen, i, memory.before[:ndof])
+        f_low = gap_above(model, settings, memory.seen, i, memory.before[:nq])
         closing = f_high < f_low
         if f_high > -settings.gap_tolerance:  # so shallow it may be rounding: does it approach?
             back = 0.1 * (high - low)
-            interpolate(memory.y, memory.slopes, memory.step_taken, high - back, memory.at)
-            refresh(model, memory.at[:ndof], memory.seen, i)
+            within(model, memory, high - back, memory.at)
+            refresh(model, memory.at[:nq], memory.seen, i)
             fall = memory.seen.gap[i] - f_high
             closing = fall > settings.velocity_threshold * back * memory.step_taken + 1e-6 * settings.gap_tolerance
         if closing:
@@ -120,6 +120,7 @@ def first_closing(
     return first
 
 
+@in_space("lcpflex.steppers.spatial.speeds")
 @kernel
 def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
     """Twice the largest speed of a material point [m/s]: no gap changes faster. Infinite where bodies are unknown."""
@@ -145,12 +146,12 @@ def room(model: Model, memory: EventMemory, y: FloatArray) -> float:
 @kernel
 def dip_of(model: Model, settings: EventSettings, memory: EventMemory, k: int, low: float, high: float) -> float:
     """Share in (low, high) at which the gap of entry k of what is near is closed, by golden sections; high if none."""
-    ndof = len(memory.u)
+    nq = memory.nq
     begin_section(memory.section, low, high)
     for _ in range(LOOKS):
         share = next_place(memory.section)
-        interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.dipping)
-        gap = gap_above(model, settings, memory.near, k, memory.dipping[:ndof])
+        within(model, memory, share, memory.dipping)
+        gap = gap_above(model, settings, memory.near, k, memory.dipping[:nq])
         if gap < -settings.gap_tolerance:
             return share
         narrow(memory.section, gap)
@@ -167,11 +168,11 @@ def first_dip(
     State: before, at. A negative number: the table of what is near must hold as many entries.
     """
     memory.hidden = 0
-    ndof = len(memory.u)
+    nq = memory.nq
     h = memory.step_taken
     tolerance = settings.gap_tolerance
     reach = max(room(model, memory, memory.before), room(model, memory, memory.at)) * (high - low) * h
-    count = detect(model, memory.before[:ndof], reach, memory.near)
+    count = detect(model, memory.before[:nq], reach, memory.near)
     if count > len(memory.near.key):
         return -float(count)
     least = high
@@ -181,8 +182,8 @@ def first_dip(
         if present >= 0:
             last = present + 1
             continue
-        f_low = gap_above(model, settings, memory.near, i, memory.before[:ndof])
-        f_high = gap_above(model, settings, memory.near, i, memory.at[:ndof])
+        f_low = gap_above(model, settings, memory.near, i, memory.before[:nq])
+        f_high = gap_above(model, settings, memory.near, i, memory.at[:nq])
         if f_low < -tolerance or f_low + f_high >= reach:
             continue
         if f_high < -tolerance:
@@ -192,11 +193,11 @@ def first_dip(
                 memory.hidden = CROSSED
             continue
         part = END * (high - low)
-        interpolate(memory.y, memory.slopes, h, high - part, memory.dipping)
-        if gap_above(model, settings, memory.near, i, memory.dipping[:ndof]) >= f_high:
+        within(model, memory, high - part, memory.dipping)
+        if gap_above(model, settings, memory.near, i, memory.dipping[:nq]) >= f_high:
             continue
-        interpolate(memory.y, memory.slopes, h, low + part, memory.dipping)
-        if gap_above(model, settings, memory.near, i, memory.dipping[:ndof]) > f_low:
+        within(model, memory, low + part, memory.dipping)
+        if gap_above(model, settings, memory.near, i, memory.dipping[:nq]) > f_low:
             continue
         share = dip_of(model, settings, memory, i, low, high)
         if share < least:

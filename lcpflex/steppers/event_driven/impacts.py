@@ -50,7 +50,7 @@ def account(model: Model, work: Workspace, memory: EventMemory, recorder: Record
     """Energy and impulses of the impact just solved, u after, ``memory.u`` before: p does p (w . u + w . u+) / 2."""
     n_joint = work.n_joint
     n = work.n_contacts
-    base = 2 * len(u)
+    base = memory.nq + len(u)
     if n_joint > 0:
         note_impulses(model, work, True, recorder.reactions)
     for r in range(n_joint + n + work.n_tangents):
@@ -245,9 +245,8 @@ def simple(memory: EventMemory) -> bool:
 @kernel
 def collide(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory, recorder: Recorder) -> int:
     """An impact; AGAIN, or RESOLVED: no closed contact approaches, those that leave are out of the table."""
-    ndof = len(memory.u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
+    q = memory.y[: memory.nq]
+    u = memory.y[memory.nq : memory.nq + len(memory.u)]
     looking = memory.stage == LOOKING
     n = memory.n_found
     if not looking and memory.alone == 1:

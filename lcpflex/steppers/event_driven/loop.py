@@ -15,6 +15,7 @@ from lcpflex.dynamics.delassus import row_velocity
 from lcpflex.dynamics.joint_reactions import note_instant
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import normalise
 from lcpflex.model.arrays import SLIP, STICK, Model
 from lcpflex.steppers.event_driven.impacts import AGAIN, COUPLED, RESOLVED, UNSOLVED, collide
 from lcpflex.steppers.event_driven.memory import (
@@ -22,6 +23,7 @@ from lcpflex.steppers.event_driven.memory import (
     WINDOW,
     EventMemory,
     EventSettings,
+    within,
 )
 from lcpflex.steppers.event_driven.segment import search, slope, step, watch
 from lcpflex.steppers.event_driven.sets import choose, fall_back, gather, note_changes
@@ -58,9 +60,9 @@ def record(
     recorder: Recorder,
 ) -> int:
     """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
-    ndof = len(memory.u)
-    q = y[:ndof]
-    u = y[ndof : 2 * ndof]
+    base = memory.nq + len(memory.u)
+    q = y[: memory.nq]
+    u = y[memory.nq : base]
     slope(model, t, y, work, memory, memory.slope)
     n = memory.n_contacts
     points = n + work.compliant.n_contacts
@@ -72,7 +74,6 @@ def record(
     if needed > len(recorder.table.key) or points > len(recorder.points):
         memory.number = max(needed, points)
         return RunStatus.GROW_TAPE
-    base = 2 * ndof
     recorder.counts.lost_friction = y[base]
     recorder.counts.lost_damping = y[base + 1]
     recorder.counts.supplied = y[base + 2]
@@ -103,7 +104,7 @@ def record(
 
 
 @kernel
-def due(settings: EventSettings, memory: EventMemory, rates: Rates) -> float:
+def due(model: Model, settings: EventSettings, memory: EventMemory, rates: Rates) -> float:
     """Time of the next instant to be stored in this step [s], its state in ``memory.at``; negative if none is left."""
     end = memory.time + memory.share * memory.step_taken
     own = next_instant(rates, 0, settings.interval, memory.stored, memory.steps, end, settings.duration)
@@ -113,7 +114,7 @@ def due(settings: EventSettings, memory: EventMemory, rates: Rates) -> float:
     if t > end + 1e-12 * settings.duration:
         return -1.0
     share = min((t - memory.time) / memory.step_taken, memory.share)
-    interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.at)
+    within(model, memory, share, memory.at)
     return min(t, end)
 
 
@@ -137,13 +138,14 @@ def count_instant(settings: EventSettings, memory: EventMemory, t: float, rates:
 
 
 @kernel
-def close_step(settings: EventSettings, memory: EventMemory) -> None:
+def close_step(model: Model, settings: EventSettings, memory: EventMemory) -> None:
     """Go to the end of the step or to the event in it."""
     if memory.share < 1.0:
         interpolate(memory.y, memory.slopes, memory.step_taken, memory.share, memory.at)
         copy_state(memory.at, memory.y)
     else:
         copy_state(memory.end, memory.y)
+    normalise(model, memory.y[: memory.nq])
     memory.time += memory.share * memory.step_taken
     if memory.time > settings.duration * (1.0 - 1e-14):
         memory.time = settings.duration
@@ -164,7 +166,7 @@ def count_impulses(work: Workspace, memory: EventMemory) -> None:
     """Add the impulses of a projection of velocities: what drift, and approach below the threshold, have cost."""
     first = work.n_joint
     n = work.n_contacts
-    base = 2 * len(memory.u) + 3
+    base = memory.nq + len(memory.u) + 3
     for k in range(memory.n_contacts):
         law = base + 2 * work.table.law[k]
         memory.y[law] += work.p[first + k]
@@ -185,7 +187,7 @@ def next_phase(memory: EventMemory) -> int:
 def finite(memory: EventMemory) -> bool:
     """Whether the state is."""
     total = 0.0
-    for i in range(2 * len(memory.u)):
+    for i in range(memory.nq + len(memory.u)):
         total += abs(memory.y[i])
     return math.isfinite(total)
 
@@ -198,9 +200,8 @@ def advance(
 
     Calling again goes on.
     """
-    ndof = len(memory.u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
+    q = memory.y[: memory.nq]
+    u = memory.y[memory.nq : memory.nq + len(memory.u)]
     while True:
         phase = memory.phase
         ended = phase == STEPPING and memory.time >= settings.duration
@@ -209,7 +210,7 @@ def advance(
         if phase in (BEFORE, AFTER, EMITTING):
             t = memory.time
             if phase == EMITTING:
-                t = due(settings, memory, recorder.rates)
+                t = due(model, settings, memory, recorder.rates)
             else:
                 ask_all(recorder.rates)
                 copy_state(memory.y, memory.at)
@@ -256,8 +257,8 @@ def advance(
         else:  # GATHERING, SETTLING, CLOSING_STEP: all end in a projection
             n = memory.n_contacts
             if phase == CLOSING_STEP:
-                add_errors(memory.slopes, memory.share * memory.step_taken, recorder.local)
-                close_step(settings, memory)
+                add_errors(model, memory.y, memory.slopes, memory.share * memory.step_taken, recorder.local)
+                close_step(model, settings, memory)
             elif phase == SETTLING:
                 note_changes(work, memory)
                 if memory.stored == 0 and memory.hits == 0:  # the state before was no other

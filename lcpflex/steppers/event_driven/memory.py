@@ -1,7 +1,7 @@
 """Memory of an event-driven run: the state with its quadratures, the stages of a step, what is watched for events.
 
-The vector y holds q, u, then accumulated: energy lost to friction, to damping, work of loads and drives [J], and the
-normal and tangential impulse of each declared contact [N s].
+The vector y holds q (nq numbers), u (ndof), then accumulated: energy lost to friction, to damping, work of loads and
+drives [J], and the normal and tangential impulse of each declared contact [N s].
 """
 
 from __future__ import annotations
@@ -16,13 +16,15 @@ from lcpflex.dynamics.acceleration import ContactSets, contact_sets
 from lcpflex.dynamics.impact_laws import SEGMENTS
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.kinematics.configuration import normalise
+from lcpflex.model.arrays import Model
 from lcpflex.solvers.contact.several_motions import Trials, trials
 from lcpflex.steppers.event_driven.root import Bracket
 from lcpflex.steppers.golden_section import Section
-from lcpflex.steppers.runge_kutta import STAGES
+from lcpflex.steppers.runge_kutta import STAGES, interpolate
 from lcpflex.steppers.system import System
 
-__all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event"]
+__all__ = ["EVENT_KINDS", "EventMemory", "EventSettings", "copy_entry", "event_memory", "note_event", "within"]
 
 EVENT_KINDS = (
     "impact", "touch-down", "lift-off", "stick", "slip", "slip reversal", "impact without collision",
@@ -58,7 +60,7 @@ class EventSettings(NamedTuple):
 
 @struct
 class EventMemory:
-    """Work arrays for ``capacity`` contacts, ny = 2 ndof + 3 + 2 laws."""
+    """Work arrays for ``capacity`` contacts, ny = nq + ndof + 3 + 2 laws."""
 
     y: FloatArray = array("ny")  # state at the start of the step
     end: FloatArray = array("ny")  # at its end
@@ -88,6 +90,7 @@ class EventMemory:
     struck_key: IntArray = array(REMEMBERED)  # pairs struck last
     struck_time: FloatArray = array(REMEMBERED, 2)  # when each was, and at the instant before [s]
     events: FloatArray = array("events", 4)  # time, kind, law, energy change
+    nq: int  # where velocities begin in y
     n_contacts: int
     phase: int  # where the loop is
     steps: int
@@ -141,9 +144,9 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
 
     ``near``: pairs that may have touched between two looks; ``dense``: contacts of the largest island.
     """
-    ndof = len(system.q)
+    nq, ndof = len(system.q), len(system.u)
     laws = system.n_laws
-    ny = 2 * ndof + 3 + 2 * laws
+    ny = nq + ndof + 3 + 2 * laws
     memory = allocate(
         EventMemory,
         {"ny": ny, "ndof": ndof, "laws": laws, "contacts": capacity, "events": EVENT_CAPACITY + 3 * laws},
@@ -154,10 +157,18 @@ def event_memory(system: System, capacity: int, near: int, dense: int) -> EventM
         bracket=allocate(Bracket, {}),
         section=allocate(Section, {}),
         taken=np.full(laws, -1, dtype=np.int64),
+        nq=nq,
     )
-    memory.y[:ndof] = system.q
-    memory.y[ndof : 2 * ndof] = system.u
+    memory.y[:nq] = system.q
+    memory.y[nq : nq + ndof] = system.u
     return memory
+
+
+@kernel
+def within(model: Model, memory: EventMemory, share: float, out: FloatArray) -> None:
+    """out = state at the ``share`` (0 ... 1) of the step, with the numbers of a configuration."""
+    interpolate(memory.y, memory.slopes, memory.step_taken, share, out)
+    normalise(model, out[: memory.nq])
 
 
 @kernel

@@ -25,6 +25,8 @@ from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.dynamics.mechanics import solve_rows
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
+from lcpflex.kinematics.configuration import rate
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.gaps import CROSSED, NARROW, first_closing, first_dip
 from lcpflex.steppers.event_driven.memory import (
@@ -35,9 +37,10 @@ from lcpflex.steppers.event_driven.memory import (
     SPAN,
     EventMemory,
     EventSettings,
+    within,
 )
 from lcpflex.steppers.event_driven.root import asked, found, start, tell
-from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, interpolate, stage_state, step_factor
+from lcpflex.steppers.runge_kutta import STAGES, C, copy_state, error_norm, stage_state, step_factor
 from lcpflex.steppers.short_steps import ALL_OF_IT, onset_share, travel_time
 
 __all__ = ["FORCE_TOLERANCE", "measure", "search", "slope", "step", "watch"]
@@ -62,18 +65,18 @@ def add_compliant(contacts: CompliantContacts, u: FloatArray, base: int, out: Fl
 @kernel
 def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventMemory, out: FloatArray) -> None:
     """out = dy/dt with the sets as they are; constraint forces are left in ``work.p``."""
-    ndof = len(memory.u)
-    q = y[:ndof]
-    u = y[ndof : 2 * ndof]
+    nq, ndof = memory.nq, len(memory.u)
+    base = nq + ndof
+    q = y[:nq]
+    u = y[nq:base]
     n = memory.n_contacts
     assemble(model, t, q, u, n, work, memory.sets)
     fixed_forces(work, memory.sets)
-    base = 2 * ndof
     for i in range(base, len(out)):
         out[i] = 0.0
+    rate(model, q, u, out)
     for i in range(ndof):
-        out[i] = u[i]
-        out[ndof + i] = work.free_u[i]
+        out[nq + i] = work.free_u[i]
         out[base + 1] -= work.dissipative[i] * u[i]
         out[base + 2] += work.driving[i] * u[i]
     n_joint = work.n_joint
@@ -94,14 +97,15 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: EventM
 @kernel
 def used(memory: EventMemory) -> int:
     """Components of the state but for those of laws that no pair has got yet."""
-    return 2 * len(memory.u) + 3 + 2 * memory.seen.pairs.n_laws
+    return memory.nq + len(memory.u) + 3 + 2 * memory.seen.pairs.n_laws
 
 
 @kernel
 def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> None:
     """Watched functions of all maintained contacts, after ``slope`` at the same state."""
-    ndof = len(memory.u)
-    u = y[ndof : 2 * ndof]
+    nq = memory.nq
+    q = y[:nq]
+    u = y[nq : nq + len(memory.u)]
     n_joint = work.n_joint
     n = memory.n_contacts
     memory.force = 0.0
@@ -110,8 +114,8 @@ def watch(model: Model, work: Workspace, memory: EventMemory, y: FloatArray) -> 
         memory.value[PRESSURE, k] = p_n
         memory.value[CONE, k] = math.inf
         memory.value[SLIDING, k] = math.inf
-        memory.value[SPAN, k] = foot_margin(model, y[:ndof], work.table, k)
-        memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, y[:ndof], work.table, k))
+        memory.value[SPAN, k] = foot_margin(model, q, work.table, k)
+        memory.value[SPAN, k] = min(memory.value[SPAN, k], node_margin(model, q, work.table, k))
         size = abs(p_n)
         if work.own[k] > 0.0:
             size = max(size, abs(work.effect[k]) / work.own[k])
@@ -136,6 +140,7 @@ def tolerance_of(settings: EventSettings, memory: EventMemory, kind: int) -> flo
     return FORCE_TOLERANCE * memory.force
 
 
+@in_space("lcpflex.steppers.spatial.speeds")
 @kernel
 def unseen_step(model: Model, margin: float, memory: EventMemory) -> float:
     """Step [s] in which no two bodies come nearer by more than ``margin`` [m]: nothing farther apart is looked at."""
@@ -164,16 +169,16 @@ def compliant_step(model: Model, margin: float, last: float, work: Workspace, me
     It ends where the first pair nearer than ``margin`` [m] closes, with the present accelerations, and goes a part of
     the compression further; nor does it go far beyond the end of an indentation, measured by the ``last`` step [s].
     """
-    ndof = len(memory.u)
+    nq, base = memory.nq, memory.nq + len(memory.u)
     contacts = work.compliant
-    a = memory.slopes[0, ndof : 2 * ndof]
+    q, u, a = memory.y[:nq], memory.y[nq:base], memory.slopes[0, nq:base]
     longest = math.inf
-    find_contacts(model, memory.y[:ndof], margin, contacts)
-    fill_rows(model, memory.y[:ndof], contacts)
+    find_contacts(model, q, margin, contacts)
+    fill_rows(model, q, contacts)
     for k in range(contacts.n_contacts):
         gap = contacts.table.gap[k]
         r = contacts.n_joint + k
-        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, memory.y[ndof : 2 * ndof])
+        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
         if gap > 0.0:
             pull = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, a)
             square = approach * approach + 2.0 * pull * gap  # of the speed at which they meet
@@ -195,10 +200,10 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
     """
     t = memory.time
     rest = time_left(model.signals, t, settings.duration)
-    ndof = len(memory.u)
+    nq, base = memory.nq, memory.nq + len(memory.u)
     h = memory.step
     if not h > 0.0:
-        h = error_norm(memory.y, memory.y, memory.slopes, 1.0, 2 * ndof, settings.rtol, settings.atol)
+        h = error_norm(memory.y, memory.y, memory.slopes, 1.0, base, settings.rtol, settings.atol)
         h = 0.01 * settings.duration if h < 1e-3 else min(0.01 * settings.duration, 0.1 / h)
     rejected = False
     longest = SAMPLES * travel_time(model, memory.y, memory.slopes[0])
@@ -219,10 +224,8 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
         if error <= 1.0:
             share = 1.0
             contacts = work.compliant
-            if len(contacts.history.feature) > 0 and has_begun(
-                model, memory.end[:ndof], memory.end[ndof : 2 * ndof], contacts
-            ):
-                share = onset_share(model, memory.y, memory.slopes, h, memory.at, contacts)
+            if len(contacts.history.feature) > 0 and has_begun(model, memory.end[:nq], memory.end[nq:base], contacts):
+                share = onset_share(model, nq, memory.y, memory.slopes, h, memory.at, contacts)
             if share < ALL_OF_IT and left > 0:  # its stages would mix what is before and behind
                 if left == REPEATS:
                     memory.step = h
@@ -246,7 +249,7 @@ def step(model: Model, settings: EventSettings, work: Workspace, memory: EventMe
 @kernel
 def measure(model: Model, work: Workspace, memory: EventMemory, share: float) -> None:
     """State, slope and watched functions at a share of the step."""
-    interpolate(memory.y, memory.slopes, memory.step_taken, share, memory.at)
+    within(model, memory, share, memory.at)
     slope(model, memory.time + share * memory.step_taken, memory.at, work, memory, memory.slope)
     watch(model, work, memory, memory.at)
 
@@ -279,7 +282,7 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
         low = (sample - 1) / SAMPLES
         high = sample / SAMPLES
         while True:  # earlier and earlier, until nothing has closed before
-            interpolate(memory.y, memory.slopes, memory.step_taken, high, memory.at)
+            within(model, memory, high, memory.at)
             closing = first_dip(model, settings, work, memory, low, high)
             if closing < 0.0:
                 memory.number = closing
@@ -339,5 +342,5 @@ def search(model: Model, settings: EventSettings, work: Workspace, memory: Event
         if memory.cause != NOTHING or high < sample / SAMPLES:
             memory.share = high
             return True
-        interpolate(memory.y, memory.slopes, memory.step_taken, high, memory.before)
+        within(model, memory, high, memory.before)
     return True

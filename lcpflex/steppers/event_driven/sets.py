@@ -201,9 +201,8 @@ def choose(model: Model, settings: EventSettings, work: Workspace, memory: Event
     AGAIN: those let go have to be stopped first.
     """
     n = memory.n_found
-    ndof = len(memory.u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
+    q = memory.y[: memory.nq]
+    u = memory.y[memory.nq : memory.nq + len(memory.u)]
     islands = work.islands
     if n > 0 and not unfinished(islands):
         assemble(model, memory.time, q, u, n, work, memory.sets)
@@ -264,7 +263,7 @@ def note_changes(work: Workspace, memory: EventMemory) -> None:
 @kernel
 def gather(model: Model, settings: EventSettings, work: Workspace, memory: EventMemory) -> bool:
     """All closed pairs into the table of the workspace. False leaves everything as it was: memory.number are needed."""
-    found = detect(model, memory.y[: len(memory.u)], settings.gap_tolerance, memory.seen)
+    found = detect(model, memory.y[: memory.nq], settings.gap_tolerance, memory.seen)
     if found > len(memory.seen.key):
         memory.number = found
         return False

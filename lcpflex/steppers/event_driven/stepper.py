@@ -45,7 +45,8 @@ from lcpflex.steppers.named import listed
 from lcpflex.steppers.options import keep_solver
 from lcpflex.steppers.records import Records
 from lcpflex.steppers.run import Run
-from lcpflex.steppers.scales import absolute_tolerance, given_or, scales_of
+from lcpflex.steppers.scales import given_or, scales_of
+from lcpflex.steppers.state_numbers import tolerance_of_numbers
 from lcpflex.steppers.status import RunStatus
 from lcpflex.steppers.system import System
 from lcpflex.steppers.time_stepping import FIRST_ROOM, grown
@@ -70,7 +71,7 @@ class EventDrivenSteps:
             duration,
             interval,
             stepper.rtol,
-            absolute_tolerance(stepper.atol, stepper.rtol, system, scales, system.n_laws),
+            tolerance_of_numbers(stepper.atol, stepper.rtol, system, scales, system.n_laws),
             stepper.max_step,
             scales.gap(stepper.gap_tolerance, located=True),
             slow,

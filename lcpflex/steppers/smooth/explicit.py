@@ -15,6 +15,8 @@ from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.friction.kernels import bristle_rates, friction_force
 from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.leaf import in_space
+from lcpflex.kinematics.configuration import advance as advance_by, normalise
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.passing import may_pass, set_out
 from lcpflex.steppers.rates import Rates, ask_at, ask_step, next_instant, stored_at
@@ -63,7 +65,7 @@ class SmoothSettings(NamedTuple):
     duration: float
     interval: float
     rtol: float
-    atol: FloatArray  # (2 ndof,)
+    atol: FloatArray  # (nq + ndof,)
     state_atol: float  # of states of friction
     max_step: float
     margin: float  # pairs farther apart are not looked at [m]
@@ -88,7 +90,8 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
     """One accepted Runge-Kutta step from y to end; its length in memory.step_taken. DONE, GROW or STEP_TOO_SHORT."""
     t = memory.time
     rest = time_left(model.signals, t, settings.duration)
-    n = 2 * len(work.free_u)
+    nq = memory.nq
+    n = nq + len(work.free_u)
     h = memory.step
     rejected = False
     shortened = False
@@ -123,7 +126,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
                     factor = min(factor, 1.0)
                 share = 1.0
                 if len(work.compliant.history.feature) > 0 and onset(model, work.compliant):
-                    share = onset_share(model, memory.y, memory.slopes, h, memory.at, work.compliant)
+                    share = onset_share(model, nq, memory.y, memory.slopes, h, memory.at, work.compliant)
                 if work.compliant.needed > 0:
                     return RunStatus.GROW
                 if NONE_OF_IT < share < ALL_OF_IT and not shortened:  # its stages would mix what is before and behind
@@ -151,7 +154,7 @@ def step(model: Model, settings: SmoothSettings, work: Workspace, memory: Smooth
 
 
 @kernel
-def due(settings: SmoothSettings, memory: SmoothMemory, rates: Rates) -> float:
+def due(model: Model, settings: SmoothSettings, memory: SmoothMemory, rates: Rates) -> float:
     """Time of the next instant to be stored [s], its state in ``memory.at``; negative if none is left.
 
     Of those within a step, or of the one at its end: that is stored once contacts have taken note of it, or a contact
@@ -169,6 +172,7 @@ def due(settings: SmoothSettings, memory: SmoothMemory, rates: Rates) -> float:
     if t >= end - SAME * settings.duration:
         return -1.0
     interpolate(memory.y, memory.slopes, memory.length, (t - memory.time) / memory.length, memory.at)
+    normalise(model, memory.at[: memory.nq])
     return t
 
 
@@ -177,21 +181,22 @@ def close_step(
     model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory, recorder: Recorder
 ) -> int:
     """Go to the end of the step, with joints put right there; DONE or NOT_FINITE."""
-    ndof = len(work.free_u)
+    nq, base = memory.nq, memory.nq + len(work.free_u)
     copy_state(memory.end, memory.y)
+    normalise(model, memory.y[:nq])
     memory.time += memory.step_taken
     if memory.time > settings.duration * (1.0 - 1e-14):
         memory.time = settings.duration
     memory.steps += 1
     note_depths(work.compliant)
     if len(work.residual) > 0:
-        q = memory.y[:ndof]
-        u = memory.y[ndof : 2 * ndof]
+        q = memory.y[:nq]
+        u = memory.y[nq:base]
         none = int(np.int64(0))  # a literal would have the kernel compiled once more
         drift = project(model, memory.time, q, u, none, True, work, memory.sets)
         recorder.counts.worst_drift = max(recorder.counts.worst_drift, drift[0])
     total = 0.0
-    for i in range(2 * ndof):
+    for i in range(base):
         total += abs(memory.y[i])
     return RunStatus.DONE if math.isfinite(total) else RunStatus.NOT_FINITE
 
@@ -202,9 +207,9 @@ def renew_history(model: Model, work: Workspace, memory: SmoothMemory) -> int:
     contacts = work.compliant
     if contacts.history.watched[0] == 0:
         return RunStatus.DONE
-    ndof = len(work.free_u)
-    q = memory.y[:ndof]
-    u = memory.y[ndof : 2 * ndof]
+    nq = memory.nq
+    q = memory.y[:nq]
+    u = memory.y[nq : nq + len(work.free_u)]
     states = memory.y[memory.states :].reshape(-1, PLACES)
     if update_history(model, memory.time, q, u, roundings(u), False, states, work):
         return RunStatus.DONE
@@ -225,7 +230,7 @@ def advance(
             status = step(model, settings, work, memory)
             memory.phase = EMITTING if status == RunStatus.DONE else STEPPING
         elif phase == CLOSING:
-            add_errors(memory.slopes, memory.step_taken, recorder.local)
+            add_errors(model, memory.y, memory.slopes, memory.step_taken, recorder.local)
             status = close_step(model, settings, work, memory, recorder)
             memory.phase = NOTING
         elif phase in (NOTING, BEFORE):
@@ -233,7 +238,7 @@ def advance(
             if status == RunStatus.DONE:
                 memory.phase = ENDING if phase == NOTING else STARTING
         else:
-            t = due(settings, memory, recorder.rates)
+            t = due(model, settings, memory, recorder.rates)
             if t >= 0.0:
                 status = record(model, t, memory.at, work, memory, recorder)
                 if status == RunStatus.DONE:
@@ -285,25 +290,34 @@ def relax(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> floa
     return math.sqrt(highest)
 
 
+@in_space("lcpflex.steppers.spatial.kick")
+@kernel
+def kick_again(model: Model, h: float, work: Workspace, memory: SmoothMemory) -> None:
+    """Make the kick anew with the mean of the velocities before and behind it: in the plane, nothing.
+
+    In space omega x J omega, taken at the velocity before it alone, gains energy, and is of order 1.
+    """
+
+
 @kernel
 def step_fixed(model: Model, settings: SmoothSettings, work: Workspace, memory: SmoothMemory) -> int:
     """One step of Verlet's method from y to end: drift, kick, drift. DONE or GROW."""
-    ndof = len(work.free_u)
+    nq, base = memory.nq, memory.nq + len(work.free_u)
     rest = settings.duration - memory.time
     h = rest if rest < (1.0 + 1e-9) * settings.max_step else settings.max_step
     copy_state(memory.y, memory.end)
-    for i in range(ndof):
-        memory.end[i] += 0.5 * h * memory.y[ndof + i]
+    advance_by(model, memory.y[:nq], memory.y[nq:base], 0.5 * h, memory.end)
     if not slope(model, memory.time + 0.5 * h, memory.end, work, memory, memory.slope):
         return RunStatus.GROW
     memory.frequency = max(memory.frequency, natural_frequency(model, work, memory))
     if memory.states < len(memory.end):
         memory.frequency = max(memory.frequency, relax(model, h, work, memory))
-    for i in range(ndof, memory.states):
+    for i in range(nq, memory.states):
         memory.end[i] += h * memory.slope[i]
-    for i in range(ndof):  # a load does its work at the mean velocity: one step may hold all of it
-        memory.end[i] += 0.5 * h * memory.end[ndof + i]
-        memory.end[2 * ndof + WORK] += 0.5 * h * work.driving[i] * (memory.end[ndof + i] - memory.y[ndof + i])
+    kick_again(model, h, work, memory)
+    advance_by(model, memory.end[:nq], memory.end[nq:base], 0.5 * h, memory.end)
+    for i in range(base - nq):  # a load does its work at the mean velocity: one step may hold all of it
+        memory.end[base + WORK] += 0.5 * h * work.driving[i] * (memory.end[nq + i] - memory.y[nq + i])
     memory.step_taken = h
     return RunStatus.DONE
 
@@ -331,12 +345,12 @@ def advance_fixed(
             memory.stored = memory.steps + 1
         if ended or memory.steps >= last_step:
             return RunStatus.DONE
-        set_out(memory.y[: len(work.free_u)], recorder)
+        set_out(memory.y[: memory.nq], recorder)
         status = step_fixed(model, settings, work, memory)
         if status == RunStatus.DONE:
             status = close_step(model, settings, work, memory, recorder)
             memory.phase = NOTING
-            if status == RunStatus.DONE and may_pass(model, memory.y[: len(work.free_u)], recorder):
+            if status == RunStatus.DONE and may_pass(model, memory.y[: memory.nq], recorder):
                 return RunStatus.PASSED
         if status != RunStatus.DONE:
             return status

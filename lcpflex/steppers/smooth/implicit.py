@@ -16,9 +16,10 @@ from lcpflex.dynamics.instants import time_left
 from lcpflex.force_laws.history import FREE
 from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.kinematics.configuration import normalise
 from lcpflex.steppers.rates import ask_at, next_instant, stored_at
 from lcpflex.steppers.run import remedied
-from lcpflex.steppers.scales import scales_of, usual_state
+from lcpflex.steppers.scales import scales_of
 from lcpflex.steppers.short_steps import ALL_OF_IT, HALVINGS
 from lcpflex.steppers.smooth.explicit import (
     NONE_OF_IT,
@@ -28,6 +29,7 @@ from lcpflex.steppers.smooth.explicit import (
 )
 from lcpflex.steppers.smooth.run import SmoothSteps
 from lcpflex.steppers.smooth.slope import horizon, record, slope
+from lcpflex.steppers.state_numbers import as_velocities, usual_numbers
 from lcpflex.steppers.status import RunStatus
 
 __all__ = ["ImplicitSteps"]
@@ -47,13 +49,14 @@ class ImplicitSteps:
         self._steps, self._method = steps, method
         self._system, self._settings, self._clock = steps.system, steps.settings, steps.clock
         self._duration = steps.duration
-        kernels = (slope, horizon, record, project, has_begun, renew_history)
-        self._slope, self._horizon, self._record, self._project, self._has_begun, self._renew = (
+        kernels = (slope, horizon, record, project, has_begun, renew_history, normalise)
+        self._slope, self._horizon, self._record, self._project, self._has_begun, self._renew, self._normalise = (
             link(kernel, self._system.hooks) for kernel in kernels
         )
         scales = scales_of(self._system, self._duration)
         self._least = np.full(len(self._clock.y), LEAST * scales.length)
-        self._least[: 2 * len(self._system.q)] = LEAST * usual_state(self._system, scales)
+        self._nq, self._base = len(self._system.q), len(self._system.q) + len(self._system.u)
+        self._least[: self._base] = LEAST * usual_numbers(self._system, scales)
         self._stop = self._duration
         self._ode: Any = None
         self._short = False  # whether the last step was to end where a contact begins, and has not got there
@@ -79,9 +82,8 @@ class ImplicitSteps:
         left = float(time_left(self._system.model.signals, self._clock.time, self._duration))
         self._stop = self._clock.time + left
         first_step = None if first_step is None else min(first_step, left)
-        ny, n = len(self._clock.y), 2 * len(self._system.q)
-        atol = np.full(ny, np.inf)  # quadratures follow, they do not govern
-        atol[:n] = self._settings.atol
+        atol = np.full(len(self._clock.y), np.inf)  # quadratures follow, they do not govern
+        atol[: self._base] = self._settings.atol
         atol[self._clock.states :] = self._settings.state_atol
         self._ode = self._method(
             self._rate,
@@ -102,6 +104,7 @@ class ImplicitSteps:
         """dy/dt, with tables that grow as needed."""
         memory = self._clock
         memory.at[:] = y
+        self._normalise(self._system.model, memory.at[: self._nq])
         while not self._slope(self._system.model, t, memory.at, self._steps.work, memory, memory.slope):
             self._grow()
         return memory.slope.copy()
@@ -111,10 +114,10 @@ class ImplicitSteps:
 
         They go the way of the motion: right behind the beginning of a contact they must not reach before it.
         """
-        n, states = len(self._system.q), self._clock.states
+        states = self._clock.states
         base = self._rate(t, y)
         out = np.zeros((len(y), len(y)))
-        for i in (*range(2 * n), *range(states, len(y))):
+        for i in (*range(self._base), *range(states, len(y))):
             moved = y.copy()
             moved[i] += math.copysign(DIFFERENCE * max(abs(y[i]), self._least[i]), base[i])
             out[:, i] = (self._rate(t, moved) - base) / (moved[i] - y[i])
@@ -129,6 +132,7 @@ class ImplicitSteps:
         memory.slopes[0] = self._rate(begin, self._ode.y)
         note_depths(self._steps.work.compliant)
         memory.y[:] = self._ode.y
+        self._normalise(self._system.model, memory.y[: self._nq])
         longest = min(self._settings.max_step, self._ahead(), *self._system.model.signals.longest.tolist())
         share, between = self._try(longest)
         taken = float(self._ode.t) - begin
@@ -142,13 +146,14 @@ class ImplicitSteps:
             self._short = float(self._ode.t) - begin < ALL_OF_IT * wanted
         if between is None:
             return RunStatus.STEP_TOO_SHORT
-        tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: 2 * len(self._system.q)])
-        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * tolerance.reshape(2, -1)
+        tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: self._base])
+        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * as_velocities(self._system, tolerance)
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)
         self._store_between(between, ended)
         memory.y[:] = end
+        self._normalise(self._system.model, memory.y[: self._nq])
         memory.time = ended
         memory.steps += 1
         off = self._put_right() if self._system.n_joint else False
@@ -172,10 +177,10 @@ class ImplicitSteps:
         Behind it the slope is continuous, as Newton's method needs it.
         """
         memory = self._clock
-        n = len(self._system.q)
-        moving = memory.y[n : 2 * n] != 0.0
-        h = min(longest, *(self._settings.atol[:n][moving] / np.abs(memory.y[n : 2 * n][moving])).tolist())
-        inside = memory.y + h * self._rate(self._clock.time, memory.y)
+        rates = self._rate(self._clock.time, memory.y)
+        moving = np.flatnonzero(rates[: self._nq])
+        h = min(longest, *(self._settings.atol[moving] / np.abs(rates[moving])).tolist())
+        inside = memory.y + h * rates
         memory.y[:] += h * self._rate(self._clock.time + h, inside)
         memory.time += h
 
@@ -200,9 +205,9 @@ class ImplicitSteps:
 
     def _early(self, y: FloatArray) -> bool:
         """Whether y lies behind the beginning or the turn of a contact that is remembered."""
-        ndof = len(self._system.q)
         while True:
-            found = self._has_begun(self._system.model, y[:ndof], y[ndof : 2 * ndof], self._steps.work.compliant)
+            q, u = y[: self._nq], y[self._nq : self._base]
+            found = self._has_begun(self._system.model, q, u, self._steps.work.compliant)
             if not self._steps.work.compliant.needed:
                 return bool(found)
             self._grow()
@@ -254,6 +259,7 @@ class ImplicitSteps:
         memory = self._clock
         while True:
             memory.at[:] = y
+            self._normalise(self._system.model, memory.at[: self._nq])
             status = self._record(
                 self._system.model, t, memory.at, self._steps.work, memory, self._steps.records.recorder
             )
@@ -272,14 +278,12 @@ class ImplicitSteps:
         """
         memory = self._clock
         moved = memory.y.copy()
-        n = len(self._system.q)
-        drift, _ = self._project(
-            self._system.model, self._clock.time, moved[:n], moved[n : 2 * n], 0, True, self._steps.work, memory.sets
-        )
+        q, u = moved[: self._nq], moved[self._nq : self._base]
+        drift, _ = self._project(self._system.model, self._clock.time, q, u, 0, True, self._steps.work, memory.sets)
         counts = self._steps.records.recorder.counts
         counts.worst_drift = max(counts.worst_drift, drift)
-        off = np.abs(moved[: 2 * n] - memory.y[: 2 * n])
-        if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: 2 * n]).max()):
+        off = np.abs(moved - memory.y)[: self._base]
+        if np.all(off <= self._settings.atol + self._settings.rtol * np.abs(moved[: self._base]).max()):
             return False
         memory.y[:] = moved
         return True

@@ -19,7 +19,7 @@ FRICTION, CONTACT_DAMPING, DAMPING, WORK, IMPULSES = range(5)  # places in y beh
 
 @struct
 class SmoothMemory:
-    """State and stages of a run; ny = 2 ndof + 4 + 2 laws, + 2 places where friction has states of its own."""
+    """State and stages of a run; ny = nq + ndof + 4 + 2 laws, + 2 places where friction has states of its own."""
 
     y: FloatArray = array("ny")  # state at the start of the step
     end: FloatArray = array("ny")  # at its end
@@ -28,6 +28,7 @@ class SmoothMemory:
     slope: FloatArray = array("ny")
     sets: ContactSets  # of no contacts, for the projection onto joints
     states: int  # where in y the two states of friction of each place begin; ny if there are none
+    nq: int  # where velocities begin in y
     phase: int
     steps: int
     stored: int
@@ -43,10 +44,10 @@ class SmoothMemory:
 
 def smooth_memory(system: System, history: ContactMemory, laws: Sequence[LawRow]) -> SmoothMemory:
     """Allocate for ``system`` at its initial state, with the law of each declared contact."""
-    ndof = len(system.q)
-    states = 2 * ndof + IMPULSES + 2 * len(laws)
+    nq, base = len(system.q), len(system.q) + len(system.u)
+    states = base + IMPULSES + 2 * len(laws)
     ny = states + (2 * len(history.feature) if any(law.bristles for law in laws) else 0)
-    memory = allocate(SmoothMemory, {"ny": ny}, sets=contact_sets(1), states=states)
-    memory.y[:ndof] = system.q
-    memory.y[ndof : 2 * ndof] = system.u
+    memory = allocate(SmoothMemory, {"ny": ny}, sets=contact_sets(1), states=states, nq=nq)
+    memory.y[:nq] = system.q
+    memory.y[nq:base] = system.u
     return memory

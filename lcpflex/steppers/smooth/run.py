@@ -143,8 +143,8 @@ class SmoothSteps:
 
     def state(self) -> tuple[Any, ...]:
         """All that a step changes, q and u first."""
-        ndof, y = len(self.system.q), self.clock.y
-        return (y[:ndof], y[ndof : 2 * ndof], self.clock, self.history)
+        nq, y = len(self.system.q), self.clock.y
+        return (y[:nq], y[nq : nq + len(self.system.u)], self.clock, self.history)
 
     def half_steps(self, time: float, done: int, count: int) -> int:
         """``count`` steps of half the length, after ``done`` ones since ``time`` [s]; what the loop returned."""

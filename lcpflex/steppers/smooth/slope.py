@@ -3,8 +3,8 @@
     M udot = h + J^T lambda_J + W_N lambda_N(q, u) + W_T lambda_T(q, u),   J udot + b = 0
 
 Contact forces are functions of the state (:mod:`lcpflex.force_laws.penalty`); only joints have unknown ones. The
-vector y holds q, u, then accumulated: energy lost to friction, to damping of contacts, to that of bodies, work of
-loads and drives [J], and the normal and tangential impulse of each declared contact [N s].
+vector y holds q (nq numbers), u (ndof), then accumulated: energy lost to friction, to damping of contacts, to that of
+bodies, work of loads and drives [J], and the normal and tangential impulse of each declared contact [N s].
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from lcpflex.dynamics.mechanics import factorise, forces, solve_rows, solve_vect
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.force_laws.history import PLACES
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import rate
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.recorder import Recorder, note_compliant, store_contacts, store_state
@@ -72,10 +73,10 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
 
     Contacts with their forces are left in ``work.compliant``.
     """
-    ndof = len(work.free_u)
-    q = y[:ndof]
-    u = y[ndof : 2 * ndof]
-    base = 2 * ndof
+    nq, ndof = memory.nq, len(work.free_u)
+    base = nq + ndof
+    q = y[:nq]
+    u = y[nq:base]
     for i in range(base, len(out)):
         out[i] = 0.0
     states = y[memory.states :].reshape(-1, PLACES)
@@ -91,7 +92,6 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
     forces(model, t, q, u, work)
     for i in range(ndof):
         work.free_u[i] = work.total[i]
-        out[i] = u[i]
         out[base + DAMPING] -= work.dissipative[i] * u[i]
         out[base + WORK] += work.driving[i] * u[i]
     add_contacts(work.compliant, base, work.free_u, out)
@@ -107,8 +107,9 @@ def slope(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smooth
         for r in range(n_joint):
             if work.rate[r] != 0.0:
                 out[base + WORK] += work.p[r] * row_velocity(work.rows, work.row_body, r, work.dof, u)
+    rate(model, q, u, out)
     for i in range(ndof):
-        out[ndof + i] = work.free_u[i]
+        out[nq + i] = work.free_u[i]
     return True
 
 
@@ -140,16 +141,17 @@ def horizon(
     so that the pair is met, nor far beyond the end of an indentation. After ``slope`` at y; of no meaning where the
     table of contacts must grow.
     """
-    ndof = len(work.free_u)
+    nq = memory.nq
+    q, u = y[:nq], y[nq : nq + len(work.free_u)]
     contacts = work.compliant
     table = contacts.table
     longest = travel_time(model, y, slope)
-    find_contacts(model, y[:ndof], margin, contacts)
-    fill_rows(model, y[:ndof], contacts)
+    find_contacts(model, q, margin, contacts)
+    fill_rows(model, q, contacts)
     for k in range(contacts.n_contacts):
         gap = table.gap[k]
         r = contacts.n_joint + k
-        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, y[ndof : 2 * ndof])
+        approach = -row_velocity(contacts.rows, contacts.row_body, r, contacts.dof, u)
         if gap > 0.0 and approach > 0.0:
             solve_rows(model, contacts, r, r + 1)
             depth = compression(contacts, k, approach * approach, mobility(contacts, r))
@@ -164,9 +166,9 @@ def horizon(
 @kernel
 def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: SmoothMemory, recorder: Recorder) -> int:
     """Store the state y of time t with its contact forces; returns DONE, or why there is no room."""
-    ndof = len(work.free_u)
-    q = y[:ndof]
-    u = y[ndof : 2 * ndof]
+    base = memory.nq + len(work.free_u)
+    q = y[: memory.nq]
+    u = y[memory.nq : base]
     if recorder.n_instants >= len(recorder.times):
         return RunStatus.TAPE_FULL
     needed = store_contacts(model, q, recorder)
@@ -179,7 +181,6 @@ def record(model: Model, t: float, y: FloatArray, work: Workspace, memory: Smoot
     if needed > len(recorder.table.key) or n > len(recorder.points):
         memory.number = max(needed, n)
         return RunStatus.GROW_TAPE
-    base = 2 * ndof
     recorder.counts.lost_friction = y[base + FRICTION]
     recorder.counts.lost_impacts = y[base + CONTACT_DAMPING]
     recorder.counts.lost_damping = y[base + DAMPING]

@@ -23,9 +23,10 @@ from lcpflex.force_laws.contact_law import ContactLaw
 from lcpflex.force_laws.law import Law
 from lcpflex.force_laws.layout import LawRow
 from lcpflex.steppers.run import Run
-from lcpflex.steppers.scales import ABSOLUTE, absolute_tolerance, given_or, scales_of
+from lcpflex.steppers.scales import ABSOLUTE, given_or, scales_of
 from lcpflex.steppers.smooth.explicit import SmoothSettings
 from lcpflex.steppers.smooth.run import SmoothSteps
+from lcpflex.steppers.state_numbers import tolerance_of_numbers
 from lcpflex.steppers.system import System
 from lcpflex.steppers.user_functions import watch_laws
 
@@ -189,11 +190,11 @@ class Smooth:
         integrator = self.integrator
         if isinstance(integrator, Verlet):
             stride = max(1, round(interval / integrator.step))
-            none = np.zeros(2 * len(system.q))  # tolerances of a step that nothing controls
+            none = np.zeros(len(system.q) + len(system.u))  # tolerances of a step that nothing controls
             settings = SmoothSettings(duration, interval, 0.0, none, 0.0, integrator.step, system.margin, stride)
             return SmoothSteps(system, laws, settings, fixed_step=integrator.step)
         scales = scales_of(system, duration)
-        atol = absolute_tolerance(integrator.atol, integrator.rtol, system, scales)
+        atol = tolerance_of_numbers(integrator.atol, integrator.rtol, system, scales)
         of_state = given_or(integrator.atol, ABSOLUTE * integrator.rtol * scales.length)
         settings = SmoothSettings(
             duration, interval, integrator.rtol, atol, of_state, integrator.max_step, system.margin, 1
