@@ -6,7 +6,7 @@ from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.jit.leaf import in_space
 from lcpflex.model.arrays import Model
 
-__all__ = ["advance", "difference", "normalise", "rate"]
+__all__ = ["advance", "difference", "magnitudes", "normalise", "rate"]
 
 
 @in_space("lcpflex.kinematics.spatial.configuration")
@@ -37,3 +37,11 @@ def rate(model: Model, q: FloatArray, u: FloatArray, out: FloatArray) -> None:
 @kernel
 def normalise(model: Model, q: FloatArray) -> None:
     """Take out of q what an integrator of its numbers has left beside the configurations: in the plane, nothing."""
+
+
+@in_space("lcpflex.kinematics.spatial.magnitudes")
+@kernel
+def magnitudes(model: Model, q: FloatArray, out: FloatArray) -> None:
+    """out (nu,): what changes of q, as :func:`difference` tells them, are small against: in the plane, |q|."""
+    for i in range(len(q)):
+        out[i] = abs(q[i])

@@ -17,14 +17,17 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from lcpflex.basics.options import keep_at_least, keep_number, keep_number_or_none
 from lcpflex.dynamics.instants import longest_look, time_left
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import difference, magnitudes
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.backup import Backup
 from lcpflex.steppers.clock import StepClock
 from lcpflex.steppers.recorder import Recorder
-from lcpflex.steppers.scales import ABSOLUTE, USUAL, absolute_tolerance, given_or, scales_of
+from lcpflex.steppers.scales import ABSOLUTE, USUAL, Scales, absolute_tolerance, given_or, scales_of
 from lcpflex.steppers.system import System
 
 __all__ = [
@@ -101,12 +104,21 @@ class AdaptiveStep:
         apart = max(interval, least_interval(duration))
         threshold = -1.0 if self.velocity_threshold is None else self.velocity_threshold
         scales = scales_of(system, duration)
-        atol = absolute_tolerance(self.atol, self.rtol, system, scales)
+        atol = _of_changes(absolute_tolerance(self.atol, self.rtol, system, scales), self.atol, system, scales)
         usual = ABSOLUTE * (self.rtol or USUAL)
         near, slow = given_or(self.atol, usual * scales.length), given_or(self.atol, usual * scales.speed)
         shortest = given_or(self.shortest, min(scales.shortest(duration), self.longest or math.inf))
         longest = given_or(self.longest, max(shortest, PART * duration))
         return Limits(duration, apart, self.rtol, atol, near, slow, shortest, longest, threshold)
+
+
+def _of_changes(atol: FloatArray, given: float | None, system: System, scales: Scales) -> FloatArray:
+    """Tolerances (2 ndof,) of changes of q, in the form of velocities over 1 s, and of u, from those of (q, u)."""
+    ndof = len(system.u)
+    if len(system.q) == ndof:
+        return atol
+    of_rates = atol[len(system.q) :]
+    return np.concatenate((of_rates if given is not None else of_rates * (scales.length / scales.speed), of_rates))
 
 
 class Limits(NamedTuple):
@@ -115,7 +127,7 @@ class Limits(NamedTuple):
     duration: float
     interval: float
     rtol: float
-    atol: FloatArray  # (2 ndof,)
+    atol: FloatArray  # (2 ndof,) of changes of q, as velocities over 1 s, and of u
     near: float  # the same, of a length [m]
     slow: float  # and of a speed [m/s]
     shortest: float
@@ -129,12 +141,16 @@ def least_interval(duration: float) -> float:
 
 
 @kernel
-def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -> float:
+def doubling_error(model: Model, limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -> float:
     """Largest difference of the two results over its tolerance; infinite where one is not finite."""
     worst = 0.0
-    n = len(q)
+    n = len(u)
+    difference(model, kept.long_q, q, kept.change)
+    magnitudes(model, q, kept.size)
+    magnitudes(model, kept.q, kept.size_before)
     for i in range(n):
-        ratio = abs(q[i] - kept.long_q[i]) / (limits.atol[i] + limits.rtol * max(abs(q[i]), abs(kept.q[i])))
+        largest = max(kept.size[i], kept.size_before[i])
+        ratio = abs(kept.change[i]) / (limits.atol[i] + limits.rtol * largest)
         rate = abs(u[i] - kept.long_u[i]) / (limits.atol[n + i] + limits.rtol * max(abs(u[i]), abs(kept.u[i])))
         if not ratio + rate < math.inf:
             return math.inf
@@ -143,10 +159,11 @@ def doubling_error(limits: Limits, q: FloatArray, u: FloatArray, kept: Backup) -
 
 
 @kernel
-def add_differences(q: FloatArray, u: FloatArray, kept: Backup, recorder: Recorder) -> None:
+def add_differences(model: Model, q: FloatArray, u: FloatArray, kept: Backup, recorder: Recorder) -> None:
     """Add up the errors of an accepted step, from by how much its two results differ."""
-    for i in range(len(q)):
-        recorder.local[0, i] += HALVED * abs(q[i] - kept.long_q[i])
+    difference(model, kept.long_q, q, kept.change)
+    for i in range(len(u)):
+        recorder.local[0, i] += HALVED * abs(kept.change[i])
         recorder.local[1, i] += HALVED * abs(u[i] - kept.long_u[i])
 
 

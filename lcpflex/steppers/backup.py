@@ -23,9 +23,12 @@ class Backup:
     scheme: Any  # with all that its steps take over
     q: FloatArray  # those of ``scheme``
     u: FloatArray
-    long_q: FloatArray = array("ndof")
+    long_q: FloatArray = array("nq")
     long_u: FloatArray = array("ndof")
-    at: FloatArray = array("ndof")  # a configuration within the step
+    at: FloatArray = array("nq")  # a configuration within the step
+    change: FloatArray = array("ndof")  # between the ends of the two, as a velocity over 1 s
+    size: FloatArray = array("ndof")  # of what changes, at one end of the step
+    size_before: FloatArray = array("ndof")  # and at the other
     section: Section
     counts: Counts
     reactions: Reactions
@@ -37,7 +40,7 @@ class Backup:
 
 def backup(system: System, scheme: Any, capacity: int) -> Backup:
     """Memory for ``capacity`` contacts; ``scheme``: another struct like that of the run."""
-    sizes = {"ndof": len(system.q), "laws": system.n_laws, "contacts": capacity}
+    sizes = {"nq": len(system.q), "ndof": len(system.u), "laws": system.n_laws, "contacts": capacity}
     return allocate(
         Backup,
         sizes,
@@ -87,4 +90,5 @@ def keep_end(scheme: Any, kept: Backup) -> None:
     """Keep the state after the one long step."""
     for i in range(len(scheme.q)):
         kept.long_q[i] = scheme.q[i]
+    for i in range(len(scheme.u)):
         kept.long_u[i] = scheme.u[i]

@@ -322,6 +322,7 @@ def store_state(
     recorder.times[row] = t
     for i in range(len(q)):
         recorder.q[row, i] = q[i]
+    for i in range(len(u)):
         recorder.u[row, i] = u[i]
     recorder.energies[row, 0] = kinetic
     recorder.energies[row, 1] = elastic + in_contacts

@@ -150,7 +150,7 @@ def advance(
             continue
         error = 0.0 if part == ALONE else math.inf
         if status == RunStatus.DONE and part == SECOND:
-            error = doubling_error(limits, scheme.q, scheme.u, kept)
+            error = doubling_error(model, limits, scheme.q, scheme.u, kept)
             if error <= 1.0:
                 status = missed_end(model, limits, clock, scheme, kept, work, recorder)
         if status == RunStatus.PART:
@@ -168,7 +168,7 @@ def advance(
             after_rejection(limits, clock, h, closing[0])
             continue
         if part == SECOND:
-            add_differences(scheme.q, scheme.u, kept, recorder)
+            add_differences(model, scheme.q, scheme.u, kept, recorder)
         accept(limits, clock, h, closing[0], part == ALONE, closing[1])
         go_on(scheme, limits, clock, closing[2], closing[3], work)
         clock.part = FRESH

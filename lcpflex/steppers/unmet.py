@@ -175,9 +175,11 @@ def first_unmet(
 
     A negative number: the table of the recorder must hold as many entries.
     """
+    if len(model.contacts.friction) == 0:
+        return NEVER
     table = recorder.table
     speed = max(fastest(model, kept.u, recorder), fastest(model, u, recorder))
-    if speed == 0.0 or len(model.contacts.friction) == 0:
+    if speed == 0.0:
         return NEVER
     largest = 0.0
     for i in range(len(q)):

@@ -50,16 +50,16 @@ class AlphaScheme:
     tolerance: float
     rebound: float  # slower approach is stopped, not reflected [m/s]
     settle: float  # and so is one that is slower than so many times what this step adds to it
-    q: FloatArray = array("ndof")
+    q: FloatArray = array("nq")
     u: FloatArray = array("ndof")
     a: FloatArray = array("ndof")  # the recursive acceleration of the scheme
     w: FloatArray = array("ndof")  # udot at the start of the step
     a_new: FloatArray = array("ndof")
     w_new: FloatArray = array("ndof")  # iterate of udot at its end
-    q_new: FloatArray = array("ndof")  # configuration at its end
+    q_new: FloatArray = array("nq")  # configuration at its end
     v_new: FloatArray = array("ndof")  # velocity at its end without impulses
     momentum: FloatArray = array("ndof")  # a product with M
-    mean: FloatArray = array("ndof")  # velocity over the step
+    mean: FloatArray = array("ndof")  # a velocity over the step
     sets: ContactSets
     resting: Held  # contacts of the smooth motion with their forces [N]
     pressed: Held  # contacts that carry something in the present pass of the position problem [N s]
@@ -84,7 +84,7 @@ class AlphaScheme:
 
 def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme:
     """Allocate for ``system``, before its first step."""
-    sizes = {"ndof": len(system.q), "contacts": capacity, "laws": system.n_laws}
+    sizes = {"nq": len(system.q), "ndof": len(system.u), "contacts": capacity, "laws": system.n_laws}
     return allocate(
         AlphaScheme,
         sizes,

@@ -9,10 +9,9 @@ from lcpflex.contact.detection import detect
 from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.dynamics.acceleration import SMOOTH as FRICTIONLESS
 from lcpflex.dynamics.contact_problem import lay_contacts
-from lcpflex.dynamics.delassus import apply_impulses
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.large_island import prepare_large
-from lcpflex.dynamics.mechanics import energies, supply
+from lcpflex.dynamics.mechanics import displace, energies, supply
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import kernel
 from lcpflex.kinematics.joint_rows import joint_residual
@@ -139,6 +138,6 @@ def apply_position(model: Model, work: Workspace, scheme: AlphaScheme, recorder:
             kinetic, elastic, potential = energies(model, scheme.q_new, scheme.v_new, work)
             recorder.counts.lost_impacts += sign * (kinetic + elastic + potential)
         if sign > 0.0:
-            apply_impulses(work.solved, work.row_body, 0, n_joint + n, work.p, work.dof, scheme.q_new)
+            displace(model, work, 0, n_joint + n, work.p, scheme.q_new)
         sign = -1.0
     scheme.turn += 1

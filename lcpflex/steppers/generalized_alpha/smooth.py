@@ -30,6 +30,7 @@ from lcpflex.dynamics.mechanics import (
 )
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.steppers.event_driven.memory import copy_entry
@@ -49,17 +50,18 @@ DOUBTFUL = 1e-6  # change at which it has not after the last pass
 
 
 @kernel
-def place_end(h: float, scheme: AlphaScheme) -> None:
+def place_end(model: Model, h: float, scheme: AlphaScheme) -> None:
     """Smooth motion to the end of a step of length h, from the iterate of the acceleration there."""
-    q, u = scheme.q, scheme.u
+    u, way = scheme.u, scheme.mean
     am, af = scheme.alpha_m, scheme.alpha_f
     beta, gamma = scheme.beta, scheme.gamma
-    for i in range(len(q)):
+    for i in range(len(u)):
         a = scheme.a[i]
         a_new = ((1.0 - af) * scheme.w_new[i] + af * scheme.w[i] - am * a) / (1.0 - am)
         scheme.a_new[i] = a_new
-        scheme.q_new[i] = q[i] + h * (u[i] + h * ((0.5 - beta) * a + beta * a_new))
+        way[i] = u[i] + h * ((0.5 - beta) * a + beta * a_new)
         scheme.v_new[i] = u[i] + h * ((1.0 - gamma) * a + gamma * a_new)
+    advance(model, scheme.q, way, h, scheme.q_new)
 
 
 @kernel
@@ -134,9 +136,9 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
             if found > len(work.table.key):
                 return found
         n = scheme.n_found
-        for i in range(len(scheme.q)):
+        for i in range(len(scheme.w)):
             scheme.w_new[i] = scheme.w[i]
-    place_end(h, scheme)
+    place_end(model, h, scheme)
     alpha_c = h * scheme.gamma * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     alpha_k = h * h * scheme.beta * (1.0 - scheme.alpha_f) / (1.0 - scheme.alpha_m)
     n_tangent = assemble_rows(model, t + h, alpha_c, alpha_k, n, work, scheme)
@@ -144,10 +146,10 @@ def pose_smooth(model: Model, h: float, t: float, work: Workspace, scheme: Alpha
     forces(model, t + h, scheme.q_new, scheme.v_new, work)
     contact_biases(model, scheme.q_new, scheme.v_new, n, n_tangent, n_joint, work)
     multiply(model, scheme.q_new, scheme.w_new, work, scheme.momentum)
-    for i in range(len(scheme.q)):
+    for i in range(len(scheme.w)):
         work.free_u[i] = work.total[i] - scheme.momentum[i]
     solve_vector(model, work, work.free_u)
-    for i in range(len(scheme.q)):
+    for i in range(len(scheme.w)):
         work.free_u[i] += scheme.w_new[i]
     for r in range(n_joint + n + n_tangent):
         work.free[r] = row_velocity(work.rows, work.row_body, r, work.dof, work.free_u) + work.bias[r]
@@ -232,12 +234,12 @@ def settled(h: float, work: Workspace, scheme: AlphaScheme) -> bool:
 
 
 @kernel
-def apply_smooth(h: float, work: Workspace, scheme: AlphaScheme) -> None:
+def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> None:
     """A Newton step; after the last one what the next problem needs."""
     answer_joints(work)
     if not settled(h, work, scheme):
         return
-    place_end(h, scheme)
+    place_end(model, h, scheme)
     scheme.turn = 0
     scheme.skip = 0
     if h == 0.0:
@@ -245,7 +247,7 @@ def apply_smooth(h: float, work: Workspace, scheme: AlphaScheme) -> None:
         for law in range(len(scheme.recursive)):
             for i in range(2):
                 scheme.recursive[law, i] = scheme.start.contact[law, i]
-        for i in range(len(scheme.q)):
+        for i in range(len(scheme.w)):
             scheme.w[i] = scheme.w_new[i]
             scheme.a[i] = scheme.w_new[i]
         scheme.phase = SMOOTH

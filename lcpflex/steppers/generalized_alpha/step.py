@@ -241,10 +241,12 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     finite = True
     for i in range(len(q)):
         q[i] = scheme.q_new[i]
+        finite = finite and math.isfinite(q[i])
+    for i in range(len(u)):
         u[i] = work.free_u[i]
         scheme.a[i] = scheme.a_new[i]
         scheme.w[i] = scheme.w_new[i]
-        finite = finite and math.isfinite(q[i] + u[i])
+        finite = finite and math.isfinite(u[i])
     copy_parts(scheme.end, scheme.start)
     scheme.phase = RESTART if jumps else SMOOTH
     scheme.turn = 0
@@ -272,7 +274,7 @@ def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, record
     """Apply the solution of the problem posed: PART where the step has more of them, DONE or NOT_FINITE."""
     if scheme.phase <= SMOOTH:
         start = scheme.phase == RESTART
-        apply_smooth(scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
+        apply_smooth(model, scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
         note_ahead(model, work, recorder.reactions)
         if start:
             note_ends(0.0, recorder.reactions)
