@@ -22,6 +22,7 @@ import numpy as np
 
 from lcpflex.dynamics.shortening import factorise_tangent, shortens
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import allocate, array, struct
 from lcpflex.model.arrays import Bodies
 from lcpflex.model.planar import N_RIGID
@@ -34,6 +35,7 @@ __all__ = [
     "couple_modes",
     "deformed_moments",
     "factorise",
+    "factors",
     "multiply",
     "solve_block",
     "solve_rigid",
@@ -64,6 +66,13 @@ def arrow(n_bodies: int, n_modes: int, dense: IntArray | None = None) -> Arrow:
     start = np.concatenate([[0], np.cumsum(squares)])
     sizes = {"bodies": n_bodies, "modes": n_modes, "dense": int(start[-1]), "eased": n_modes if squares.any() else 0}
     return allocate(Arrow, sizes, diagonal=np.ones(n_modes), dense_start=start)
+
+
+@in_space("lcpflex.dynamics.spatial.inertia")
+def factors(bodies: Bodies) -> Arrow:
+    """Memory for the factors of these bodies."""
+    shortening = np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0)
+    return arrow(len(bodies.dof) - 1, len(bodies.stiffness), shortening)
 
 
 @kernel

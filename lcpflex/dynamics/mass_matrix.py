@@ -1,6 +1,12 @@
-"""The mass matrix of a scene in full, for what happens once in a run. Steppers use its arrow form (inertia)."""
+"""The mass matrix of a scene in full, for what happens once in a run. Steppers use its arrow form (inertia).
+
+Bodies of space have theirs in :mod:`lcpflex.dynamics.spatial.mass_matrix`.
+"""
 
 from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +24,8 @@ def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
     M_RR = m I,  M_Rtheta = A J (s0 + S q),  M_Rf = A S,  M_thetatheta = I0 + 2 a.q + q.q - q^T G q,
     M_thetaf = c + D^T q,  M_ff = I
     """
+    if space := _of_space(model.bodies):
+        return np.asarray(space.mass_matrix(model, q))
     dof = model.bodies.dof
     M = np.zeros((dof[-1], dof[-1]))
     for b in range(len(dof) - 1):
@@ -32,6 +40,9 @@ def elastic_matrices(model: Model, q: FloatArray) -> tuple[FloatArray, FloatArra
     The energy is that of :mod:`lcpflex.dynamics.body_forces`, q^T K q / 2 where no axial force acts on bending.
     """
     bodies = model.bodies
+    if space := _of_space(bodies):
+        stiffness, damping = space.elastic_matrices(bodies)
+        return stiffness, damping
     n = int(bodies.dof[-1])
     K, C = np.zeros((n, n)), np.zeros((n, n))
     for b in range(len(bodies.dof) - 1):
@@ -70,8 +81,10 @@ def null_space(J: FloatArray) -> FloatArray:
 def slowest_vibrations(bodies: Bodies) -> FloatArray:
     """Longest period [s] of a mode of each body, free (nb,); 0 for rigid ones."""
     found = np.zeros(len(bodies.mass))
+    space = _of_space(bodies)
+    rigid = space.N_RIGID if space else N_RIGID
     for b in range(len(found)):
-        omega2 = bodies.stiffness[bodies.dof[b] - N_RIGID * b : bodies.dof[b + 1] - N_RIGID * b - N_RIGID]
+        omega2 = bodies.stiffness[bodies.dof[b] - rigid * b : bodies.dof[b + 1] - rigid * b - rigid]
         if (omega2 > 0.0).any():
             found[b] = 2.0 * np.pi / np.sqrt(omega2[omega2 > 0.0].min())
     return found
@@ -79,9 +92,20 @@ def slowest_vibrations(bodies: Bodies) -> FloatArray:
 
 def overbent(model: Model, q: FloatArray) -> list[int]:
     """Bodies that are stiffened by spin and so bent that foreshortening takes all their inertia: M is not positive."""
+    if _of_space(model.bodies):
+        return []
     stiffened = [int(b) for b in np.flatnonzero(np.diff(model.bodies.geometric_start))]
     blocks = (_block(model.bodies, b, q[model.bodies.dof[b] : model.bodies.dof[b + 1]]) for b in stiffened)
     return [b for b, M in zip(stiffened, blocks, strict=True) if not np.linalg.eigvalsh(M)[0] > 0.0]
+
+
+def _of_space(bodies: Any) -> ModuleType | None:
+    """The module for bodies of space; None for those of the plane."""
+    if not hasattr(bodies, "place"):
+        return None
+    from lcpflex.dynamics.spatial import mass_matrix
+
+    return mass_matrix
 
 
 def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:

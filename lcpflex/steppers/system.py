@@ -13,7 +13,7 @@ from lcpflex.contact.rule_pairs import RulePairs, give_laws, make_room, rule_pai
 from lcpflex.contact.thickness import farthest, surface_thickness, thinnest
 from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.compliant_contacts import CompliantContacts, compliant_contacts, sufficient_capacity
-from lcpflex.dynamics.inertia import arrow
+from lcpflex.dynamics.inertia import factors
 from lcpflex.dynamics.joint_factor import JointPattern, joint_pattern
 from lcpflex.dynamics.reaction_memory import Reactions, reactions
 from lcpflex.dynamics.time_functions import Calls
@@ -25,7 +25,6 @@ from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.contact.memory import ContactData, SolverMemory
 from lcpflex.steppers.rates import rates
 from lcpflex.steppers.recorder import Recorder, recorder
@@ -152,15 +151,13 @@ class System:
         bodies, contacts = self.model.bodies, self.model.contacts
         rows = [law.row() if law else None for law in self.laws] or [None] * self.n_laws if laws is None else laws
         if before is None:
-            shortening = np.where(np.diff(bodies.shortening_start) > 0, np.diff(bodies.dof) - N_RIGID, 0)
             ndof = len(self.u) if self.dense else 0
-            factors = arrow(len(bodies.dof) - 1, len(bodies.stiffness), shortening)
-            shared = contact_memory(contacts, rows), np.array(bodies.dof), factors, np.zeros((ndof, ndof))
+            shared = contact_memory(contacts, rows), np.array(bodies.dof), factors(bodies), np.zeros((ndof, ndof))
         else:
             shared = before.history, before.dof, before.arrow, before.dense
-        history, dof, factors, dense = shared
+        history, dof, arrow, dense = shared
         room = sufficient_capacity(contacts, rows) if capacity is None else capacity
-        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, factors, dense, room)
+        return compliant_contacts(rows, history, dof, self.pattern, self.n_surfaces, arrow, dense, room)
 
     def workspace(
         self,

@@ -1,0 +1,257 @@
+"""Inertia of spatial floating-frame bodies and its inverse: an arrow, factorised in O(n) per body.
+
+With the velocity of the frame taken in body axes, w = A^T v, the matrix M + alpha_c C + alpha_k K of a body reads
+
+    [ m I   -d~   S^T     ]     d = s0 + S eta,   Y_k = <s Phi_k^T> = P1_k + sum_l eta_l <Phi_l Phi_k^T>
+    [  .     J    C^T     ]     C_k = <s x Phi_k>,   J = tr(P) I - P,   P = <s s^T> = P0 + sum_k eta_k (P1_k + Y_k^T)
+    [  .     .    diag(1/e)]    1/e_k = 1 + alpha_c c_k + alpha_k omega_k^2
+
+and its inverse needs the Schur complement of the first six alone; of the rotation, J - C^T diag(e) C, where S = 0 and
+s0 = 0 (a mean frame about the mass centre). No factor depends on A, by which right-hand sides are turned. alpha_c =
+alpha_k = 0 gives the mass matrix; alpha_c = theta h, alpha_k = (theta h)^2 the iteration matrix of an implicit step.
+Products <Phi_l Phi_k^T> count between the first n2 modes of a body, in all terms at once: T stays one quadratic form.
+Source: Zwoelfer & Gerstmayr (2020), nodal-based floating frame of reference; Shabana, Dynamics of Multibody Systems.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from lcpflex.jit.kernel import FloatArray, kernel
+from lcpflex.jit.struct import allocate, array, struct
+from lcpflex.kinematics.spatial.rotations import Vector, rotation_matrix
+from lcpflex.model.spatial import N_PLACE, N_RIGID, SpatialBodies
+
+__all__ = [
+    "SpatialArrow",
+    "SpatialWork",
+    "add_products",
+    "deform",
+    "factorise",
+    "factors",
+    "symmetric",
+]
+
+FACTOR = 21  # entries of a lower triangle of six rows
+
+
+@struct
+class SpatialArrow:
+    """The factorised matrices of all bodies, and what they have in common with their forces."""
+
+    at: FloatArray = array("modes")  # eta that the next five belong to; NaN before the first
+    arm: FloatArray = array("bodies", 3)  # d
+    inertia: FloatArray = array("bodies", 6)  # xx, yy, zz, yz, zx, xy of J
+    moments: FloatArray = array("moments")  # Y of each mode, nine numbers, row by row
+    couple: FloatArray = array("modes", 3)  # C
+    axes: FloatArray = array("bodies", 9)  # A at the configuration of the factors
+    diagonal: FloatArray = array("modes")  # e
+    lower: FloatArray = array("bodies", FACTOR)  # Cholesky factor by rows, 1 / its diagonal: of three rows, if centred
+    swing: FloatArray = array("moments")  # sum_l etadot_l <Phi_l Phi_k^T> of each mode; scratch
+    six: FloatArray = array(N_RIGID)  # scratch
+    spin: FloatArray = array("ndof")  # inertial forces of the last velocity
+    mean: FloatArray = array("ndof")  # a velocity; scratch
+    shift: FloatArray = array("ndof")  # scratch
+
+
+SpatialWork: TypeAlias = Any  # a Workspace, or CompliantContacts, with a SpatialArrow for its arrow
+
+
+def factors(bodies: SpatialBodies) -> SpatialArrow:
+    """Memory for the factors of these bodies and of no others: what does not change in rigid ones is filled in."""
+    n_modes = len(bodies.stiffness)
+    sizes = {"bodies": len(bodies.mass), "modes": n_modes, "moments": 9 * n_modes, "ndof": int(bodies.dof[-1])}
+    P = np.asarray(bodies.second)
+    J = np.trace(P, axis1=1, axis2=2)[:, None, None] * np.eye(3) - P
+    return allocate(
+        SpatialArrow,
+        sizes,
+        at=np.full(n_modes, np.nan),
+        arm=np.array(bodies.moment),
+        inertia=np.ascontiguousarray(J[:, [0, 1, 2, 1, 2, 0], [0, 1, 2, 2, 0, 1]]),
+    )
+
+
+@kernel
+def add_products(products: FloatArray, n: int, x: FloatArray, out: FloatArray) -> None:
+    """out (n, 9) += sum_l x_l <Phi_l Phi_k^T>, all flat.
+
+    Row by row and four at a time, so that all memory is passed in order and one instruction serves several columns.
+    """
+    width = 9 * n
+    whole = n - n % 4
+    for i in range(0, whole, 4):
+        a, b, c, d = x[i], x[i + 1], x[i + 2], x[i + 3]
+        row = products[i * width : (i + 4) * width]
+        for k in range(width):
+            out[k] += a * row[k] + b * row[width + k] + c * row[2 * width + k] + d * row[3 * width + k]
+    for i in range(whole, n):
+        a = x[i]
+        row = products[i * width : (i + 1) * width]
+        for k in range(width):
+            out[k] += a * row[k]
+
+
+@kernel
+def deform(bodies: SpatialBodies, q: FloatArray, b: int, work: SpatialArrow) -> None:
+    """d, J, Y and C of body b at q, unless they are known there."""
+    e = bodies.place[b] + N_PLACE
+    first = bodies.dof[b] - N_RIGID * b
+    n = bodies.dof[b + 1] - bodies.dof[b] - N_RIGID
+    at = work.at
+    for k in range(n):
+        if at[first + k] != q[e + k]:
+            deform_anew(bodies, q, b, work)
+            return
+
+
+@kernel
+def deform_anew(bodies: SpatialBodies, q: FloatArray, b: int, work: SpatialArrow) -> None:
+    """The same, whatever is known."""
+    e = bodies.place[b] + N_PLACE
+    first = bodies.dof[b] - N_RIGID * b
+    n = bodies.dof[b + 1] - bodies.dof[b] - N_RIGID
+    n2 = bodies.second_modes[b]
+    start = bodies.products_start[b]
+    P1, S, Y, C, at = bodies.first, bodies.S, work.moments, work.couple, work.at
+    for k in range(n):
+        at[first + k] = q[e + k]
+        for i in range(9):
+            Y[9 * (first + k) + i] = P1[first + k, i]
+    if n2 > 0:
+        products = bodies.products[start : start + 9 * n2 * n2]
+        add_products(products, n2, q[e : e + n2], Y[9 * first : 9 * (first + n2)])
+    P = bodies.second
+    xx, yy, zz = P[b, 0, 0], P[b, 1, 1], P[b, 2, 2]
+    yz, zx, xy = P[b, 1, 2], P[b, 2, 0], P[b, 0, 1]
+    dx, dy, dz = bodies.moment[b, 0], bodies.moment[b, 1], bodies.moment[b, 2]
+    for k in range(n):
+        m = first + k
+        o = 9 * m
+        eta = q[e + k]
+        dx += S[m, 0] * eta
+        dy += S[m, 1] * eta
+        dz += S[m, 2] * eta
+        xx += eta * (P1[m, 0] + Y[o])
+        yy += eta * (P1[m, 4] + Y[o + 4])
+        zz += eta * (P1[m, 8] + Y[o + 8])
+        yz += 0.5 * eta * (P1[m, 5] + P1[m, 7] + Y[o + 5] + Y[o + 7])  # P is symmetric but for rounding
+        zx += 0.5 * eta * (P1[m, 6] + P1[m, 2] + Y[o + 6] + Y[o + 2])
+        xy += 0.5 * eta * (P1[m, 1] + P1[m, 3] + Y[o + 1] + Y[o + 3])
+        C[m, 0] = Y[o + 5] - Y[o + 7]
+        C[m, 1] = Y[o + 6] - Y[o + 2]
+        C[m, 2] = Y[o + 1] - Y[o + 3]
+    work.arm[b, 0] = dx
+    work.arm[b, 1] = dy
+    work.arm[b, 2] = dz
+    J = work.inertia
+    J[b, 0] = yy + zz
+    J[b, 1] = zz + xx
+    J[b, 2] = xx + yy
+    J[b, 3] = -yz
+    J[b, 4] = -zx
+    J[b, 5] = -xy
+
+
+@kernel
+def symmetric(entries: FloatArray, b: int, x: float, y: float, z: float) -> Vector:
+    """J (x, y, z) of row b of ``entries``: xx, yy, zz, yz, zx, xy."""
+    return (
+        entries[b, 0] * x + entries[b, 5] * y + entries[b, 4] * z,
+        entries[b, 5] * x + entries[b, 1] * y + entries[b, 3] * z,
+        entries[b, 4] * x + entries[b, 3] * y + entries[b, 2] * z,
+    )
+
+
+@kernel
+def factorise(bodies: SpatialBodies, q: FloatArray, alpha_c: float, alpha_k: float, work: SpatialArrow) -> None:
+    """Factorise M(q) + alpha_c C + alpha_k K of every body (C: diagonal part of the modal damping)."""
+    axes = work.axes
+    for b in range(len(bodies.mass)):
+        i = bodies.place[b]
+        turned = rotation_matrix(q[i + 3], q[i + 4], q[i + 5], q[i + 6])
+        for k in range(9):
+            axes[b, k] = turned[k]
+        deform(bodies, q, b, work)
+        first = bodies.dof[b] - N_RIGID * b
+        diagonal, damping, stiffness = work.diagonal, bodies.damping, bodies.stiffness
+        for k in range(first, first + bodies.dof[b + 1] - bodies.dof[b] - N_RIGID):
+            diagonal[k] = 1.0 / (1.0 + alpha_c * damping[k] + alpha_k * stiffness[k])
+        if bodies.centred[b] != 0:
+            factorise_rotation(bodies, b, work)
+        else:
+            factorise_motion(bodies, b, work)
+
+
+@kernel
+def factorise_rotation(bodies: SpatialBodies, b: int, work: SpatialArrow) -> None:
+    """The Cholesky factor of J - C^T diag(e) C."""
+    J, C, diagonal = work.inertia, work.couple, work.diagonal
+    xx, yy, zz, yz, zx, xy = J[b, 0], J[b, 1], J[b, 2], J[b, 3], J[b, 4], J[b, 5]
+    first = bodies.dof[b] - N_RIGID * b
+    for k in range(first, first + bodies.dof[b + 1] - bodies.dof[b] - N_RIGID):
+        cx, cy, cz = C[k, 0], C[k, 1], C[k, 2]
+        ex, ey, ez = diagonal[k] * cx, diagonal[k] * cy, diagonal[k] * cz
+        xx -= cx * ex
+        yy -= cy * ey
+        zz -= cz * ez
+        yz -= cy * ez
+        zx -= cz * ex
+        xy -= cx * ey
+    a = 1.0 / math.sqrt(xx)
+    yx = xy * a
+    zx = zx * a
+    c = 1.0 / math.sqrt(yy - yx * yx)
+    zy = (yz - zx * yx) * c
+    lower = work.lower
+    lower[b, 0] = a
+    lower[b, 1] = yx
+    lower[b, 2] = c
+    lower[b, 3] = zx
+    lower[b, 4] = zy
+    lower[b, 5] = 1.0 / math.sqrt(zz - zx * zx - zy * zy)
+
+
+@kernel
+def factorise_motion(bodies: SpatialBodies, b: int, work: SpatialArrow) -> None:
+    """The Cholesky factor of the Schur complement of translation and rotation, both in body axes."""
+    lower, J, S, C, diagonal = work.lower, work.inertia, bodies.S, work.couple, work.diagonal
+    dx, dy, dz = work.arm[b, 0], work.arm[b, 1], work.arm[b, 2]
+    for k in range(FACTOR):
+        lower[b, k] = 0.0
+    for k in (0, 2, 5):
+        lower[b, k] = bodies.mass[b]
+    lower[b, 7], lower[b, 8] = -dz, dy  # d~, below the diagonal
+    lower[b, 10], lower[b, 12] = dz, -dx
+    lower[b, 15], lower[b, 16] = -dy, dx
+    lower[b, 9], lower[b, 13], lower[b, 14] = J[b, 0], J[b, 5], J[b, 1]
+    lower[b, 18], lower[b, 19], lower[b, 20] = J[b, 4], J[b, 3], J[b, 2]
+    first = bodies.dof[b] - N_RIGID * b
+    six = work.six
+    for k in range(first, first + bodies.dof[b + 1] - bodies.dof[b] - N_RIGID):
+        for i in range(3):
+            six[i] = S[k, i]
+            six[3 + i] = C[k, i]
+        o = 0
+        for i in range(N_RIGID):
+            scaled = diagonal[k] * six[i]
+            for j in range(i + 1):
+                lower[b, o] -= scaled * six[j]
+                o += 1
+    row = 0
+    for i in range(N_RIGID):
+        above = 0
+        for j in range(i):
+            total = lower[b, row + j]
+            for k in range(j):
+                total -= lower[b, row + k] * lower[b, above + k]
+            lower[b, row + j] = total * lower[b, above + j]
+            above += j + 1
+        total = lower[b, row + i]
+        for k in range(i):
+            total -= lower[b, row + k] ** 2
+        lower[b, row + i] = 1.0 / math.sqrt(total)
+        row += i + 1
