@@ -4,13 +4,14 @@ Between two stored instants a motion without a velocity jump is the polynomial w
 (cubic Hermite), or at three where the middle of each step was kept (degree 5). A step of a time-stepping scheme with a
 jump is moved by its parts: with the velocity before it, then with the one behind it. A motion q = a cos(omega t) stored
 h apart is found up to (omega h)^4 / 384 a by two instants; where omega h > 0.3 or impulses tell of a touch in between,
-nothing is told.
+nothing is told. In space the same is done in coordinates about the first of these instants
+(:mod:`lcpflex.results.spatial.chart`), so that what comes out is a rotation.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
+    from lcpflex.results.spatial.chart import SpatialChart
 
 __all__ = ["StateAt", "state_at"]
 
@@ -43,7 +45,7 @@ class StateAt:
     time
         [s].
     q, u
-        (ndof,) coordinates and their rates [m], [rad], [kg^1/2 m] and by the second.
+        (nq,) coordinates and (ndof,) velocities [m], [rad], [kg^1/2 m] and by the second, as in the result.
     force
         (nc, 2) normal and tangential force of each contact [N], interpolated between instants; of rigid contacts under
         time stepping, which has their impacts in it, that of the step.
@@ -116,8 +118,8 @@ def _rigid(result: Result) -> NDArray[np.bool_]:
 
 
 def _smooth(result: Result, t: float, k: int, rows: slice, how: str) -> StateAt:
-    times = result.times[rows]
-    q, u = hermite(times, result.q[rows], result.u[rows], t)
+    times, path = result.times[rows], _path(result, rows)
+    q, u = path.state(*hermite(times, path.places, path.rates, t))
     nearest = k + 1 if tells_of_steps(result) or t - result.times[k] > result.times[k + 1] - t else k
     force = lagrange(times, result.force[rows], t)
     if tells_of_steps(result):  # which put an impact among the forces of a step
@@ -129,6 +131,37 @@ def _smooth(result: Result, t: float, k: int, rows: slice, how: str) -> StateAt:
     return StateAt(t, q, u, force, result.state[nearest].copy(), joints, how)
 
 
+def _in_space(result: Result) -> bool:
+    return result.compiled is not None and hasattr(result.compiled.model.bodies, "place")
+
+
+class _Path:
+    """Coordinates and their rates (m, ndof) at a few instants, and the state that others of them are."""
+
+    def __init__(self, places: FloatArray, rates: FloatArray, chart: SpatialChart | None = None) -> None:
+        self.places, self.rates = places, rates
+        self._chart = chart
+
+    def state(self, place: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """q and u of coordinates and their rates (ndof,)."""
+        return (place, rate) if self._chart is None else self._chart.state(place, rate)
+
+    def number(self, coordinate: int) -> int:
+        """Of q, the one that goes with a coordinate."""
+        return coordinate if self._chart is None else self._chart.number(coordinate)
+
+
+def _path(result: Result, rows: slice) -> _Path:
+    q, u = result.q[rows], result.u[rows]
+    if not _in_space(result):
+        return _Path(q, u)
+    from lcpflex.results.spatial.chart import SpatialChart
+
+    bodies: Any = result.compiled.model.bodies if result.compiled is not None else None
+    chart = SpatialChart(bodies, q[0])
+    return _Path(*chart.coordinates(q, u), chart)
+
+
 def _by_parts(result: Result, t: float, k: int) -> StateAt:
     """A step in which velocities jump at one instant, where both parts meet best in the metric of the masses.
 
@@ -137,20 +170,20 @@ def _by_parts(result: Result, t: float, k: int) -> StateAt:
     """
     h = float(result.times[k + 1] - result.times[k])
     since = t - float(result.times[k])
-    weight = _masses(result)[0]
-    q, u = result.q[k : k + 2], result.u[k : k + 2]
+    weight, path = _masses(result)[0], _path(result, slice(k, k + 2))
+    q, u = path.places, path.rates
     jump = weight * (u[0] - u[1])
     square = float(jump @ jump)
     s = float(np.clip(jump @ (weight * (q[1] - q[0] - h * u[1])) / square, 0.0, h)) if square > 0.0 else 0.5 * h
     left = q[1] - q[0] - s * u[0] - (h - s) * u[1]
     if since < s:
-        place, velocity = q[0] + since * u[0] + 0.5 * since / s * left, u[0]
+        place, velocity = q[0] + since * u[0] + 0.5 * since / s * left, result.u[k]
     else:
         share = 0.0 if s == h else 0.5 * (h - since) / (h - s)
-        place, velocity = q[1] - (h - since) * u[1] - share * left, u[1]
+        place, velocity = q[1] - (h - since) * u[1] - share * left, result.u[k + 1]
     joints = result.joint_force
     return StateAt(
-        t, place, velocity.copy(), result.force[k + 1].copy(), result.state[k + 1].copy(),
+        t, path.state(place, velocity)[0], velocity.copy(), result.force[k + 1].copy(), result.state[k + 1].copy(),
         None if joints is None else joints[k + 1].copy(), "parts",
     )  # fmt: skip
 
@@ -160,10 +193,14 @@ def _masses(result: Result) -> tuple[FloatArray, IntArray]:
 
     A user's own system tells neither: each of its coordinates is by itself.
     """
-    ndof = result.q.shape[1]
+    ndof = result.u.shape[1]
     if result.compiled is None:
         return np.ones(ndof), np.arange(ndof)
-    bodies = result.compiled.model.bodies
+    bodies: Any = result.compiled.model.bodies
+    if _in_space(result):
+        from lcpflex.results.spatial.chart import square_roots_of_masses
+
+        return square_roots_of_masses(bodies)
     owner = np.repeat(np.arange(len(bodies.mass)), np.diff(bodies.dof))
     weight = np.ones(ndof)
     for b, d in enumerate(bodies.dof[:-1]):
@@ -180,7 +217,7 @@ def _refuse_unseen(result: Result, t: float, k: int, gained: NDArray[np.bool_]) 
     elif (contact := _hidden_touch(result, k)) is not None:
         why = f"in which contact {result.contact_names[contact]!r} had other forces than at both"
     elif (coordinate := _unresolved(result, k)) is not None:
-        name = result.coordinate_names()[coordinate]
+        name = result.coordinate_names()[_path(result, slice(k, k + 2)).number(coordinate)]
         why = f"between which {name} turns too far to be interpolated"
     if not why:
         return
@@ -215,8 +252,9 @@ def _unresolved(result: Result, k: int) -> int | None:
     """
     h = float(result.times[k + 1] - result.times[k])
     weight, owner = _masses(result)
-    q, u = weight * result.q[k : k + 2], np.abs(weight * result.u[k : k + 2])
-    r = np.abs(q[1] - q[0] - 0.5 * h * weight * (result.u[k] + result.u[k + 1]))
+    path = _path(result, slice(k, k + 2))
+    q, u = weight * path.places, np.abs(weight * path.rates)
+    r = np.abs(q[1] - q[0] - 0.5 * h * weight * (path.rates[0] + path.rates[1]))
     v = np.maximum(u.max(axis=0), np.abs(q[1] - q[0]) / h)
     fastest = np.sqrt(2.0 * max(float(result.energies.kinetic.max()), 0.0))
     speed = np.sqrt(np.bincount(owner, v**2))[owner]
