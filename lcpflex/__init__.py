@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from lcpflex.scene.loads.torsion_spring import TorsionSpring
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.slots import Slot, SlotParts
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.solvers.auto import Auto
     from lcpflex.solvers.lcp.lemke import Lemke
@@ -141,6 +142,7 @@ __all__ = [
     "Smooth",
     "SolidOfRevolution",
     "SolverError",
+    "SpatialScene",
     "SpatialBody",
     "SpatialPoint",
     "SpatialRigidBody",

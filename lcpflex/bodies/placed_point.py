@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from lcpflex.errors import ModelError, shown
 
 if TYPE_CHECKING:
-    from lcpflex.bodies.body import MaterialPoint
+    pass
 
 __all__ = ["PlacedPoint", "check_point", "check_pair"]
 
@@ -24,7 +24,7 @@ class PlacedPoint:
     scene: object  # identity of the scene
     body: int  # index of the body, -1 for the ground
     label: str  # for messages, such as "pendulum.left"
-    material: MaterialPoint  # place in the body frame (world axes for the ground) and mode shapes
+    material: Any  # MaterialPoint or SpatialPoint: place in the body frame (world axes for the ground) and mode shapes
     again: Callable[[Any], PlacedPoint] = field(repr=False)  # makes it on another body at the same place, by its name
 
 

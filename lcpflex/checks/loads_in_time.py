@@ -41,7 +41,7 @@ Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of fu
 def unseen_loads(result: Result, step: float) -> tuple[str, ...]:
     """Warnings for what steps of ``step`` [s] did not see, each with the step that would do."""
     compiled = result.compiled
-    if compiled is None or len(result.times) < 2 or not np.isfinite(result.u).all():
+    if compiled is None or compiled.spatial or len(result.times) < 2 or not np.isfinite(result.u).all():
         return ()
     with np.errstate(all="ignore"):  # a run that went astray is judged elsewhere
         scales = _Scales(result, compiled)

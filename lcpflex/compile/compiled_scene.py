@@ -13,11 +13,13 @@ from lcpflex.compile.state_arrays import mechanics_at
 from lcpflex.compile.state_mechanics import StateMechanics
 from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.compiled_function import CompiledFunction
+from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.dynamics.time_functions import COMPILED, Callback, Calls, Materials, State, supplier
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.law import Law
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import Axis, Model, refrozen
+from lcpflex.model.arrays import Axis, refrozen
+from lcpflex.model.layout import is_spatial
 from lcpflex.model.recovery import Shapes
 from lcpflex.scene.sensors.sensor import Sensor
 from lcpflex.steppers.system import System
@@ -43,6 +45,7 @@ class Layout:
     residual: tuple[tuple[int, int], ...] = ()  # of each body: how many of its last modes are residual, and of contacts
     axes: tuple[Axis | None, ...] = ()  # of beams
     rule_surfaces: tuple[str, ...] = ()  # labels of the first surfaces, between which a rule holds that is not listed
+    shapes: tuple[Any, ...] = ()  # of the bodies of a spatial scene, to be drawn; None: of no known shape
 
     def pair_name(self, a: int, b: int) -> str:
         """Name of the contact of two surfaces by the rule."""
@@ -53,10 +56,10 @@ class Layout:
 class CompiledScene:
     """A scene as flat read-only arrays with its initial state; it does not change with the scene any more."""
 
-    model: Model
+    model: Any  # a Model, or a SpatialModel
     layout: Layout
-    q: FloatArray  # (ndof,) initial configuration
-    u: FloatArray  # (ndof,) initial velocity
+    q: FloatArray  # (nq,) initial configuration
+    u: FloatArray  # (nu,) initial velocity
     size: float  # extent of the largest body [m]: what gaps are large or small against
     n_external: int  # slots that callbacks fill
     callbacks: tuple[Callback, ...] = field(default=(), repr=False)
@@ -73,8 +76,10 @@ class CompiledScene:
         """By its fields; see ``_compiled_again``."""
         return _compiled_again, tuple(getattr(self, part.name) for part in fields(self))
 
-    def state(self, time: float, q: FloatArray, u: FloatArray) -> State:
-        """What Python functions of time and state are called with."""
+    def state(self, time: float, q: FloatArray, u: FloatArray) -> Any:
+        """What Python functions of time and state are called with: a State, or a SpatialState."""
+        if self.spatial:
+            return SpatialState(time, q, u, self.model.bodies)
         return State(time, q, u, self.model.bodies.dof, self.materials)
 
     def at(
@@ -116,6 +121,11 @@ class CompiledScene:
         return mechanics_at(self, q, u, t, margin, gap_tolerance, velocity_threshold)
 
     @property
+    def spatial(self) -> bool:
+        """Whether bodies move in space."""
+        return is_spatial(self.model)
+
+    @property
     def functions_are_lost(self) -> bool:
         """Whether functions of time of a user's are not here any more, as in a scene of a file."""
         slots = sum(len(getattr(callback, "slots", (0,))) for callback in self.callbacks)
@@ -139,7 +149,7 @@ class CompiledScene:
             q=self.q.copy(),
             u=self.u.copy(),
             n_external=self.n_external,
-            hooks={mechanics.supply: supplier(self.callbacks, calls, self.materials)} if self.callbacks else {},
+            hooks={mechanics.supply: supplier(self.callbacks, calls, self.state)} if self.callbacks else {},
             dense=False,
             margin=MARGIN * self.size,
             names=self.layout.contacts,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative import UNITS
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 
@@ -86,7 +88,7 @@ def refuse_overbent(model: Model, q: FloatArray, names: Sequence[str]) -> None:
 
 
 def consistent_start(
-    model: Model,
+    model: Any,
     joints: Mapping[str, Joint],
     q: FloatArray,
     u: FloatArray,
@@ -96,7 +98,8 @@ def consistent_start(
 ) -> tuple[FloatArray, FloatArray]:
     """A start that fulfils the joints: the given one, or its projection."""
     units = [UNITS[kind] for kind in model.joints.kind]
-    reach = max(size, float(np.abs(q[model.bodies.dof[:-1, None] + np.arange(2)]).max()))
+    frames = place_offsets(model.bodies)[:-1, None] + np.arange(dimension(model.bodies).components)
+    reach = max(size, float(np.abs(q[frames]).max()))
     scale = np.array([reach if unit == "m" else 1.0 for unit in units])
     q, u = q.copy(), u.copy()  # writable, as the kernels are compiled for
     if project:

@@ -60,6 +60,8 @@ def pass_thickness(contacts: Contacts) -> FloatArray:
 
 def farthest(contacts: Contacts, points: Points) -> float:
     """Largest distance of a point of a surface from the frame of its body [m]."""
+    if not len(contacts.surface_body):
+        return 0.0
     nodes = np.hypot(*points.place[contacts.node_point].T) + contacts.node_radius
     features = np.hypot(*points.place[contacts.feature_point].reshape(-1, 2).T)
     moving = features[points.body[contacts.feature_point].reshape(-1) >= 0]

@@ -149,7 +149,7 @@ class ForceCallback:
     slots: tuple[int, ...]
     with_state: bool
 
-    def fill(self, t: float, state: State, external: FloatArray) -> None:
+    def fill(self, t: float, state: Any, external: FloatArray) -> None:
         """Write f into ``external`` (slots, 3). Raises ModelError if the function fails or returns something else."""
         arguments = (t, state) if self.with_state else (t,)
         values = called(self.name, PAIR if len(self.slots) == 2 else VALUE, self.function, *arguments)
@@ -164,7 +164,7 @@ class MotionCallback:
     function: Callable[..., Any]
     slot: int
 
-    def fill(self, t: float, state: State, external: FloatArray) -> None:
+    def fill(self, t: float, state: Any, external: FloatArray) -> None:
         """Write (f, f', f'') into ``external`` (slots, 3). Raises ModelError if the function fails."""
         values = called(self.name, MOTION, self.function, t)
         if values.shape == (3,):
@@ -190,12 +190,15 @@ class Calls:
     time: float = 0.0  # [s]
 
 
-def supplier(callbacks: tuple[Callback, ...], calls: Calls, materials: Materials | None = None) -> Callable[..., None]:
-    """What stands in for the kernel ``supply``: it fills ``work.external`` from Python functions, and counts."""
+def supplier(callbacks: tuple[Callback, ...], calls: Calls, state_of: Callable[..., Any]) -> Callable[..., None]:
+    """What stands in for the kernel ``supply``: it fills ``work.external`` from Python functions, and counts.
+
+    state_of: what they are asked at, of t, q and u.
+    """
 
     def supply(model: Model, t: float, q: FloatArray, u: FloatArray, work: Any) -> None:
         began = time.perf_counter()
-        state = State(t, _read_only(q), _read_only(u), model.bodies.dof, materials)
+        state = state_of(t, _read_only(q), _read_only(u))
         for callback in callbacks:
             callback.fill(t, state, work.external)
         calls.number += len(callbacks)

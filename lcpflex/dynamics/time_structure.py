@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from lcpflex.dynamics.compiled_function import CompiledFunction
 from lcpflex.dynamics.time_functions import HARMONIC, PIECES, Callback, ForceCallback, MotionCallback, State
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Model, Signals, frozen
+from lcpflex.model.layout import is_spatial
+from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.functions_of_time import Function
 
 __all__ = ["LEAST_LOOKS", "bends", "for_system", "probe_of", "probed", "with_instants", "with_signals"]
@@ -114,7 +116,8 @@ def with_signals(model: Model, **changes: Any) -> Model:
     """``model``, packed or not, with other arrays among its functions of time."""
     signals = Signals(*(changes.get(name, getattr(model.signals, name)) for name in Signals._fields))
     parts = {name: getattr(model, name) for name in Model._fields}
-    return Model(**(parts | {"signals": signals}))
+    kind: Any = SpatialModel if is_spatial(model) else Model
+    return cast(Model, kind(**(parts | {"signals": signals})))
 
 
 def with_instants(

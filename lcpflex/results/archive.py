@@ -49,7 +49,8 @@ SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HOMES = (  # of the value classes that a file may name
     "lcpflex.results.result", "lcpflex.results.sensor",
     "lcpflex.results.contact_history", "lcpflex.results.energy_balance",
-    "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery",
+    "lcpflex.compile.compiled_scene", "lcpflex.model.arrays", "lcpflex.model.recovery", "lcpflex.model.spatial",
+    "lcpflex.bodies.spatial.shapes",
 )  # fmt: skip
 
 Arrays = dict[str, npt.NDArray[Any]]

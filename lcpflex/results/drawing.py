@@ -135,7 +135,7 @@ def stars(compiled: CompiledScene) -> list[tuple[list[IntArray], bool]]:
 def features_of(compiled: CompiledScene, surface: int) -> IntArray:
     """Material points of the features of a surface, (k, 2)."""
     contacts = compiled.model.contacts
-    return contacts.feature_point[contacts.feature_start[surface] : contacts.feature_start[surface + 1]]
+    return np.asarray(contacts.feature_point[contacts.feature_start[surface] : contacts.feature_start[surface + 1]])
 
 
 def surfaces_of_bodies(compiled: CompiledScene) -> dict[int, list[int]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import dimension, place_offsets
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,7 +25,8 @@ class ModalCoordinates:
     Attributes
     ----------
     body : its name
-    columns : (n,) where they are in ``result.q`` and ``result.u``
+    columns : (n,) where they are in ``result.q``
+    rates : (n,) where their rates are in ``result.u``: in the plane the same
     residual : (n,) whether each is a residual (static) mode of what acts on the body
     frequency : (n,) natural frequency of the free body [Hz]
     damping_ratio : (n,) [-]
@@ -33,6 +34,7 @@ class ModalCoordinates:
 
     body: str
     columns: IntArray
+    rates: IntArray
     residual: NDArray[np.bool_]
     frequency: FloatArray
     damping_ratio: FloatArray
@@ -58,14 +60,16 @@ class ModalCoordinates:
 def modal_coordinates(compiled: CompiledScene, b: int) -> ModalCoordinates:
     """Those of body b."""
     bodies = compiled.model.bodies
-    first, last = int(bodies.dof[b]) + N_RIGID, int(bodies.dof[b + 1])
-    own = slice(first - N_RIGID * (b + 1), last - N_RIGID * (b + 1))
+    size, place = dimension(bodies), int(place_offsets(bodies)[b])
+    first, last = int(bodies.dof[b]) + size.rigid, int(bodies.dof[b + 1])
+    own = slice(first - size.rigid * (b + 1), last - size.rigid * (b + 1))
     omega = np.sqrt(bodies.stiffness[own])
     n = last - first
     residual = compiled.layout.residual[b][0] if compiled.layout.residual else 0
     return ModalCoordinates(
         body=compiled.layout.bodies[b],
-        columns=np.arange(first, last),
+        columns=place + size.places + np.arange(n),
+        rates=np.arange(first, last),
         residual=np.arange(n) >= n - residual,
         frequency=np.asarray(omega / (2.0 * np.pi)),
         damping_ratio=np.asarray(bodies.damping[own] / (2.0 * omega)),

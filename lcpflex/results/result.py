@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lcpflex.basics.arguments import absent, numbers
+from lcpflex.basics.arguments import absent
 from lcpflex.basics.renamed import renamed_property
 from lcpflex.compile.coordinates import coordinate_names
 from lcpflex.compile.touched_pairs import pair_of
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.arrays import OPEN, SLIP, STICK, Model
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.arrays import OPEN, SLIP, STICK
 from lcpflex.model.recovery import small_enough
 from lcpflex.results.archive import read, write
 from lcpflex.results.charts import plot
@@ -26,11 +25,12 @@ from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
+from lcpflex.results.material import material_of
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
-from lcpflex.results.orientation import body_angle
+from lcpflex.results.orientation import body_angle, body_orientation, body_spin
 from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
-from lcpflex.results.places import material_shapes, trajectory, velocity
+from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.plot import animate, draw
 from lcpflex.results.section_forces import SectionForces, section_forces
 from lcpflex.results.sensor import SensorHistory, named_sensor
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from scipy.spatial.transform import Rotation
 
     from lcpflex.compile.compiled_scene import CompiledScene
 
@@ -196,6 +197,20 @@ class Result:
         """
         return body_angle(self, body, relative_to)
 
+    def orientation(self, body: str) -> Rotation:
+        """How the frame of a body of a spatial scene is turned, m rotations from body axes to world axes.
+
+        body: its name. Raises ModelError for a body that is not there, and for planar results, which have ``angle``.
+        """
+        return body_orientation(self, body)
+
+    def angular_velocity(self, body: str, axes: str = "world") -> FloatArray:
+        """Angular velocity of the frame of a body of a spatial scene, (m, 3) [rad/s].
+
+        body: its name. axes: "world" or "body". Raises ModelError as :meth:`orientation` does.
+        """
+        return body_spin(self, body, axes)
+
     def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces:
         """Section forces N, V and M of a beam or bar over the stored instants: see :class:`SectionForces`.
 
@@ -230,7 +245,7 @@ class Result:
         ``point`` is the name of a point or its undeformed place (x, y) [m] in the frame of the body: anywhere on a
         rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is none.
         """
-        model, b, place, phi = self._material(body, point)
+        model, b, place, phi = material_of(self, body, point)
         return trajectory(model, self.q, b, place, phi)
 
     def velocity(self, body: str, point: str | tuple[float, float]) -> FloatArray:
@@ -240,7 +255,7 @@ class Result:
 
         body: its name. point: as in :meth:`trajectory`.
         """
-        model, b, place, phi = self._material(body, point)
+        model, b, place, phi = material_of(self, body, point)
         return velocity(model, self.q, self.u, b, place, phi)
 
     def summary(self) -> str:
@@ -343,58 +358,3 @@ class Result:
         if not isinstance(body, str) or body not in bodies:
             raise ModelError(f"body: no body {absent(body, bodies)}")
         return modal_coordinates(self.compiled, bodies.index(body))
-
-    def _material(self, body: str, point: str | tuple[float, float]) -> tuple[Model, int, FloatArray, FloatArray]:
-        """Body index, undeformed place (2,) and shapes (n, 2) of a named or placed point."""
-        if self.compiled is None:
-            raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
-        layout, model = self.compiled.layout, self.compiled.model
-        if not isinstance(body, str) or body not in layout.bodies:
-            raise ModelError(f"body: no body {absent(body, layout.bodies)}")
-        b = layout.bodies.index(body)
-        if isinstance(point, str):
-            if (body, point) not in layout.points:
-                known = tuple(name for owner, name in layout.points if owner == body)
-                raise ModelError(f"point: {shown(body)} has no point {absent(point, known)}")
-            p = layout.points[body, point]
-            return model, b, model.points.place[p], material_shapes(model, np.array([p]))[0]
-        place = numbers(point)
-        if place is None or place.shape != (2,) or not np.isfinite(place).all():
-            raise ModelError(
-                f"point: {shown(point)} was given, expected the name of a point or two finite numbers (x, y)"
-            )
-        phi = self._shapes_at(b, place)
-        if phi is None:
-            raise ModelError(
-                f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
-                f"{shown(body)}; expected one of these (body.node(x, y) before the simulation makes a place known)"
-            )
-        return model, b, place, phi
-
-    def _shapes_at(self, b: int, place: FloatArray) -> FloatArray | None:
-        """Mode shapes (n, 2) at an undeformed place: of the point that is there, or between two on an outline."""
-        assert self.compiled is not None
-        layout, model = self.compiled.layout, self.compiled.model
-        if model.bodies.dof[b + 1] - model.bodies.dof[b] == N_RIGID:
-            return np.zeros((0, 2))
-        own = np.flatnonzero(model.points.body == b)
-        if not own.size:
-            return None
-        near = 1e-9 * float(np.ptp(model.points.place[own], axis=0).max())
-        distance = np.linalg.norm(model.points.place[own] - place, axis=1)
-        if distance.min() <= near:
-            shapes: FloatArray = material_shapes(model, own[[distance.argmin()]])[0]
-            return shapes
-        for owner, ids, closed in layout.outlines:
-            if owner == b:
-                ends = np.column_stack([ids, np.roll(ids, -1)])[: len(ids) if closed else len(ids) - 1]
-                start = model.points.place[ends[:, 0]]
-                edge = model.points.place[ends[:, 1]] - start
-                length = np.maximum(np.einsum("ki,ki->k", edge, edge), np.finfo(float).tiny)
-                s = np.clip(np.einsum("ki,ki->k", place - start, edge) / length, 0.0, 1.0)
-                off = np.linalg.norm(start + s[:, None] * edge - place, axis=1)
-                k = int(off.argmin())
-                if off[k] <= near:
-                    phi = material_shapes(model, ends[k])
-                    return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
-        return None

@@ -19,9 +19,10 @@ import numpy as np
 from lcpflex.contact.narrow_phase.feature import SEGMENT
 from lcpflex.dynamics.mass_matrix import slowest_vibrations
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.layout import dimension, place_offsets
 from lcpflex.model.planar import N_RIGID
 from lcpflex.steppers.records import Records
-from lcpflex.steppers.step_error import ORDER, Units
+from lcpflex.steppers.step_error import ORDER, Units, ranges_of
 
 if TYPE_CHECKING:
     from lcpflex.model.arrays import Model
@@ -49,9 +50,9 @@ def stated_errors(
     q, u = data["q"], data["u"]
     if not (len(q) and np.isfinite(q).all() and np.isfinite(u).all()):
         return None, None
-    units = Units(model, q.shape[1])
+    units = Units(model, u.shape[1])
     span = float(data["times"][-1] - data["times"][0])
-    ranges = np.array([np.ptp(q, axis=0), np.abs(u).max(axis=0)])
+    ranges = ranges_of(model, q, u)
     # 1/omega of a vibration, half the time of a flight
     with np.errstate(over="ignore"):  # a coordinate that hardly moves is never past
         passing = np.minimum(0.5 * ranges[0] / np.maximum(ranges[1], np.finfo(float).tiny), 0.5 * span)
@@ -83,7 +84,9 @@ def _with_impacts(
     grown = np.diff(smooth[0] * _shares(records, units, times), axis=0)
     first, last = np.array([impact[:2] for impact in impacts], dtype=np.int64).reshape(-1, 2).T
     jumps = units.of(u[last] - u[first])
-    episodes = None if units.own else _Episodes(model, units, records.impact_step, data, first, last)
+    episodes = (
+        None if units.own or not len(impacts) else _Episodes(model, units, records.impact_step, data, first, last)
+    )
     for k, (_, _, laws) in enumerate(impacts):
         place += (times[k + 1] - times[k]) * speed + grown[k]
         if rigid[laws].any():
@@ -258,11 +261,12 @@ def error_shares(result: Result) -> tuple[float, float] | None:
     if result.compiled is None:
         return result.place_error, result.speed_error
     model = result.compiled.model
-    origins = np.concatenate([[d, d + 1] for d in model.bodies.dof[:-1].tolist()])
+    size = dimension(model.bodies)
+    origins = place_offsets(model.bodies)[:-1, None] + np.arange(size.components)
     moved = (result.q - result.q[0])[:, origins]
-    travel = float(np.hypot(moved[:, 0::2], moved[:, 1::2]).max(initial=0.0))
-    size = max(scene_size(result) or 0.0, travel)
-    speed = float(Units(model, result.q.shape[1]).of(result.u).max(initial=0.0))
-    slow = AT_REST * size / result.duration
+    travel = float(np.sqrt((moved * moved).sum(axis=2)).max(initial=0.0))
+    extent = max(scene_size(result) or 0.0, travel)
+    speed = float(Units(model, result.u.shape[1]).of(result.u).max(initial=0.0))
+    slow = AT_REST * extent / result.duration
     tiny = np.finfo(float).tiny
-    return result.place_error / max(size, tiny), result.speed_error / max(speed, slow, tiny)
+    return result.place_error / max(extent, tiny), result.speed_error / max(speed, slow, tiny)

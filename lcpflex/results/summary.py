@@ -101,13 +101,19 @@ def _run(result: Result) -> str:
     lines.extend(result.notes)
     largest = int(result.size.max(initial=0))
     lines.append(
-        f"{result.q.shape[1]} coordinates; {_declared(result)}; "
+        f"{_coordinates(result)}; {_declared(result)}; "
         f"largest contact problem {_counted(largest, 'unknown')}; {_counted(len(result.times), 'stored instant')}"
     )
     lines.extend(_reduced(result))
     if result.sensors:
         lines.append("sensors: " + "; ".join(str(sensor) for sensor in result.sensors[:LISTED]) + _more(result.sensors))
     return "\n".join(lines)
+
+
+def _coordinates(result: Result) -> str:
+    """How many there are; in space there are more numbers in q than velocities."""
+    numbers, velocities = result.q.shape[1], result.u.shape[1]
+    return f"{numbers} coordinates" + ("" if numbers == velocities else f" and {velocities} velocities")
 
 
 def _more(every: Sequence[object]) -> str:

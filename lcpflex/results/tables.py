@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.basics.version import VERSION
-from lcpflex.compile.coordinates import coordinate_units
+from lcpflex.compile.coordinates import coordinate_units, velocity_units
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.model.arrays import OPEN, SLIP, STICK
@@ -212,7 +212,6 @@ def _joints(result: Result) -> tuple[str, ...]:
 def _units(result: Result) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Of q and u; those of a user's own system are not known."""
     if result.compiled is None:
-        unknown = ("unknown",) * result.q.shape[1]
-        return unknown, unknown
-    units = coordinate_units(result.compiled.model.bodies)
-    return units, tuple(f"{unit}/s" for unit in units)
+        return ("unknown",) * result.q.shape[1], ("unknown",) * result.u.shape[1]
+    bodies = result.compiled.model.bodies
+    return coordinate_units(bodies), velocity_units(bodies)

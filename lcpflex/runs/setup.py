@@ -12,6 +12,7 @@ from lcpflex.results.energy_balance import EnergyGrowth
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.runs.sensing import Sensing, rates_of
 from lcpflex.scene.scene import Scene
+from lcpflex.scene.spatial.scene import SpatialScene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.quadratic_program import QuadraticProgram
 from lcpflex.steppers.user_functions import watch
@@ -99,8 +100,8 @@ def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> 
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
     if isinstance(scene, UserSystem):
         return scene
-    if not isinstance(scene, Scene):
-        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
+    if not isinstance(scene, Scene | SpatialScene):
+        raise ModelError(f"scene: {shown(scene)} was given, expected a Scene, a SpatialScene or a UserSystem")
     return scene.compiled(project, _indents(stepper), getattr(stepper, "gives_way", False))
 
 

@@ -319,7 +319,7 @@ def _lift(compiled: CompiledScene | None) -> float:
     """Energy that lifts all bodies by the size of the largest [J]; 0 where none is known."""
     if compiled is None:
         return 0.0
-    return float(compiled.model.bodies.mass.sum() * np.hypot(*compiled.model.loads.gravity)) * compiled.size
+    return float(compiled.model.bodies.mass.sum() * np.linalg.norm(compiled.model.loads.gravity)) * compiled.size
 
 
 def _tolerance(stepper: Stepper) -> float:

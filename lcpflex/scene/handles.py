@@ -193,7 +193,8 @@ class Placed:
         if isinstance(place, PlacedPoint):
             if place.scene is not self.scene or place.body != self.body:
                 raise ModelError(f"{argument}: {shown(place.label)} was given, expected a point of {shown(self.name)}")
-            return place.material
+            given: MaterialPoint = place.material
+            return given
         x, y = array_of(argument, place, (2,))
         if self.source is None:
             return MaterialPoint(np.array([x, y]), np.zeros((0, 2)), np.zeros(0))

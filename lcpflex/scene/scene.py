@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import absent, flag, listed, text, told_by
+from lcpflex.basics.arguments import absent, flag, numbers, told_by
 from lcpflex.basics.renamed import renamed_keyword
 from lcpflex.bodies.body import Body, Reducible, array_of
 from lcpflex.errors import ModelError, ModelWarning, in_range, shown
@@ -23,6 +23,7 @@ from lcpflex.scene.declared import ContactRule, DeclaredContact, Parts
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
+from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
 from lcpflex.scene.sensors.sensor import Sensor
 from lcpflex.scene.substitution import exchanged
@@ -52,7 +53,7 @@ class Scene:
     """
 
     def __init__(self, gravity: npt.ArrayLike = (0.0, -9.81)) -> None:
-        self.gravity = array_of("gravity", gravity, (2,))
+        self.gravity = planar_gravity(gravity)
         self.ground = Placed("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
         self._placed: dict[str, Placed] = {}
         self._surfaces: list[PlacedSurface] = []
@@ -123,7 +124,7 @@ class Scene:
             How many nodes of a surface get residual modes at most, evenly spread. If omitted, as few as will do: none
             where the free modes give way as the mesh does, to a hundredth, or else 3, 5 or 9; and 3 where 9 do not do.
         """
-        called = _name("body", name, self._placed)
+        called = free_name("body", name, self._placed)
         order = None
         if not isinstance(body, Body) and hasattr(body, "reduce") and not isinstance(body, type):
             others = (placed.order for placed in self._placed.values() if placed.order is not None)
@@ -170,7 +171,7 @@ class Scene:
         if isinstance(joint, type) or not isinstance(joint, Joint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Revolute(P, Q)")
         check_own(self, "joint", joint.P)
-        name = _name("joint", joint.name or None, self._joints)
+        name = free_name("joint", joint.name or None, self._joints)
         self._joints[name] = joint
         return name
 
@@ -200,7 +201,7 @@ class Scene:
         for field in ("P", "body"):
             if getattr(getattr(sensor, field, None), "scene", None) is not None:
                 check_own(self, "sensor", getattr(sensor, field))
-        name = _name("sensor", sensor.name or None, self._sensors)
+        name = free_name("sensor", sensor.name or None, self._sensors)
         self._sensors[name] = sensor
         return name
 
@@ -242,7 +243,7 @@ class Scene:
         declared = contact_between(
             self, self._between, a, b, friction, restitution, tangential_restitution, node_side, law
         )
-        name = _name("contact", name, self._contacts)
+        name = free_name("contact", name, self._contacts)
         self._contacts[name] = declared
         self._between[frozenset((a.label, b.label))] = name
         return name
@@ -349,22 +350,19 @@ class Scene:
         return self.ground if body < 0 else self._by_index[body]
 
 
+def planar_gravity(gravity: npt.ArrayLike) -> FloatArray:
+    """(2,); three numbers are those of a spatial scene."""
+    given = numbers(gravity)
+    if given is not None and given.shape == (3,):
+        raise ModelError(
+            f"gravity: three numbers were given, {shown(gravity)}, expected two (x, y): a Scene is planar; "
+            "SpatialScene(gravity=...) takes three"
+        )
+    return array_of("gravity", gravity, (2,))
+
+
 def _state(modes: int, **parts: Any) -> FloatArray:
     """(3 + n,) of a place, an angle and n modal coordinates, by the names of the arguments, or of their rates."""
     (at, place), (turned, angle), (bent, modal) = parts.items()
     frame = [*array_of(at, place, (2,)), in_range(turned, angle, -math.inf, math.inf)]
     return np.concatenate([frame, np.zeros(modes) if modal is None else array_of(bent, modal, (modes,))])
-
-
-def _name(kind: str, name: str | None, taken: Mapping[str, object]) -> str:
-    """``name``, or the first free of kind1, kind2, ... counted from how many there are."""
-    if name is None:
-        number = 1 + len(taken)
-        while f"{kind}{number}" in taken:
-            number += 1
-        return f"{kind}{number}"
-    ground = ("ground",) if kind == "body" else ()
-    if text("name", name) in taken or name in ground:
-        known = listed([*ground, *taken])
-        raise ModelError(f"name: {shown(name)} was given twice, expected a name other than {known}")
-    return name

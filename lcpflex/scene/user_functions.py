@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from lcpflex.force_laws.law import Law
     from lcpflex.scene.declared import Parts
     from lcpflex.scene.joints.joint import Joint
+    from lcpflex.scene.spatial.scene import SpatialParts
 
 __all__ = ["check_names", "functions_of"]
 
@@ -32,15 +33,15 @@ def check_names(functions: Iterable[tuple[str, Any]]) -> None:
                 )
 
 
-def functions_of(parts: Parts) -> Iterator[tuple[str, Any]]:
+def functions_of(parts: Parts | SpatialParts) -> Iterator[tuple[str, Any]]:
     """The functions of time and of indentation in a scene, and what to call their holders."""
     for number, load in enumerate(parts.loads, 1):
         yield from _of_load(number, load)
     for name, joint in parts.joints.items():
         yield from _of_joint(name, joint)
-    for name, contact in parts.contacts.items():
+    for name, contact in getattr(parts, "contacts", {}).items():
         yield from _of_law(f"contact {name!r}: law", contact.law)
-    for rule in parts.rules:
+    for rule in getattr(parts, "rules", ()):
         yield from _of_law("contact_all: law", rule.law)
     yield from ((f"sensor {name!r}: function", getattr(one, "function", None)) for name, one in parts.sensors.items())
 

@@ -70,7 +70,7 @@ class FixedSteps:
     def __init__(
         self, stepping: TimeStepping, duration: float, interval: float, average: tuple[float, float], begun: bool = True
     ) -> None:
-        self.stepping, self.records = stepping, stepping.records
+        self.stepping, self.records, self.system = stepping, stepping.records, stepping.system
         self.fixed_step = step = stepping.scheme.step
         self._duration, self._average = duration, np.array(average)
         self._whole = math.floor(duration / step * (1.0 + 1e-12) + 1e-9)

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import PLANE, dimension, place_offsets
 from lcpflex.steppers.system import System
 
 __all__ = ["Scales", "absolute_tolerance", "given_or", "scales_of", "usual_state"]
@@ -69,18 +69,24 @@ def scales_of(system: System, duration: float) -> Scales:
         return Scales(1.0, 1.0, 1.0)
     bodies, u = system.model.bodies, system.u
     length = system.size
-    speed = math.sqrt(float(np.hypot(*system.model.loads.gravity)) * length) / math.pi
+    size = dimension(bodies)
+    speed = math.sqrt(float(np.linalg.norm(system.model.loads.gravity)) * length) / math.pi
     for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
-        modal = float(np.linalg.norm(u[first + N_RIGID : last])) / math.sqrt(mass)
-        speed = max(speed, float(np.hypot(u[first], u[first + 1])) + length * abs(float(u[first + 2])) + modal)
+        turns = first + size.components
+        modal = float(np.linalg.norm(u[first + size.rigid : last])) / math.sqrt(mass)
+        spin = float(np.linalg.norm(u[turns : first + size.rigid]))
+        speed = max(speed, float(np.linalg.norm(u[first:turns])) + length * spin + modal)
     pace = speed / length or 1.0 / (FEW_EVENTS * duration)
     return Scales(length, speed or length / duration, float(bodies.mass.sum()), _reach(system), pace)
 
 
 def _reach(system: System) -> float:
     """The largest coordinate of which gaps are made, at the start [m]."""
-    points, contacts = system.model.points, system.model.contacts
-    frames = np.abs(system.q[system.model.bodies.dof[:-1, None] + np.arange(2)])
+    points, contacts, bodies = system.model.points, system.model.contacts, system.model.bodies
+    size = dimension(bodies)
+    frames = np.abs(system.q[place_offsets(bodies)[:-1, None] + np.arange(size.components)])
+    if size is not PLANE:
+        return system.size + float(frames.max())
     center = contacts.feature_point[:, 0]
     away = np.where(points.body[center] < 0, np.hypot(*points.place[center].T), 0.0)
     radius = np.abs(contacts.feature_radius)
@@ -93,13 +99,15 @@ def usual_state(system: System, scales: Scales) -> FloatArray:
 
     L and V of places, 1 and V / L of angles, L sqrt(m) and V sqrt(m) of modal coordinates of a body of mass m.
     """
-    usual = np.ones(len(system.q))
+    places, speeds = np.ones(len(system.q)), np.ones(len(system.u))
     if system.size > 0.0:
         bodies = system.model.bodies
-        for first, last, mass in zip(bodies.dof[:-1], bodies.dof[1:], bodies.mass, strict=True):
-            usual[first : first + 2] = scales.length
-            usual[first + N_RIGID : last] = scales.length * math.sqrt(mass)
-    return np.concatenate((usual, usual * (scales.speed / scales.length)))
+        size = dimension(bodies)
+        for usual, offsets, rigid in ((places, place_offsets(bodies), size.places), (speeds, bodies.dof, size.rigid)):
+            for first, last, mass in zip(offsets[:-1], offsets[1:], bodies.mass, strict=True):
+                usual[first : first + size.components] = scales.length
+                usual[first + rigid : last] = scales.length * math.sqrt(mass)
+    return np.concatenate((places, speeds * (scales.speed / scales.length)))
 
 
 def absolute_tolerance(given: float | None, rtol: float, system: System, scales: Scales, laws: int = -1) -> FloatArray:

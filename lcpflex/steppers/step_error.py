@@ -12,19 +12,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
+from lcpflex.kinematics.configuration import difference
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import PLANE, dimension
 from lcpflex.solvers.contact.memory import carried_over
 from lcpflex.steppers.rates import UNSTORED
 from lcpflex.steppers.recorder import FIELDS
 from lcpflex.steppers.records import Records
+
+if TYPE_CHECKING:
+    from lcpflex.steppers.system import System
 
 __all__ = ["ORDER", "UNSTORED", "Sampling", "Units", "carried"]
 
@@ -45,14 +49,15 @@ class Units:
         self.own = len(model.bodies.mass) == 0
         self.count = ndof if self.own else len(model.bodies.mass)
         points, contacts, dof = model.points, model.contacts, model.bodies.dof
+        self._size = dimension(model.bodies)
         for b in range(len(model.bodies.mass)):
             ids = np.flatnonzero(points.body == b)
-            extent = float(np.max(np.hypot(*points.place[ids].T), initial=0.0))
+            extent = float(np.max(_lengths(points.place[ids]), initial=0.0))
             for s in np.flatnonzero(contacts.surface_body == b):
                 reach = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
                 extent = max(extent, reach if math.isfinite(reach) else 0.0)
             shapes = [points.phi[points.start[p] : points.start[p + 1]].T for p in ids]
-            modes = int(dof[b + 1] - dof[b]) - N_RIGID
+            modes = int(dof[b + 1] - dof[b]) - self._size.rigid
             phi = np.concatenate(shapes) if shapes else np.zeros((0, modes))
             self._bodies.append((int(dof[b]), int(dof[b + 1]), extent, phi))
 
@@ -65,19 +70,53 @@ class Units:
         if self.own:
             return np.asarray(np.abs(change))
         moved = np.zeros((*change.shape[:-1], self.count))
+        _, rigid, components = self._size
         for b, (first, last, extent, phi) in enumerate(self._bodies):
-            moved[..., b] = np.hypot(change[..., first], change[..., first + 1])
-            moved[..., b] += extent * np.abs(change[..., first + 2])
+            moved[..., b] = _lengths(change[..., first : first + components])
+            moved[..., b] += extent * _lengths(change[..., first + components : first + rigid])
             if phi.size:
-                bent = np.abs(change[..., first + N_RIGID : last]) @ np.abs(phi.T)
-                moved[..., b] += np.hypot(bent[..., 0::2], bent[..., 1::2]).max(axis=-1)
+                bent = np.abs(change[..., first + rigid : last]) @ np.abs(phi.T)
+                moved[..., b] += _lengths(bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)).max(axis=-1)
         return moved
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Of vectors (..., 1 to 3)."""
+    if vectors.shape[-1] == 2:
+        return np.hypot(vectors[..., 0], vectors[..., 1])
+    return np.abs(vectors[..., 0]) if vectors.shape[-1] == 1 else np.linalg.norm(vectors, axis=-1)
+
+
+def ranges_of(model: Model, q: FloatArray, u: FloatArray) -> FloatArray:
+    """(2, ndof) how far coordinates went over the instants of q (m, nq) and u (m, ndof), and their fastest rates.
+
+    In space in the sense of velocities: of the rotation, the largest angle from the start in all three components.
+    """
+    went = np.ptp(q, axis=0)
+    if dimension(model.bodies) is not PLANE:
+        apart = np.zeros((len(q), u.shape[1]))
+        for row, at in zip(apart, q, strict=True):
+            difference(model, q[0].copy(), at.copy(), row)
+        went = np.ptp(apart, axis=0)
+        for d in model.bodies.dof[:-1].tolist():
+            went[d + 3 : d + 6] = np.linalg.norm(apart[:, d + 3 : d + 6], axis=1).max(initial=0.0)
+    return np.array([went, np.abs(u).max(axis=0)])
+
+
+def _apart(model: Model, ends: list[FloatArray], halves: list[FloatArray]) -> FloatArray:
+    """(2, ndof) a state from another: of q, what moves the one to the other."""
+    if dimension(model.bodies) is PLANE:
+        return np.array([ends[0] - halves[0], ends[1] - halves[1]])
+    q = np.zeros_like(ends[1])
+    difference(model, halves[0], ends[0], q)
+    return np.array([q, ends[1] - halves[1]])
 
 
 class Sampled(Protocol):
     """Something with fixed steps whose state can be copied."""
 
     records: Records
+    system: System
 
     def state(self) -> tuple[Any, ...]:
         """Coordinates, velocities, and all other memory that a step changes: arrays and packed tuples of them."""
@@ -151,7 +190,8 @@ class Sampling:
             ends.append([np.array(part) for part in self._scheme.state()[:2]])
         if halves is None or self._struck(impulses, halves[1]):
             return ""
-        error = np.array(ends) - np.array(halves[0])
+        model = self._scheme.system.model
+        error = np.array([_apart(model, end, half) for end, half in zip(ends, halves[0], strict=True)])
         if np.isfinite(error).all():
             self.found.append((error[1] - error[0]) / (BLOCK - 1))
             self.times.append(run.time)

@@ -1,0 +1,115 @@
+"""From the objects of a spatial scene to the arrays of a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
+from lcpflex.compile.compiled_scene import CompiledScene, Layout
+from lcpflex.compile.consistency import consistent_start
+from lcpflex.compile.sensors import compiled_sensor
+from lcpflex.compile.spatial.assembly import SpatialAssembly
+from lcpflex.compile.spatial.bodies import compile_spatial_bodies
+from lcpflex.dynamics.spatial.state import SpatialState
+from lcpflex.errors import ModelError
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.arrays import Contacts, empty, frozen
+from lcpflex.model.spatial import SpatialJoints, SpatialLoads, SpatialModel
+from lcpflex.scene.spatial.scene import SpatialParts
+
+if TYPE_CHECKING:
+    from lcpflex.scene.spatial.scene import SpatialScene
+
+__all__ = ["compiled_spatial_scene"]
+
+
+def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
+    """The scene as arrays. Raises ModelError for a start that cannot be."""
+    parts = scene.parts()
+    if not parts.placed:
+        raise ModelError("scene: it has no body, expected at least one: scene.add(...)")
+    bodies = compile_spatial_bodies(parts.bodies)
+    q = frozen(np.concatenate([p.start[0] for p in parts.placed]))
+    u = frozen(np.concatenate([p.start[1] for p in parts.placed]))
+    assembly = SpatialAssembly(SpatialState(0.0, q, u, bodies))
+    named = {
+        (p.name, name): assembly.point(p.body, point)
+        for p, body in zip(parts.placed, parts.bodies, strict=True)
+        for name, point in body.points.items()
+    }
+    joints, loads = no_joints(), only_weight(scene.gravity)
+    signals, callbacks = assembly.signals.compile()
+    model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, empty(Contacts))
+    layout = Layout(
+        bodies=tuple(p.name for p in parts.placed),
+        contacts=(),
+        joints=tuple(parts.joints),
+        outlines=(),
+        circles=(),
+        points=named,
+        resolutions=tuple(None for _ in parts.placed),
+        residual=tuple((body.residual_modes, 0) for body in parts.bodies),
+        axes=tuple(None for _ in parts.placed),
+        shapes=tuple(body.shape for body in parts.bodies),
+    )
+    external = np.zeros((assembly.signals.n_external, 3))
+    for callback in callbacks:  # a trial: what is wrong with a function is said before time is spent
+        callback.fill(0.0, assembly.state, external)
+    size = spatial_size(parts, model, q)
+    if parts.joints:
+        q, u = consistent_start(model, parts.joints, q, u, external, size, project)
+    return CompiledScene(
+        model,
+        layout,
+        frozen(q),
+        frozen(u),
+        size,
+        len(external),
+        callbacks,
+        (),
+        assembly.signals.functions,
+        recovery=tuple(None for _ in parts.bodies),
+        sensors=tuple(compiled_sensor(name, sensor) for name, sensor in parts.sensors.items()),
+    )
+
+
+def no_joints() -> SpatialJoints:
+    """Arrays of no joints."""
+    pairs, rows, triples = frozen([], np.int64, columns=2), frozen([], np.int64), frozen([], columns=3)
+    return SpatialJoints(pairs, frozen([0], np.int64), rows, triples, triples, triples, frozen([]), rows)
+
+
+def only_weight(gravity: FloatArray) -> SpatialLoads:
+    """Arrays of no loads but gravity."""
+    pairs, rows, triples = frozen([], np.int64, columns=2), frozen([], np.int64), frozen([], columns=3)
+    return SpatialLoads(
+        frozen(gravity), rows, pairs, triples, triples, triples, triples, rows, rows, frozen([], np.int64, columns=3)
+    )
+
+
+def spatial_size(parts: SpatialParts, model: SpatialModel, q: FloatArray) -> float:
+    """Extent of the largest body [m], with the points on it; of the scene where all bodies are points."""
+    points = model.points
+    extents = [0.0]
+    for b, body in enumerate(parts.bodies):
+        own = points.place[points.body == b]
+        spans = np.ptp(own, axis=0) if len(own) else np.zeros(3)
+        extents.append(max(float(spans.max()), _extent(body.shape)))
+    largest = max(extents)
+    if largest > 0.0:
+        return largest
+    frames = np.vstack([q[model.bodies.place[:-1, None] + np.arange(3)], points.place[points.body < 0]])
+    return float(np.ptp(frames, axis=0).max()) or 1.0
+
+
+def _extent(shape: Shape | None) -> float:
+    """Largest extent of a shape along an axis of its body [m]; 0 where there is none."""
+    if isinstance(shape, SphereShape):
+        return 2.0 * shape.radius
+    if isinstance(shape, CylinderShape):
+        return max(2.0 * shape.radius, shape.length)
+    if isinstance(shape, CapsuleShape):
+        return 2.0 * shape.radius + shape.length
+    return float(np.ptp(shape.vertices, axis=0).max()) if isinstance(shape, SurfaceShape) else 0.0

@@ -1,0 +1,38 @@
+"""How many numbers the parts of a configuration and of a velocity have: in the plane, and in space."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from lcpflex.jit.kernel import IntArray
+from lcpflex.model import planar, spatial
+
+__all__ = ["PLANE", "SPACE", "Dimension", "dimension", "is_spatial", "place_offsets"]
+
+
+class Dimension(NamedTuple):
+    """Numbers of a rigid body in q and in u, and components of a place."""
+
+    places: int  # of a body in q before its modal coordinates
+    rigid: int  # in u before their rates
+    components: int  # of a place
+
+
+PLANE = Dimension(planar.N_RIGID, planar.N_RIGID, 2)
+SPACE = Dimension(spatial.N_PLACE, spatial.N_RIGID, 3)
+
+
+def dimension(bodies: Any) -> Dimension:
+    """Of the bodies of a model."""
+    return SPACE if hasattr(bodies, "centred") else PLANE
+
+
+def is_spatial(model: Any) -> bool:
+    """Whether the bodies of a model move in space."""
+    return dimension(model.bodies) is SPACE
+
+
+def place_offsets(bodies: Any) -> IntArray:
+    """(nb + 1,) offsets of the bodies into q."""
+    offsets: IntArray = getattr(bodies, "place", bodies.dof)
+    return offsets

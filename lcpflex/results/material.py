@@ -1,0 +1,79 @@
+"""Material points that a result is asked about: by their names, or by their places."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lcpflex.basics.arguments import absent, numbers
+from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.layout import dimension
+from lcpflex.results.places import material_shapes
+
+if TYPE_CHECKING:
+    from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.model.arrays import Model
+    from lcpflex.results.result import Result
+
+__all__ = ["material_of"]
+
+
+def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tuple[Model, int, FloatArray, FloatArray]:
+    """Body index, undeformed place (2,) and shapes (n, 2) of a named or placed point."""
+    if result.compiled is None:
+        raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
+    layout, model = result.compiled.layout, result.compiled.model
+    if not isinstance(body, str) or body not in layout.bodies:
+        raise ModelError(f"body: no body {absent(body, layout.bodies)}")
+    b = layout.bodies.index(body)
+    if isinstance(point, str):
+        if (body, point) not in layout.points:
+            known = tuple(name for owner, name in layout.points if owner == body)
+            raise ModelError(f"point: {shown(body)} has no point {absent(point, known)}")
+        p = layout.points[body, point]
+        return model, b, model.points.place[p], material_shapes(model, np.array([p]))[0]
+    place = numbers(point)
+    axes = ("x", "y", "z")[: dimension(model.bodies).components]
+    if place is None or place.shape != (len(axes),) or not np.isfinite(place).all():
+        raise ModelError(
+            f"point: {shown(point)} was given, expected the name of a point or {len(axes)} finite numbers "
+            f"({', '.join(axes)})"
+        )
+    phi = _shapes_at(result.compiled, b, place)
+    if phi is None:
+        raise ModelError(
+            f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
+            f"{shown(body)}; expected one of these (body.node(x, y) before the simulation makes a place known)"
+        )
+    return model, b, place, phi
+
+
+def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray | None:
+    """Mode shapes (n, 2) at an undeformed place: of the point that is there, or between two on an outline."""
+    layout, model = compiled.layout, compiled.model
+    size = dimension(model.bodies)
+    if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid:
+        return np.zeros((0, size.components))
+    own = np.flatnonzero(model.points.body == b)
+    if not own.size:
+        return None
+    near = 1e-9 * float(np.ptp(model.points.place[own], axis=0).max())
+    distance = np.linalg.norm(model.points.place[own] - place, axis=1)
+    if distance.min() <= near:
+        shapes: FloatArray = material_shapes(model, own[[distance.argmin()]])[0]
+        return shapes
+    for owner, ids, closed in layout.outlines:
+        if owner == b:
+            ends = np.column_stack([ids, np.roll(ids, -1)])[: len(ids) if closed else len(ids) - 1]
+            start = model.points.place[ends[:, 0]]
+            edge = model.points.place[ends[:, 1]] - start
+            length = np.maximum(np.einsum("ki,ki->k", edge, edge), np.finfo(float).tiny)
+            s = np.clip(np.einsum("ki,ki->k", place - start, edge) / length, 0.0, 1.0)
+            off = np.linalg.norm(start + s[:, None] * edge - place, axis=1)
+            k = int(off.argmin())
+            if off[k] <= near:
+                phi = material_shapes(model, ends[k])
+                return np.asarray((1.0 - s[k]) * phi[0] + s[k] * phi[1])
+    return None

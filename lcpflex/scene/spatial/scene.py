@@ -1,0 +1,219 @@
+"""A spatial scene: bodies, ground, joints, loads and sensors, and the flat arrays it is compiled to."""
+
+from __future__ import annotations
+
+import warnings
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lcpflex.basics.arguments import absent, array_of, flag, numbers
+from lcpflex.bodies.body import Body
+from lcpflex.bodies.spatial.body import SpatialBody
+from lcpflex.errors import ModelError, ModelWarning, shown
+from lcpflex.scene import compiling
+from lcpflex.scene.joints.joint import Joint
+from lcpflex.scene.loads.load import Load
+from lcpflex.scene.naming import free_name
+from lcpflex.scene.placed_surface import check_own
+from lcpflex.scene.sensors.sensor import Sensor
+from lcpflex.scene.spatial.handles import SpatialPlaced
+from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
+from lcpflex.scene.user_functions import check_names, functions_of
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+    from lcpflex.jit.kernel import FloatArray
+    from lcpflex.scene.compiling import CompiledScene
+
+__all__ = ["SpatialParts", "SpatialScene"]
+
+
+class SpatialParts(NamedTuple):
+    """All that has been declared of a spatial scene."""
+
+    placed: tuple[SpatialPlaced, ...]
+    joints: dict[str, Joint]
+    loads: tuple[Load, ...]
+    sensors: dict[str, Sensor]
+
+    @property
+    def bodies(self) -> tuple[SpatialBody, ...]:
+        """What was placed, in the same order."""
+        return tuple(one.source for one in self.placed if one.source is not None)
+
+
+class SpatialScene:
+    """A spatial scene under construction.
+
+    Bodies move in three dimensions: q has 7 + n numbers a body, u has 6 + n (:mod:`lcpflex.model.spatial`). The verbs
+    are those of the planar :class:`lcpflex.Scene`; contacts are not offered in space yet.
+
+    Parameters
+    ----------
+    gravity
+        (3,) [m/s^2], world axes.
+
+    Raises
+    ------
+    ModelError
+        Here and in every method, for arguments that cannot be.
+    """
+
+    def __init__(self, gravity: npt.ArrayLike = (0.0, 0.0, -9.81)) -> None:
+        self.gravity = _gravity(gravity)
+        self.ground = SpatialPlaced("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
+        self._placed: dict[str, SpatialPlaced] = {}
+        self._joints: dict[str, Joint] = {}
+        self._loads: list[Load] = []
+        self._sensors: dict[str, Sensor] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All of it; functions of the user by their names, ModelError for one that cannot be found by it."""
+        check_names(functions_of(self.parts()))
+        return vars(self)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> SpatialScene:
+        """Handles that are copied with it are of the copy; functions of the user are the same ones."""
+        copied = memo[id(self)] = SpatialScene.__new__(SpatialScene)
+        vars(copied).update(deepcopy(vars(self), memo))
+        return copied
+
+    def add(
+        self,
+        body: SpatialBody,
+        name: str | None = None,
+        position: npt.ArrayLike = (0.0, 0.0, 0.0),
+        orientation: Rotation | npt.ArrayLike | None = None,
+        velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        angular_velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        modal: npt.ArrayLike | None = None,
+        modal_velocity: npt.ArrayLike | None = None,
+    ) -> SpatialPlaced:
+        """Put a body into the scene. The same body may be put in several times, and into several scenes.
+
+        Parameters
+        ----------
+        body
+            From ``Sphere``, ``Cuboid``, ``Cylinder``, ``Capsule``, ``ConvexHull``, ``SpatialBody``; or a flexible one
+            that was reduced, as ``SpatialBeam(...).reduce(modes=8)`` and ``SpatialMatrices(...).reduce(modes=8)``.
+        name
+            Unique in the scene; body1, body2, ... if omitted.
+        position, orientation
+            Place (3,) [m] of the frame of the body, and how it is turned: a scipy Rotation, a 3 x 3 matrix whose
+            columns are the axes of the body in those of the world, or None for axes along those of the world.
+        velocity, angular_velocity
+            Velocity (3,) of the origin of that frame [m/s] and angular velocity (3,) [rad/s], both in **world axes**.
+            (In ``u``, the angular velocity is in body axes.)
+        modal, modal_velocity
+            (n,) initial modal coordinates [kg^1/2 m] and their rates, 0 if omitted.
+        """
+        called = free_name("body", name, self._placed)
+        _check_body(body)
+        n = body.modes
+        A = matrix_of("orientation", orientation)
+        eta = np.zeros(n) if modal is None else array_of("modal", modal, (n,))
+        rate = np.zeros(n) if modal_velocity is None else array_of("modal_velocity", modal_velocity, (n,))
+        omega = A.T @ array_of("angular_velocity", angular_velocity, (3,))
+        start = np.concatenate([array_of("position", position, (3,)), quaternion_of(A), eta])
+        velocities = np.concatenate([array_of("velocity", velocity, (3,)), omega, rate])
+        placed = SpatialPlaced(called, len(self._placed), body, (start, velocities), self)
+        self._placed[called] = placed
+        return placed
+
+    def body(self, name: str) -> SpatialPlaced:
+        """The body of that name."""
+        if not isinstance(name, str) or name not in self._placed:
+            raise ModelError(f"name: no body {absent(name, self._placed)}")
+        return self._placed[name]
+
+    def join(self, joint: Joint) -> str:
+        """Add a joint or a drive; returns its name (joint1, joint2, ... if omitted)."""
+        if isinstance(joint, type) or not isinstance(joint, Joint):
+            raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Ball(P, Q)")
+        check_own(self, "joint", joint.P)
+        name = free_name("joint", joint.name or None, self._joints)
+        self._joints[name] = joint
+        return name
+
+    def load(self, load: Load) -> None:
+        """Add a spring, bushing, force or torque."""
+        if isinstance(load, type) or not isinstance(load, Load):
+            raise ModelError(f"load: {shown(load)} was given, expected a load such as Force(P, value) or Spring(P, Q)")
+        check_own(self, "load", load.P)
+        self._loads.append(load)
+
+    def sensor(self, sensor: Sensor) -> str:
+        """Add a sensor of :mod:`lcpflex.scene.sensors`; returns its name (sensor1, sensor2, ... if omitted).
+
+        See :meth:`lcpflex.Scene.sensor`.
+        """
+        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+            raise ModelError(f"sensor: {shown(sensor)} was given, expected a sensor such as lf.sensors.Point(P)")
+        for field in ("P", "body"):
+            if getattr(getattr(sensor, field, None), "scene", None) is not None:
+                check_own(self, "sensor", getattr(sensor, field))
+        name = free_name("sensor", sensor.name or None, self._sensors)
+        self._sensors[name] = sensor
+        return name
+
+    def contact(self, *surfaces: object, **options: object) -> str:
+        """Contact is planar so far: ModelError."""
+        raise ModelError("contact: a SpatialScene takes no contacts yet, expected a planar Scene for them")
+
+    contact_all = contact
+
+    def compile(self, project: bool = False) -> CompiledScene:
+        """Check the scene as a whole and compile it; the scene is not changed.
+
+        With ``project``, an initial state that violates joints is moved onto them (nearest in the mass metric); else it
+        is an error.
+        """
+        compiled = self.compiled(flag("project", project))
+        for warning in compiled.warnings:
+            warnings.warn(warning, ModelWarning, stacklevel=2)
+        return compiled
+
+    def compiled(self, project: bool = False, indents: object = None, gives_way: bool = False) -> CompiledScene:
+        """:meth:`compile` without a word: its warnings are those of the result.
+
+        project: as in :meth:`compile`. indents, gives_way: of contacts, of which there are none.
+        """
+        return compiling.compiled_spatial_scene(self, project)
+
+    def parts(self) -> SpatialParts:
+        """What has been declared, in the order in which it was."""
+        return SpatialParts(tuple(self._placed.values()), dict(self._joints), tuple(self._loads), dict(self._sensors))
+
+    def holder(self, body: int) -> SpatialPlaced:
+        """The body with that index, the ground for -1."""
+        return self.ground if body < 0 else tuple(self._placed.values())[body]
+
+
+def _gravity(gravity: npt.ArrayLike) -> FloatArray:
+    """(3,); two numbers are those of a planar scene."""
+    given = numbers(gravity)
+    if given is not None and given.shape == (2,):
+        raise ModelError(
+            f"gravity: two numbers were given, {shown(gravity)}, expected three (x, y, z): the planar Scene takes two"
+        )
+    return array_of("gravity", gravity, (3,))
+
+
+def _check_body(body: object) -> None:
+    if isinstance(body, SpatialBody):
+        return
+    if isinstance(body, Body):
+        raise ModelError(
+            "body: a planar Body was given, expected a spatial one such as Cuboid(...), Sphere(...) or "
+            "SpatialBeam(...).reduce(modes=8)"
+        )
+    if hasattr(body, "reduce") and not isinstance(body, type):
+        raise ModelError(
+            f"body: {type(body).__name__} was given, expected a SpatialBody: reduce a spatial one by .reduce(modes=8, "
+            "...) first; planar ones belong into a Scene"
+        )
+    raise ModelError(f"body: {shown(body)} was given, expected a SpatialBody such as Cuboid(...) or Sphere(...)")
