@@ -133,7 +133,8 @@ class Result:
             object.__setattr__(self, "contact_names", tuple(self.compiled.layout.contacts))
         m, nc = len(self.times), len(self.contact_names)
         expected = {
-            **dict.fromkeys(("q", "u"), (m, *self.q.shape[1:2])),
+            "q": (m, *self.q.shape[1:2]),
+            "u": (m, *self.u.shape[1:2]),
             **dict.fromkeys(("force", "impulse"), (m, nc, 2)),
             **dict.fromkeys(("state", "gap"), (m, nc)),
             **dict.fromkeys(("residual", "penetration", "joint_drift", "size"), (m,)),

@@ -76,7 +76,8 @@ class Units:
             moved[..., b] += extent * _lengths(change[..., first + components : first + rigid])
             if phi.size:
                 bent = np.abs(change[..., first + rigid : last]) @ np.abs(phi.T)
-                moved[..., b] += _lengths(bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)).max(axis=-1)
+                places = bent.reshape(*bent.shape[:-1], phi.shape[0] // components, components)
+                moved[..., b] += _lengths(places).max(axis=-1)
         return moved
 
 
