@@ -23,6 +23,7 @@ __all__ = [
     "add_path",
     "factorise_sparse",
     "forget_path",
+    "reduce_row",
     "solve_on_path",
     "solve_sparse",
     "sparse_factor",
@@ -44,7 +45,7 @@ class SparseFactor:
     below_row: IntArray  # (entries - n,)
     below_entry: IntArray  # (entries - n,)
     value: FloatArray = array("entries")  # of the lower triangle of G, then of L
-    own: FloatArray = array("n")  # diagonal of G
+    own: FloatArray = array("n")  # diagonal of G; 0 of rows that are not to be looked at
     row: FloatArray = array("n")  # scratch, 0 between calls
     path: IntArray = array("n")  # the last n_path entries: rows on a path, each before its parent
     on_path: IntArray = array("n")  # 1 for those rows
@@ -60,26 +61,35 @@ def sparse_factor(pattern: Pattern) -> SparseFactor:
 
 
 @kernel
+def reduce_row(factor: SparseFactor, i: int) -> float:
+    """Row i of L but for its diagonal, those before it being known; returns the square of that."""
+    start, column, value, row = factor.start, factor.column, factor.value, factor.row
+    first, last = start[i], start[i + 1] - 1
+    total = value[last]
+    for e in range(first, last):
+        j = column[e]
+        entry = value[e]
+        end = start[j + 1] - 1
+        for f in range(start[j], end):
+            entry -= row[column[f]] * value[f]
+        entry = entry / value[end] if value[end] > 0.0 else 0.0
+        row[j] = entry
+        value[e] = entry
+        total -= entry * entry
+    for e in range(first, last):
+        row[column[e]] = 0.0
+    return float(total)
+
+
+@kernel
 def factorise_sparse(factor: SparseFactor) -> None:
     """L in place of the entries of G's lower triangle in ``factor.value``."""
-    start, column, value, row, diagonal = factor.start, factor.column, factor.value, factor.row, factor.own
+    start, value, diagonal = factor.start, factor.value, factor.own
     dependent, weak = 0, 0
     for i in range(len(diagonal)):
-        first, last = start[i], start[i + 1] - 1
+        last = start[i + 1] - 1
         own = value[last]
-        total = own
-        for e in range(first, last):
-            j = column[e]
-            entry = value[e]
-            end = start[j + 1] - 1
-            for f in range(start[j], end):
-                entry -= row[column[f]] * value[f]
-            entry = entry / value[end] if value[end] > 0.0 else 0.0
-            row[j] = entry
-            value[e] = entry
-            total -= entry * entry
-        for e in range(first, last):
-            row[column[e]] = 0.0
+        total = reduce_row(factor, i)
         diagonal[i] = own
         if total > REDUNDANT * own:
             value[last] = math.sqrt(total)

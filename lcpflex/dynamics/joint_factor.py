@@ -14,14 +14,15 @@ from lcpflex.model.arrays import GROUND, Model
 from lcpflex.solvers.elimination import Pattern, sparse_pattern
 from lcpflex.solvers.sparse_cholesky import SparseFactor, sparse_factor
 
-__all__ = ["JointFactor", "JointPattern", "joint_factor", "joint_pattern", "no_joints"]
+__all__ = ["JointFactor", "JointPattern", "joint_factor", "joint_pattern", "joints_between", "no_joints"]
 
 
 class JointPattern:
     """Pattern of S, and the joint rows that act on each body, made once for a model."""
 
-    def __init__(self, pattern: Pattern, on_body: list[list[int]]) -> None:
+    def __init__(self, pattern: Pattern, on_body: list[list[int]], loops: int) -> None:
         self.factor = pattern
+        self.loops = loops
         place = np.empty(len(pattern.order), dtype=np.int64)
         place[pattern.order] = np.arange(len(place))
         self.first = np.cumsum([0, *map(len, on_body)])
@@ -33,6 +34,7 @@ class JointFactor:
     """The factor of S, and scratch for what is asked of it."""
 
     factor: SparseFactor
+    loops: int  # joints that close a loop; without any, none is redundant
     first: IntArray  # (bodies + 1,) offsets into ``place``
     place: IntArray  # places in the factor of the joint rows on each body, ascending
     answer: FloatArray = array("joints")  # S^-1 b of the last contact problem, b: rates that the joints are to cancel
@@ -58,15 +60,15 @@ def joint_pattern(model: Model) -> JointPattern:
     else:
         sizes = [first[-1]] if first[-1] else []
         held = [{0} for _ in sizes]
-    return _pattern(sizes, held, n_bodies)
+    return joints_between(sizes, held, n_bodies)
 
 
 def no_joints(n_bodies: int) -> JointPattern:
     """Of no joints between so many bodies."""
-    return _pattern([], [], n_bodies)
+    return joints_between([], [], n_bodies)
 
 
-def _pattern(sizes: list[int], held: list[set[int]], n_bodies: int) -> JointPattern:
+def joints_between(sizes: list[int], held: list[set[int]], n_bodies: int) -> JointPattern:
     """Of joints with so many rows, each on the bodies that it holds."""
     first = np.cumsum([0, *sizes]).tolist()
     on_body: list[list[int]] = [[] for _ in range(n_bodies)]
@@ -75,7 +77,24 @@ def _pattern(sizes: list[int], held: list[set[int]], n_bodies: int) -> JointPatt
             on_body[b].append(joint)
     neighbours = [{other for b in bodies for other in on_body[b]} - {joint} for joint, bodies in enumerate(held)]
     rows = [[r for joint in joints for r in range(first[joint], first[joint + 1])] for joints in on_body]
-    return JointPattern(sparse_pattern(neighbours, first), rows)
+    return JointPattern(sparse_pattern(neighbours, first), rows, _loops(held))
+
+
+def _loops(held: list[set[int]]) -> int:
+    """How many joints connect what those before them have connected: bodies, each or with the ground."""
+    parent: dict[int, int] = {}
+
+    def root(b: int) -> int:
+        while parent.setdefault(b, b) != b:
+            parent[b] = b = parent[parent[b]]
+        return b
+
+    closing = 0
+    for bodies in held:
+        a, b = (root(one) for one in (*bodies, GROUND, GROUND)[:2])
+        closing += a == b
+        parent[a] = b
+    return closing
 
 
 def joint_factor(pattern: JointPattern, ndof: int, pairs: int) -> JointFactor:
@@ -89,6 +108,7 @@ def joint_factor(pattern: JointPattern, ndof: int, pairs: int) -> JointFactor:
             "acting": 2 * int(np.diff(pattern.first).max(initial=0)),
         },
         factor=sparse_factor(pattern.factor),
+        loops=pattern.loops,
         first=pattern.first,
         place=pattern.place,
     )

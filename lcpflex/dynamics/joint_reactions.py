@@ -16,16 +16,15 @@ import numpy as np
 from lcpflex.dynamics.impulse import answer_joints
 from lcpflex.dynamics.islands import connect_bodies, root
 from lcpflex.dynamics.least_reactions import take_least
-from lcpflex.dynamics.reaction_memory import Reactions, reaction
+from lcpflex.dynamics.reaction_memory import Reactions, peaks, reaction
 from lcpflex.dynamics.workspace import Workspace
-from lcpflex.jit.kernel import IntArray, kernel
+from lcpflex.jit.kernel import FloatArray, IntArray, kernel
 from lcpflex.model.arrays import Model
 
 __all__ = [
     "begin_reached",
     "compare_reactions",
-    "keep_reactions",
-    "note_ahead",
+    "lay_reactions",
     "note_ends",
     "note_impulses",
     "note_instant",
@@ -40,10 +39,20 @@ SHARED = 1e-6  # of the largest reaction: a change that is no rounding
 
 
 @kernel
-def raise_peak(reactions: Reactions, rate: int, joint: int, x: float, y: float, moment: float) -> None:
-    """Keep the largest force and moment."""
-    reactions.peak[rate, joint, 0] = max(reactions.peak[rate, joint, 0], x * x + y * y)
-    reactions.peak[rate, joint, 1] = max(reactions.peak[rate, joint, 1], abs(moment))
+def raise_peak(reactions: Reactions, rate: int, joint: int, force: float, moment: float) -> None:
+    """Keep the largest force, told by its square, and moment."""
+    reactions.peak[rate, joint, 0] = max(reactions.peak[rate, joint, 0], force)
+    reactions.peak[rate, joint, 1] = max(reactions.peak[rate, joint, 1], moment)
+
+
+@kernel
+def magnitude(reaction: FloatArray, size: float) -> float:
+    """Sum of all components, of moments over ``size`` [m]: to compare reactions by."""
+    n = len(reaction)
+    total = 0.0
+    for i in range(n):
+        total += abs(reaction[i]) if i < n - n // 2 else abs(reaction[i]) / size
+    return total
 
 
 @kernel
@@ -51,7 +60,7 @@ def note_impulses(model: Model, work: Workspace, struck: bool, reactions: Reacti
     """Impulses ``work.p`` beside the forces of a step; those of an impact, where something was ``struck``, apart."""
     for joint in range(len(reactions.impulse)):
         impulse = reaction(model, work, joint, work.p)
-        for i in range(3):
+        for i in range(len(impulse)):
             if struck:
                 reactions.impulse[joint, i] += impulse[i]
             else:
@@ -66,17 +75,16 @@ def note_step(model: Model, work: Workspace, h: float, struck: bool, reactions: 
     struck: there was one, and ``reactions.reached`` tells which bodies it reached.
     """
     for joint in range(len(reactions.impulse)):
-        x, y, moment = reaction(model, work, joint, work.p)
+        impulse = reaction(model, work, joint, work.p)
         if struck and is_reached(model, work, joint, reactions):
-            reactions.impulse[joint, 0] += x
-            reactions.impulse[joint, 1] += y
-            reactions.impulse[joint, 2] += moment
+            for i in range(len(impulse)):
+                reactions.impulse[joint, i] += impulse[i]
             continue
+        force, moment = peaks(model, impulse, h)
         for rate in range(len(reactions.sum)):
-            reactions.sum[rate, joint, 0] += x
-            reactions.sum[rate, joint, 1] += y
-            reactions.sum[rate, joint, 2] += moment
-            raise_peak(reactions, rate, joint, x / h, y / h, moment / h)
+            for i in range(len(impulse)):
+                reactions.sum[rate, joint, i] += impulse[i]
+            raise_peak(reactions, rate, joint, force, moment)
             reactions.time[rate, joint] += h
 
 
@@ -141,55 +149,45 @@ def spread_reached(work: Workspace, reactions: Reactions) -> None:
 
 
 @kernel
-def keep_reactions(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """Those to the contact forces ``work.p``, which are about to give way to others with the same motion."""
-    for joint in range(len(reactions.change)):
+def lay_reactions(model: Model, work: Workspace, out: FloatArray) -> None:
+    """Those to the forces ``work.p``, of each joint."""
+    for joint in range(len(out)):
         force = reaction(model, work, joint, work.p)
-        for i in range(3):
-            reactions.change[joint, i] = force[i]
+        for i in range(len(force)):
+            out[joint, i] = force[i]
 
 
 @kernel
 def compare_reactions(model: Model, work: Workspace, now: IntArray, reactions: Reactions) -> None:
     """Which joints carry a load together with contacts: other contact forces with the same motion change theirs.
 
-    now: 1 for each rate that asks for this instant.
+    reactions.change: what they were with the contact forces before. now: 1 for each rate that asks for this instant.
     """
     answer_joints(work)
     largest = 0.0
     for joint in range(len(reactions.change)):
-        was = reactions.change[joint]
-        largest = max(largest, abs(was[0]) + abs(was[1]) + abs(was[2]) / reactions.size)
+        largest = max(largest, magnitude(reactions.change[joint], reactions.size))
     for joint in range(len(reactions.change)):
-        x, y, moment = reaction(model, work, joint, work.p)
-        was = reactions.change[joint]
-        change = abs(x - was[0]) + abs(y - was[1]) + abs(moment - was[2]) / reactions.size
-        if change > SHARED * largest:
+        force = reaction(model, work, joint, work.p)
+        for i in range(len(force)):
+            reactions.change[joint, i] = force[i] - reactions.change[joint, i]
+        if magnitude(reactions.change[joint], reactions.size) > SHARED * largest:
             for rate in range(len(now)):
                 reactions.shared[rate, joint] = max(reactions.shared[rate, joint], now[rate])
 
 
 @kernel
-def note_ahead(model: Model, work: Workspace, reactions: Reactions) -> None:
-    """Forces ``work.p`` at the end of the step that is being made."""
-    for joint in range(len(reactions.ahead)):
-        force = reaction(model, work, joint, work.p)
-        for i in range(3):
-            reactions.ahead[joint, i] = force[i]
-
-
-@kernel
-def note_ends(h: float, reactions: Reactions) -> None:
+def note_ends(model: Model, h: float, reactions: Reactions) -> None:
     """A step of h [s] with the forces ``now`` and ``ahead`` at its ends; h = 0: the forces at the start are known."""
     for joint in range(len(reactions.now)):
-        for i in range(3):
+        for i in range(reactions.now.shape[1]):
             mean = 0.5 * (reactions.now[joint, i] + reactions.ahead[joint, i])
             for rate in range(len(reactions.sum)):
                 reactions.sum[rate, joint, i] += h * mean
             reactions.now[joint, i] = reactions.ahead[joint, i]
-        now = reactions.now[joint]
+        force, moment = peaks(model, reactions.now[joint], 1.0)
         for rate in range(len(reactions.sum)):
-            raise_peak(reactions, rate, joint, now[0], now[1], now[2])
+            raise_peak(reactions, rate, joint, force, moment)
             reactions.time[rate, joint] += h
     reactions.known = 1
 
@@ -201,13 +199,13 @@ def note_instant(model: Model, work: Workspace, now: IntArray, reactions: Reacti
     now: 1 for each rate that asks for it.
     """
     for joint in range(len(reactions.impulse)):
-        x, y, moment = reaction(model, work, joint, work.p)
+        instant = reaction(model, work, joint, work.p)
+        force, moment = peaks(model, instant, 1.0)
         for rate in range(len(now)):
             if now[rate] == 1:
-                reactions.sum[rate, joint, 0] = x
-                reactions.sum[rate, joint, 1] = y
-                reactions.sum[rate, joint, 2] = moment
-                raise_peak(reactions, rate, joint, x, y, moment)
+                for i in range(len(instant)):
+                    reactions.sum[rate, joint, i] = instant[i]
+                raise_peak(reactions, rate, joint, force, moment)
                 reactions.time[rate, joint] = 1.0
 
 
@@ -221,7 +219,7 @@ def settle(model: Model, work: Workspace, rate: int, reactions: Reactions) -> No
     for joint in range(len(reactions.mean)):
         time = reactions.time[rate, joint]
         some = some or time > 0.0
-        for i in range(3):
+        for i in range(reactions.mean.shape[1]):
             if time > 0.0:
                 reactions.mean[joint, i] = reactions.sum[rate, joint, i] / time
             else:
@@ -229,5 +227,5 @@ def settle(model: Model, work: Workspace, rate: int, reactions: Reactions) -> No
             reactions.sum[rate, joint, i] = 0.0
         reactions.unique[joint] = 1
         reactions.time[rate, joint] = 0.0
-    if work.joints.factor.weak > 0 and some:
+    if work.joints.factor.weak + work.joints.factor.dependent > 0 and some:
         take_least(model, work, reactions)

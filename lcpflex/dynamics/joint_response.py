@@ -4,7 +4,8 @@
     contacts with the joints: G_c = G_WW - G_WJ S^-1 G_JW,   b_c = b_W - G_WJ S^-1 b_J
 
 A belongs to the rows as they were solved: the mass matrix, or the matrix of a step. Redundant joints leave S singular:
-their dependent rows get no multiplier (a basic solution), which changes no motion. Where pivots are small, rounding of
+their dependent rows get no multiplier (a basic solution), which changes no motion (in space, where most mechanisms are
+redundant, they are found by geometry: :mod:`lcpflex.dynamics.spatial.redundancy`). Where pivots are small, rounding of
 those before them may hide a dependent row, and an answer is compared with what it was to cancel and corrected.
 
 Joint rows come first, then contact rows, which touch two bodies at most: the joints answer one of them along a path in
@@ -18,8 +19,10 @@ import math
 import numpy as np
 
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
+from lcpflex.dynamics.inertia import Arrow
 from lcpflex.dynamics.workspace import Rows
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel
+from lcpflex.jit.leaf import in_space
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.semidefinite import dot
 from lcpflex.solvers.sparse_cholesky import add_path, factorise_sparse, forget_path, solve_on_path, solve_sparse
@@ -46,6 +49,13 @@ def row_product(work: Rows, r: int, i: int, s: int) -> float:
 @kernel
 def factorise_joints(work: Rows) -> None:
     """S of the joint rows, which come first, and its factor: O(entries)."""
+    eliminate_joints(work.arrow, work)
+
+
+@in_space("lcpflex.dynamics.spatial.redundancy")
+@kernel
+def eliminate_joints(bodies: Arrow, work: Rows) -> None:
+    """The same, by the kind of the bodies."""
     assemble_joints(work)
     factorise_sparse(work.joints.factor)
 

@@ -1,7 +1,7 @@
 """Reactions of redundant joints: of all that make the same motion those of the least norm.
 
-With the multipliers p of all rows, S = J A^-1 J^T and the norm p^T W p = sum over joints |F|^2 + (M / L)^2, L being the
-extent of the largest body, what is to be taken off p is the limit of
+With the multipliers p of all rows, S = J A^-1 J^T and the norm p^T W p = sum over joints |F|^2 + |M|^2 / L^2, L being
+the extent of the largest body, what is to be taken off p is the limit of
 
     n_0 = p,   (S + eps W) n_k+1 = eps W n_k,
 
@@ -21,7 +21,6 @@ from lcpflex.dynamics.joint_response import assemble_joints, factorise_joints
 from lcpflex.dynamics.reaction_memory import Reactions, reaction
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, kernel, late_kernel
-from lcpflex.kinematics.relative import ANGLE
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.sparse_cholesky import factorise_sparse, solve_sparse
 
@@ -39,24 +38,49 @@ GOLDEN = 0.6180339887498949
 
 
 @kernel
-def weight(model: Model, work: Workspace, r: int, s: int, size: float) -> float:
-    """W[r, s] of two rows of one joint."""
-    kind = model.joints.kind
-    if kind[r] == ANGLE or kind[s] == ANGLE:
-        return 1.0 / (size * size) if kind[r] == kind[s] else 0.0
-    i = 0 if work.row_body[r, 0] >= 0 else 1
-    return work.rows[r, i, 0] * work.rows[s, i, 0] + work.rows[r, i, 1] * work.rows[s, i, 1]
+def lay_wrenches(model: Model, work: Workspace, reactions: Reactions) -> None:
+    """``reactions.wrench``: the reaction to a multiplier 1 of each row."""
+    unit, row, wrench = reactions.rows, model.joints.row, reactions.wrench
+    for r in range(len(unit)):
+        unit[r] = 0.0
+    for joint in range(len(reactions.mean)):
+        for r in range(row[joint], row[joint + 1]):
+            unit[r] = 1.0
+            force = reaction(model, work, joint, unit)
+            for i in range(len(force)):
+                wrench[r, i] = force[i]
+            unit[r] = 0.0
 
 
 @kernel
-def factorise_weighted(model: Model, work: Workspace, reactions: Reactions) -> float:
+def products(a: FloatArray, b: FloatArray) -> tuple[float, float]:
+    """Of the forces of two reactions, and of their moments."""
+    n = len(a)
+    force, moment = 0.0, 0.0
+    for i in range(n):
+        if i < n - n // 2:
+            force += a[i] * b[i]
+        else:
+            moment += a[i] * b[i]
+    return force, moment
+
+
+@kernel
+def weight(reactions: Reactions, r: int, s: int) -> float:
+    """W[r, s] of two rows of one joint."""
+    force, moment = products(reactions.wrench[r], reactions.wrench[s])
+    return force + moment / (reactions.size * reactions.size)
+
+
+@kernel
+def factorise_weighted(work: Workspace, reactions: Reactions) -> float:
     """The factor of S + eps W in the place of that of S; returns eps."""
     factor, owner = work.joints.factor, reactions.owner
     order, start, column, value = factor.order, factor.start, factor.column, factor.value
     assemble_joints(work)
     mean, count = 0.0, 0
     for i in range(len(order)):
-        own, unit = value[start[i + 1] - 1], weight(model, work, order[i], order[i], reactions.size)
+        own, unit = value[start[i + 1] - 1], weight(reactions, order[i], order[i])
         if own > 0.0 and unit > 0.0:
             mean += math.log(own / unit)
             count += 1
@@ -65,7 +89,7 @@ def factorise_weighted(model: Model, work: Workspace, reactions: Reactions) -> f
         for e in range(start[i], start[i + 1]):
             r, s = order[i], order[column[e]]
             if owner[r] == owner[s]:
-                value[e] += scale * weight(model, work, r, s, reactions.size)
+                value[e] += scale * weight(reactions, r, s)
     factorise_sparse(factor)
     return scale
 
@@ -74,7 +98,7 @@ def factorise_weighted(model: Model, work: Workspace, reactions: Reactions) -> f
 def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, reactions: Reactions) -> bool:
     """reactions.least: the part of the multipliers p without an effect on the motion; whether it converged."""
     factor, owner, part, load = work.joints.factor, reactions.owner, reactions.least, reactions.load
-    order, row, size = factor.order, model.joints.row, reactions.size
+    order, row = factor.order, model.joints.row
     largest = 0.0
     for r in range(len(p)):
         part[r] = p[r]
@@ -85,7 +109,7 @@ def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, r
             r = order[i]
             load[i] = 0.0
             for s in range(row[owner[r]], row[owner[r] + 1]):
-                load[i] += scale * weight(model, work, r, s, size) * part[s]
+                load[i] += scale * weight(reactions, r, s) * part[s]
         solve_sparse(factor, load)
         before = moved
         moved = 0.0
@@ -98,32 +122,42 @@ def without_effect(model: Model, work: Workspace, scale: float, p: FloatArray, r
 
 
 @kernel
+def share(wrench: FloatArray, left: FloatArray, size: float) -> float:
+    """The multiplier of a row that comes nearest to a reaction, ``left``; 0 of a row without any."""
+    force, moment = products(wrench, left)
+    of_force, of_moment = products(wrench, wrench)
+    if of_force == 0.0:  # nothing but a moment: without rounding by its unit
+        return moment / of_moment if of_moment > 0.0 else 0.0
+    if of_moment == 0.0:
+        return force / of_force
+    unit = size * size
+    return (force * unit + moment) / (of_force * unit + of_moment)
+
+
+@kernel
 def multipliers(model: Model, work: Workspace, reactions: Reactions) -> None:
     """reactions.rows: multipliers with the force and moment ``reactions.mean`` of each joint, as near as they come.
 
     Zero of joints whose forces no step has told.
     """
-    p, row, size = reactions.rows, model.joints.row, reactions.size
+    p, row, wrench, left = reactions.rows, model.joints.row, reactions.wrench, reactions.change
     for joint in range(len(reactions.mean)):
         for r in range(row[joint], row[joint + 1]):
             p[r] = 0.0
-        force = abs(reactions.mean[joint, 0]) + abs(reactions.mean[joint, 1]) + abs(reactions.mean[joint, 2])
+        force = 0.0
+        for i in range(reactions.mean.shape[1]):
+            force += abs(reactions.mean[joint, i])
         if not force < math.inf:
             continue
         for _ in range(SWEEPS):
             largest = 0.0
             for r in range(row[joint], row[joint + 1]):
-                x, y, moment = reaction(model, work, joint, p)
-                left = reactions.mean[joint, 2] - moment
-                if model.joints.kind[r] != ANGLE:
-                    i = 0 if work.row_body[r, 0] >= 0 else 1
-                    sign = 1.0 - 2.0 * i
-                    left = sign * work.rows[r, i, 0] * (reactions.mean[joint, 0] - x)
-                    left += sign * work.rows[r, i, 1] * (reactions.mean[joint, 1] - y)
-                    unit = weight(model, work, r, r, size)
-                    left = left / unit if unit > 0.0 else 0.0
-                p[r] += left
-                largest = max(largest, abs(left))
+                now = reaction(model, work, joint, p)
+                for i in range(len(now)):
+                    left[joint, i] = reactions.mean[joint, i] - now[i]
+                added = share(wrench[r], left[joint], reactions.size)
+                p[r] += added
+                largest = max(largest, abs(added))
             if not largest > 1e-14 * force:
                 break
 
@@ -134,7 +168,8 @@ def mark(model: Model, work: Workspace, scale: float, reactions: Reactions) -> b
     p, part = reactions.rows, reactions.least
     for r in range(len(p)):
         p[r] = 0.5 + (GOLDEN * r) % 1.0
-        if model.joints.kind[r] == ANGLE:
+        force, moment = products(reactions.wrench[r], reactions.wrench[r])
+        if moment > 0.0 and force == 0.0:
             p[r] *= reactions.size
     converged = without_effect(model, work, scale, p, reactions)
     some = False
@@ -154,7 +189,8 @@ def take_least(model: Model, work: Workspace, reactions: Reactions) -> None:
 
     Where the turns do not converge, all are marked and stay as they are.
     """
-    scale = factorise_weighted(model, work, reactions)
+    lay_wrenches(model, work, reactions)
+    scale = factorise_weighted(work, reactions)
     if mark(model, work, scale, reactions):
         p, part = reactions.rows, reactions.least
         multipliers(model, work, reactions)
@@ -169,7 +205,7 @@ def take_least(model: Model, work: Workspace, reactions: Reactions) -> None:
             for joint in range(len(reactions.mean)):
                 if reactions.unique[joint] == 0:
                     force = reaction(model, work, joint, part)
-                    for i in range(3):
+                    for i in range(len(force)):
                         reactions.mean[joint, i] -= force[i]
             if not taken > SETTLED * largest:
                 break

@@ -8,10 +8,11 @@ import numpy as np
 
 from lcpflex.dynamics.mass_matrix import mass_matrix
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.leaf import in_space
 from lcpflex.jit.struct import pack
+from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
-from lcpflex.model.planar import N_RIGID
 
 __all__ = ["Violation", "project", "violation"]
 
@@ -44,17 +45,17 @@ def violation(model: Model, q: FloatArray, u: FloatArray, external: FloatArray) 
     model = pack(model)
     count = int(model.joints.row[-1])
     dof = model.bodies.dof
-    width = int(np.max(np.diff(dof), initial=N_RIGID))
+    width = int(np.max(np.diff(dof), initial=1))
     rows = np.zeros((count, 2, width))
     row_body = np.zeros((count, 2), dtype=np.int64)
     phi, rate, bias = np.zeros(count), np.zeros(count), np.zeros(count)
     joint_residual(model, 0.0, q, external, phi)
     joint_rows(model, 0.0, q, u, external, rows, row_body, rate, bias)
     columns = dof[np.maximum(row_body, 0)][:, :, None] + np.arange(width)
-    columns[(columns >= dof[np.maximum(row_body, 0) + 1][:, :, None]) | (row_body < 0)[:, :, None]] = len(q)
+    columns[(columns >= dof[np.maximum(row_body, 0) + 1][:, :, None]) | (row_body < 0)[:, :, None]] = len(u)
     moved = rows * np.append(u, 0.0)[columns]
     rates = moved.sum(axis=(1, 2)) + rate
-    return Violation(phi, rates, np.abs(moved).sum(axis=(1, 2)) + np.abs(rate), rate, rows, columns, len(q))
+    return Violation(phi, rates, np.abs(moved).sum(axis=(1, 2)) + np.abs(rate), rate, rows, columns, len(u))
 
 
 def project(
@@ -62,21 +63,23 @@ def project(
 ) -> tuple[FloatArray, FloatArray]:
     """The state nearest to (q, u), in the mass metric, that fulfils the joints to ``tolerance`` (r,).
 
-    q by Newton steps dq = -M^-1 J^T (J M^-1 J^T)^-1 phi, u by one such step of phidot. Where the joints cannot be
-    fulfilled the state returned still violates them.
+    q by Newton steps with the velocity -M^-1 J^T (J M^-1 J^T)^-1 phi, u by one such step of phidot. Where the joints
+    cannot be fulfilled the state returned still violates them.
     """
-    q = q.copy()
+    model, q = pack(model), q.copy()
     for _ in range(ITERATIONS):
         state = violation(model, q, u, external)
         if (np.abs(state.position) <= tolerance).all():
             break
-        q -= _nearest(mass_matrix(model, q), state.jacobian, state.position)
+        moved = nearest(model, mass_matrix(model, q), state.jacobian, state.position)
+        advance(model, q, -moved, 1.0, q)
     state = violation(model, q, u, external)
     J = state.jacobian
-    return q, u - _nearest(mass_matrix(model, q), J, J @ u + state.rate)
+    return q, u - nearest(model, mass_matrix(model, q), J, J @ u + state.rate)
 
 
-def _nearest(M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:
+@in_space("lcpflex.dynamics.spatial.start")
+def nearest(model: Model, M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:
     """The shortest d, in the metric of M, with J d = residual; redundant rows allowed.
 
     Rows are made alike in size first: beside an angle in rad, a length of a small body in m would count as redundant.

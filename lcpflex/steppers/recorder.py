@@ -11,7 +11,7 @@ from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.compliant_contacts import CompliantContacts
 from lcpflex.dynamics.joint_reactions import settle
 from lcpflex.dynamics.mechanics import energies
-from lcpflex.dynamics.reaction_memory import Reactions
+from lcpflex.dynamics.reaction_memory import Reactions, peaks
 from lcpflex.dynamics.workspace import Workspace
 from lcpflex.jit.kernel import FloatArray, IntArray, kernel, late_kernel
 from lcpflex.jit.struct import allocate, array, shapes_of, struct
@@ -83,9 +83,9 @@ class Recorder:
     penetration: FloatArray = array("capacity")
     joint_drift: FloatArray = array("capacity")
     size: IntArray = array("capacity")
-    joint_force: FloatArray = array("capacity", "rates", "joints", 3)
+    joint_force: FloatArray = array("capacity", "rates", "joints", "reaction")
     joint_peak: FloatArray = array("capacity", "rates", "joints", 2)
-    joint_impulse: FloatArray = array("capacity", "joints", 3)
+    joint_impulse: FloatArray = array("capacity", "joints", "reaction")
     joint_unique: IntArray = array("capacity", "rates", "joints")
     asked: IntArray = array("capacity", "rates")  # 1: by this rate; the worst ones are since the last of rate 0
     points: FloatArray = array("points", 9)  # instant, law, x, y, n_x, n_y, force N, force T, state
@@ -139,6 +139,7 @@ def recorder(
             "bodies": len(deflection),
             "laws": n_laws,
             "joints": n_joints,
+            "reaction": reactions.mean.shape[1],
             "rates": len(rates.now),
             "capacity": capacity,
             "points": points,
@@ -287,7 +288,7 @@ def store_reactions(model: Model, work: Workspace, recorder: Recorder) -> None:
     """
     reactions, row = recorder.reactions, recorder.n_instants
     for joint in range(len(reactions.impulse)):
-        for i in range(3):
+        for i in range(reactions.impulse.shape[1]):
             recorder.joint_impulse[row, joint, i] = reactions.impulse[joint, i]
     for rate in range(len(recorder.rates.now)):
         if recorder.rates.now[rate] == 0:
@@ -295,11 +296,10 @@ def store_reactions(model: Model, work: Workspace, recorder: Recorder) -> None:
         settle(model, work, rate, reactions)
         for joint in range(len(reactions.impulse)):
             mean, peak = reactions.mean[joint], reactions.peak[rate, joint]
-            for i in range(3):
+            for i in range(len(mean)):
                 recorder.joint_force[row, rate, joint, i] = mean[i]
             if reactions.unique[joint] == 0:
-                peak[0] = mean[0] * mean[0] + mean[1] * mean[1]
-                peak[1] = abs(mean[2])
+                peak[0], peak[1] = peaks(model, mean, 1.0)
             recorder.joint_peak[row, rate, joint, 0] = math.sqrt(peak[0])
             recorder.joint_peak[row, rate, joint, 1] = peak[1]
             recorder.joint_unique[row, rate, joint] = reactions.unique[joint] * (1 - reactions.shared[rate, joint])

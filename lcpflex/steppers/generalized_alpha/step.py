@@ -13,7 +13,7 @@ from lcpflex.dynamics.contact_problem import lay_contacts
 from lcpflex.dynamics.delassus import apply_impulses, free_velocities, row_velocity
 from lcpflex.dynamics.impulse import answer_joints, recall_joints
 from lcpflex.dynamics.islands import Islands, forget_islands, unfinished
-from lcpflex.dynamics.joint_reactions import note_ahead, note_ends, note_impulses
+from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends, note_impulses
 from lcpflex.dynamics.large_island import prepare_large
 from lcpflex.dynamics.mechanics import multiply
 from lcpflex.dynamics.workspace import Workspace
@@ -236,7 +236,7 @@ def apply_velocity(model: Model, t: float, work: Workspace, scheme: AlphaScheme,
     for k in range(work.n_contacts):
         recorder.counts.worst_penetration = max(recorder.counts.worst_penetration, -work.table.gap[k])
     jumps = broken(work, scheme)
-    note_ends(scheme.step, recorder.reactions)
+    note_ends(model, scheme.step, recorder.reactions)
     note_impulses(model, work, struck(work, scheme), recorder.reactions)
     finite = True
     for i in range(len(q)):
@@ -275,9 +275,9 @@ def correct(model: Model, t: float, work: Workspace, scheme: AlphaScheme, record
     if scheme.phase <= SMOOTH:
         start = scheme.phase == RESTART
         apply_smooth(model, scheme.step if scheme.phase == SMOOTH else 0.0, work, scheme)
-        note_ahead(model, work, recorder.reactions)
+        lay_reactions(model, work, recorder.reactions.ahead)
         if start:
-            note_ends(0.0, recorder.reactions)
+            note_ends(model, 0.0, recorder.reactions)
     elif scheme.phase == POSITION:
         apply_position(model, work, scheme, recorder)
     elif apply_velocity(model, t, work, scheme, recorder):

@@ -14,7 +14,7 @@ from lcpflex.contact.narrow_phase.feature import refresh
 from lcpflex.contact.rows import contact_point
 from lcpflex.dynamics.contact_compliance import ALL, HARD, choose, compliance_energy, misfit, note_depths
 from lcpflex.dynamics.delassus import apply_impulses, row_velocity
-from lcpflex.dynamics.joint_reactions import note_ahead, note_ends
+from lcpflex.dynamics.joint_reactions import lay_reactions, note_ends
 from lcpflex.dynamics.joint_response import factorise_joints, solve_joints
 from lcpflex.dynamics.mechanics import factorise, fill_contact_rows, forces, solve_rows, solve_vector, supply
 from lcpflex.dynamics.position import admissible, pose_position, split_forces, static_response, static_sway
@@ -197,8 +197,8 @@ def correct(model: Model, scheme: BoundaryScheme, t: float, h: float, work: Work
         u[i] = work.free_u[i] + 0.5 * h * scheme.acceleration[i]
         finite = finite and math.isfinite(q[i] + u[i])
     audit(h, drives, scheme, work, recorder)
-    note_ahead(model, work, recorder.reactions)
-    note_ends(h, recorder.reactions)
+    lay_reactions(model, work, recorder.reactions.ahead)
+    note_ends(model, h, recorder.reactions)
     return finite
 
 

@@ -22,7 +22,7 @@ from lcpflex.dynamics.islands import unfinished
 from lcpflex.dynamics.joint_reactions import (
     begin_reached,
     compare_reactions,
-    keep_reactions,
+    lay_reactions,
     note_step,
     spread_reached,
     strike,
@@ -259,7 +259,7 @@ def record_impulses(model: Model, scheme: Any, t: float, work: Workspace, record
     q, u, step = scheme.q, scheme.u, scheme.step
     loaded = work.n_contacts > 0 and len(recorder.reactions.impulse) > 0
     if loaded:
-        keep_reactions(model, work, recorder.reactions)
+        lay_reactions(model, work, recorder.reactions.change)
     done = shorten_forces(work)
     if loaded:
         compare_reactions(model, work, recorder.rates.now, recorder.reactions)
