@@ -37,7 +37,7 @@ def _same(scheme: Any, contacts: int) -> Any:
     return scheme
 
 
-def _silent(scheme: Any, work: Workspace, steps: int) -> list[str]:
+def _silent(scheme: Any, work: Workspace, steps: int | None) -> list[str]:
     return []
 
 
@@ -56,7 +56,7 @@ class Support:
     carried
         (workspace) -> what a step takes over from the one before: arrays and structs.
     warnings
-        (scheme, workspace, steps) -> warnings, of so many steps of one length.
+        (scheme, workspace, steps) -> warnings, of so many steps of one length; None: of steps under error control.
     trouble
         (status, number, scheme, workspace) -> why the run cannot go on, where the scheme alone knows; else empty.
     hint
@@ -67,7 +67,7 @@ class Support:
 
     grown: Callable[[Any, int], Any] = _same
     carried: Callable[[Workspace], tuple[Any, ...]] = carried
-    warnings: Callable[[Any, Workspace, int], list[str]] = _silent
+    warnings: Callable[[Any, Workspace, int | None], list[str]] = _silent
     trouble: Callable[[int, int, Any, Workspace], str] = _nothing
     hint: str = ""
     impulsive: bool = True
@@ -152,7 +152,7 @@ class TimeStepping:
         name = self.system.contact_name
         return [
             *law_warnings(self.system.names, self.work.compliant.history),
-            *(self.support.warnings(self.scheme, self.work, steps) if steps is not None else []),
+            *self.support.warnings(self.scheme, self.work, steps),
             *self._several.remarks(self.work, name),
             *self._rescue.remarks(name),
             *unsolved_remarks(self.records.recorder.counts, steps),

@@ -55,6 +55,7 @@ class SpatialArrow:
     spin: FloatArray = array("ndof")  # inertial forces of the last velocity
     mean: FloatArray = array("ndof")  # a velocity; scratch
     shift: FloatArray = array("ndof")  # scratch
+    energy: FloatArray = array("bodies")  # scratch
 
 
 SpatialWork: TypeAlias = Any  # a Workspace, or CompliantContacts, with a SpatialArrow for its arrow

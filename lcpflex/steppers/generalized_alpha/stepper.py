@@ -45,9 +45,9 @@ from lcpflex.steppers.time_stepping import Support, TimeStepping
 __all__ = ["GeneralizedAlpha"]
 
 
-def _unsettled(scheme: AlphaScheme, work: Workspace, steps: int) -> list[str]:
-    """Steps in which Newton's method did not converge."""
-    if not scheme.unsettled:
+def _unsettled(scheme: AlphaScheme, work: Workspace, steps: int | None) -> list[str]:
+    """Steps of one length in which Newton's method did not converge; error control shortens such steps."""
+    if not scheme.unsettled or steps is None:
         return []
     return [
         f"Newton's method on the smooth motion did not converge in {scheme.unsettled} of {steps} steps: "

@@ -78,12 +78,12 @@ class Remarks:
     asked: float | None  # step [s]
     lost: list[str]
 
-    def warnings(self, scheme: BoundaryScheme, work: Workspace, steps: int) -> list[str]:
+    def warnings(self, scheme: BoundaryScheme, work: Workspace, steps: int | None) -> list[str]:
         """Of what the start lost, and of steps that were divided."""
         outside = law_warnings(self.system.names, scheme.compliance.history)
         return [*self.lost, *outside, *self._divided(scheme, steps)]
 
-    def _divided(self, scheme: BoundaryScheme, steps: int) -> list[str]:
+    def _divided(self, scheme: BoundaryScheme, steps: int | None) -> list[str]:
         if self.asked is None or scheme.n_split == 0:
             return []
         return [

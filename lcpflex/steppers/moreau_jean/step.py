@@ -77,7 +77,8 @@ class MoreauJeanScheme:
     projection: int
     tolerance: float
     velocity_threshold: float
-    gyroscopic: int  # passes of the correction in space
+    gyroscopic: int  # passes of the correction in space, at most
+    unsettled: int  # steps in which they did not suffice
     q: FloatArray
     u: FloatArray
 
@@ -105,7 +106,6 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     solve_vector(model, work, work.free_u)
     for i in range(len(u)):
         work.free_u[i] += u[i]
-    turn_on(model, scheme.gyroscopic, h, u, work)
     n_joint = len(work.residual)
     if n_joint > 0:
         joint_rows(model, t + lean, work.middle, u, work.external, work.rows, work.row_body, work.rate, work.bias)
@@ -116,16 +116,20 @@ def predict(model: Model, scheme: MoreauJeanScheme, t: float, work: Workspace) -
     work.n_contacts = n
     work.n_tangents = n_tangent
     pose(model, work, u, (1.0 - scheme.theta) * h, scheme.velocity_threshold)
+    if not turn_on(model, scheme.gyroscopic, h, u, work):
+        scheme.unsettled += 1
     return n
 
 
 @in_space("lcpflex.dynamics.spatial.gyroscopic")
 @kernel
-def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> None:
-    """Correct ``work.free_u`` for forces that depend on the velocity within the step: in the plane, nothing.
+def turn_on(model: Model, passes: int, h: float, u: FloatArray, work: Workspace) -> bool:
+    """Correct the problem posed for inertial forces, which change within the step: in the plane, nothing.
 
-    In space omega x J omega, taken at the start of a step alone, gains energy.
+    In space omega x J omega, taken at the start of a step alone, gains energy. False where several ``passes`` have not
+    sufficed.
     """
+    return True
 
 
 @in_space("lcpflex.dynamics.spatial.gyroscopic")

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 
 from lcpflex.basics.options import keep_flag, keep_number, keep_number_or_none
 from lcpflex.dynamics.workspace import Workspace
+from lcpflex.errors import ModelError, shown
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
 from lcpflex.steppers.adaptive import AdaptiveStep
@@ -33,8 +34,29 @@ from lcpflex.steppers.user_functions import watch_pair_laws
 
 __all__ = ["MoreauJean"]
 
+CORRECTED, SOLVED = "corrected", "solved"  # inertial forces of a step in space
+MOST_PASSES = 40
+PASSES = {CORRECTED: 1, SOLVED: MOST_PASSES}
 
-def _instability(scheme: MoreauJeanScheme, work: Workspace, steps: int) -> list[str]:
+
+def _remarks(scheme: MoreauJeanScheme, work: Workspace, steps: int | None) -> list[str]:
+    """What a run is warned of."""
+    unstable = [] if steps is None else _instability(scheme, work)
+    return [*_unsettled(scheme, steps), *unstable]
+
+
+def _unsettled(scheme: MoreauJeanScheme, steps: int | None) -> list[str]:
+    """Steps whose inertial forces were not met to rounding."""
+    if not scheme.unsettled:
+        return []
+    count = f"{scheme.unsettled} steps or halves of steps" if steps is None else f"{scheme.unsettled} of {steps} steps"
+    return [
+        f'gyroscopic="solved": the inertial forces of {count} were not met to rounding in '
+        f"{MOST_PASSES} passes: a shorter step is needed for bodies that turn as fast"
+    ]
+
+
+def _instability(scheme: MoreauJeanScheme, work: Workspace) -> list[str]:
     """That forces of compliant contacts, explicit in the middle of a step, make the motion grow."""
     frequency, limit = float(work.compliant.stiffest), 2.0 / math.sqrt(4.0 * scheme.theta - 1.0)
     product = frequency * scheme.step
@@ -65,6 +87,12 @@ class MoreauJean:
         None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     projection
         Take the drift out of contacts that stay closed, after each step. Joints are always projected.
+    gyroscopic
+        Of spatial scenes alone, inertial forces as omega x J omega, which change with the velocity within a step.
+        "corrected": taken at the old velocity, and once more at the mean of the old and the new one, as that comes out
+        by then; "solved": repeated until that mean is met to rounding, with a warning where 40 passes do not
+        do. A rigid body with J = (1, 2, 3) kg m^2 that turns over about its middle axis for 4 s at 5 rad/s, h = 1/250:
+        energy off by 2.4e-2 without either, 8e-7 corrected, 3e-15 solved; its angle by .12, 5e-5 and 8e-5 rad.
     adaptive
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
@@ -88,6 +116,7 @@ class MoreauJean:
     activation: float = 0.5
     gap_tolerance: float | None = None
     projection: bool = True
+    gyroscopic: str = CORRECTED
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
@@ -100,6 +129,8 @@ class MoreauJean:
         keep_number(self, "activation", 0.0, 1.0)
         keep_number_or_none(self, "gap_tolerance", 0.0, math.inf)
         keep_flag(self, "projection")
+        if not isinstance(self.gyroscopic, str) or self.gyroscopic not in PASSES:
+            raise ModelError(f'gyroscopic: {shown(self.gyroscopic)} was given, expected "{CORRECTED}" or "{SOLVED}"')
         keep_solver(self)
         keep_budget(self)
 
@@ -117,13 +148,12 @@ class MoreauJean:
             projection=self.projection,
             tolerance=self.solver_tolerance,
             velocity_threshold=0.0,
-            gyroscopic=1,
+            gyroscopic=PASSES[self.gyroscopic],
+            unsettled=0,
             q=system.q.copy(),
             u=system.u.copy(),
         )
-        stepping = TimeStepping(
-            system, scheme, self.solver, Support(warnings=_instability), self.on_unsolved, self.budget
-        )
+        stepping = TimeStepping(system, scheme, self.solver, Support(warnings=_remarks), self.on_unsolved, self.budget)
         run = started(stepping, self.adaptive, duration, interval, (self.theta, 1.0 - self.theta))
         watch_pair_laws(run.records, system)
         return run
