@@ -115,7 +115,7 @@ def turn_modes(bodies: SpatialBodies, u: FloatArray, b: int, work: SpatialArrow,
     for k in range(len(W)):
         W[k] = 0.0
     start = bodies.products_start[b]
-    add_products(bodies.products[start : start + 9 * n2 * n2], n2, u[d + N_RIGID : d + N_RIGID + n2], W)
+    add_products(bodies.products[start : start + 9 * n2 * n2], u[d + N_RIGID : d + N_RIGID + n2], W)
     for k in range(n2):
         o = 9 * k
         turned = ox * (W[o + 5] - W[o + 7]) + oy * (W[o + 6] - W[o + 2]) + oz * (W[o + 1] - W[o + 3])

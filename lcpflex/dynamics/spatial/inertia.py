@@ -77,18 +77,21 @@ def factors(bodies: SpatialBodies) -> SpatialArrow:
 
 
 @kernel
-def add_products(products: FloatArray, n: int, x: FloatArray, out: FloatArray) -> None:
+def add_products(products: FloatArray, x: FloatArray, out: FloatArray) -> None:
     """out (n, 9) += sum_l x_l <Phi_l Phi_k^T>, all flat.
 
     Row by row and four at a time, so that all memory is passed in order and one instruction serves several columns.
     """
-    width = 9 * n
+    n, width = len(x), len(out)  # lengths are known not to be negative: nor are the places below, which costs half
     whole = n - n % 4
     for i in range(0, whole, 4):
         a, b, c, d = x[i], x[i + 1], x[i + 2], x[i + 3]
-        row = products[i * width : (i + 4) * width]
+        first = products[i * width : (i + 1) * width]
+        second = products[(i + 1) * width : (i + 2) * width]
+        third = products[(i + 2) * width : (i + 3) * width]
+        fourth = products[(i + 3) * width : (i + 4) * width]
         for k in range(width):
-            out[k] += a * row[k] + b * row[width + k] + c * row[2 * width + k] + d * row[3 * width + k]
+            out[k] += a * first[k] + b * second[k] + c * third[k] + d * fourth[k]
     for i in range(whole, n):
         a = x[i]
         row = products[i * width : (i + 1) * width]
@@ -124,7 +127,7 @@ def deform_anew(bodies: SpatialBodies, q: FloatArray, b: int, work: SpatialArrow
             Y[9 * (first + k) + i] = P1[first + k, i]
     if n2 > 0:
         products = bodies.products[start : start + 9 * n2 * n2]
-        add_products(products, n2, q[e : e + n2], Y[9 * first : 9 * (first + n2)])
+        add_products(products, q[e : e + n2], Y[9 * first : 9 * (first + n2)])
     P = bodies.second
     xx, yy, zz = P[b, 0, 0], P[b, 1, 1], P[b, 2, 2]
     yz, zx, xy = P[b, 1, 2], P[b, 2, 0], P[b, 0, 1]
