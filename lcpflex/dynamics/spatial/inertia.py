@@ -47,7 +47,8 @@ class SpatialArrow:
     inertia: FloatArray = array("bodies", 6)  # xx, yy, zz, yz, zx, xy of J
     moments: FloatArray = array("moments")  # Y of each mode, nine numbers, row by row
     couple: FloatArray = array("modes", 3)  # C
-    axes: FloatArray = array("bodies", 9)  # A at the configuration of the factors
+    laid: FloatArray = array("places")  # configuration of the factors, and of the rows that are solved by them
+    axes: FloatArray = array("bodies", 9)  # A there
     diagonal: FloatArray = array("modes")  # e
     lower: FloatArray = array("bodies", FACTOR)  # Cholesky factor by rows, 1 / its diagonal: of three rows, if centred
     swing: FloatArray = array("moments")  # sum_l etadot_l <Phi_l Phi_k^T> of each mode; scratch
@@ -65,6 +66,7 @@ def factors(bodies: SpatialBodies) -> SpatialArrow:
     """Memory for the factors of these bodies and of no others: what does not change in rigid ones is filled in."""
     n_modes = len(bodies.stiffness)
     sizes = {"bodies": len(bodies.mass), "modes": n_modes, "moments": 9 * n_modes, "ndof": int(bodies.dof[-1])}
+    sizes["places"] = int(bodies.place[-1])
     P = np.asarray(bodies.second)
     J = np.trace(P, axis1=1, axis2=2)[:, None, None] * np.eye(3) - P
     return allocate(
@@ -173,7 +175,9 @@ def symmetric(entries: FloatArray, b: int, x: float, y: float, z: float) -> Vect
 @kernel
 def factorise(bodies: SpatialBodies, q: FloatArray, alpha_c: float, alpha_k: float, work: SpatialArrow) -> None:
     """Factorise M(q) + alpha_c C + alpha_k K of every body (C: diagonal part of the modal damping)."""
-    axes = work.axes
+    axes, laid = work.axes, work.laid
+    for i in range(len(laid)):
+        laid[i] = q[i]
     for b in range(len(bodies.mass)):
         i = bodies.place[b]
         turned = rotation_matrix(q[i + 3], q[i + 4], q[i + 5], q[i + 6])
