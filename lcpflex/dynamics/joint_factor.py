@@ -20,11 +20,12 @@ __all__ = ["JointFactor", "JointPattern", "joint_factor", "joint_pattern", "join
 class JointPattern:
     """Pattern of S, and the joint rows that act on each body, made once for a model."""
 
-    def __init__(self, pattern: Pattern, on_body: list[list[int]], loops: int) -> None:
+    def __init__(self, pattern: Pattern, on_body: list[list[int]], first: list[int], loops: int) -> None:
         self.factor = pattern
         self.loops = loops
         place = np.empty(len(pattern.order), dtype=np.int64)
         place[pattern.order] = np.arange(len(place))
+        self.block = np.append(np.sort(place[first[:-1]]), len(place))
         self.first = np.cumsum([0, *map(len, on_body)])
         self.place = np.array([i for rows in on_body for i in sorted(place[rows].tolist())], dtype=np.int64)
 
@@ -35,6 +36,8 @@ class JointFactor:
 
     factor: SparseFactor
     loops: int  # joints that close a loop; without any, none is redundant
+    block: IntArray  # (joints + 1,) offsets of the rows of each in the factor
+    schur: FloatArray = array("largest", "largest")  # of the rows of one joint; scratch
     first: IntArray  # (bodies + 1,) offsets into ``place``
     place: IntArray  # places in the factor of the joint rows on each body, ascending
     answer: FloatArray = array("joints")  # S^-1 b of the last contact problem, b: rates that the joints are to cancel
@@ -77,7 +80,7 @@ def joints_between(sizes: list[int], held: list[set[int]], n_bodies: int) -> Joi
             on_body[b].append(joint)
     neighbours = [{other for b in bodies for other in on_body[b]} - {joint} for joint, bodies in enumerate(held)]
     rows = [[r for joint in joints for r in range(first[joint], first[joint + 1])] for joints in on_body]
-    return JointPattern(sparse_pattern(neighbours, first), rows, _loops(held))
+    return JointPattern(sparse_pattern(neighbours, first), rows, first, _loops(held))
 
 
 def _loops(held: list[set[int]]) -> int:
@@ -104,11 +107,13 @@ def joint_factor(pattern: JointPattern, ndof: int, pairs: int) -> JointFactor:
         {
             "joints": len(pattern.factor.order),
             "ndof": ndof,
+            "largest": int(np.diff(pattern.block).max(initial=0)),
             "pairs": pairs,
             "acting": 2 * int(np.diff(pattern.first).max(initial=0)),
         },
         factor=sparse_factor(pattern.factor),
         loops=pattern.loops,
+        block=pattern.block,
         first=pattern.first,
         place=pattern.place,
     )

@@ -11,7 +11,8 @@ diagonal of dependent rows, and independent rows have as little. Those of
 
 are the squares of the distances of each row from those before it. Measured on four-bars and Bennett linkages with mass
 ratios up to 1e4: about .3 of the diagonal of independent rows, 5 e^2 of dependent ones. A lever of length l between two
-joints of one body leaves (l/L)^2. The bound between them is DEPENDENT.
+joints of one body leaves (l/L)^2. The bound between them is DEPENDENT. Which rows of the joint that closes a loop are
+independent changes as the mechanism moves: they are chosen by pivoting among the rows of each joint.
 
 A row taken for dependent gets no multiplier: what it prescribes is then as far off as the mechanism is badly assembled,
 and grows if it was not dependent: the drift of the joints tells.
@@ -22,6 +23,7 @@ from __future__ import annotations
 import math
 
 from lcpflex.dynamics.inertia import Arrow
+from lcpflex.dynamics.joint_factor import JointFactor
 from lcpflex.dynamics.joint_response import assemble_joints
 from lcpflex.dynamics.workspace import Rows
 from lcpflex.jit.kernel import FloatArray, kernel
@@ -49,21 +51,88 @@ def eliminate_joints(bodies: Arrow, work: Rows) -> None:
 
 @kernel
 def mark_dependent(work: Rows) -> None:
-    """joints.left: for each row, in the order of the factor, its distance from those before it; 0 of dependent ones.
+    """joints.left: for each row, in the order of the factor, its distance from those kept before it; 0: dependent.
 
     The square of it, in parts of its own. Overwrites the factor and ``joints.change``.
     """
-    factor, distance = work.joints.factor, work.joints.left
     scale_bodies(work)
     assemble_geometry(work)
-    start, value = factor.start, factor.value
-    for i in range(len(distance)):
-        last = start[i + 1] - 1
-        own = value[last]
-        total = reduce_row(factor, i)
-        kept = total > DEPENDENT * own
-        value[last] = math.sqrt(total) if kept else 0.0
-        distance[i] = total / own if kept else 0.0
+    block = work.joints.block
+    for joint in range(len(block) - 1):
+        reduce_block(work.joints, block[joint], block[joint + 1])
+        choose_rows(work.joints, block[joint], block[joint + 1])
+        finish_block(work.joints, block[joint], block[joint + 1])
+
+
+@kernel
+def reduce_block(joints: JointFactor, first: int, last: int) -> None:
+    """The rows of one joint in the factor, up to those before it: its Schur complement, in ``joints.schur``, too."""
+    factor, schur = joints.factor, joints.schur
+    start, column, value, row = factor.start, factor.column, factor.value, factor.row
+    before = start[first + 1] - start[first] - 1
+    for i in range(first, last):
+        begin = start[i]
+        factor.own[i] = value[start[i + 1] - 1]
+        for e in range(begin, start[i + 1]):
+            j = column[e]
+            entry = value[e]
+            end = start[j + 1] - 1 if e < begin + before else start[j] + before
+            for f in range(start[j], end):
+                entry -= row[column[f]] * value[f]
+            if e < begin + before:
+                entry = entry / value[end] if value[end] > 0.0 else 0.0
+                row[j] = entry
+            else:
+                schur[i - first, j - first] = entry
+                schur[j - first, i - first] = entry
+            value[e] = entry
+        for e in range(begin, begin + before):
+            row[column[e]] = 0.0
+
+
+@kernel
+def choose_rows(joints: JointFactor, first: int, last: int) -> None:
+    """joints.left of one joint: always the row that is farthest from those chosen; overwrites ``joints.schur``.
+
+    In the order of the rows, one that just becomes dependent as the mechanism moves would be kept to the last.
+    """
+    schur, own, distance = joints.schur, joints.factor.own, joints.left
+    for i in range(first, last):
+        distance[i] = 0.0
+    n = last - first
+    for _ in range(n):
+        chosen, farthest = -1, DEPENDENT
+        for k in range(n):
+            if distance[first + k] == 0.0 and schur[k, k] > farthest * own[first + k]:
+                chosen, farthest = k, schur[k, k] / own[first + k]
+        if chosen < 0:
+            break
+        distance[first + chosen] = farthest
+        pivot = schur[chosen, chosen]
+        for k in range(n):
+            if distance[first + k] == 0.0:
+                part = schur[k, chosen] / pivot
+                for m in range(n):
+                    if distance[first + m] == 0.0:
+                        schur[k, m] -= part * schur[chosen, m]
+
+
+@kernel
+def finish_block(joints: JointFactor, first: int, last: int) -> None:
+    """The rows of one joint in the factor from the Schur complement on, without those that are not chosen."""
+    start, value, distance = joints.factor.start, joints.factor.value, joints.left
+    before = start[first + 1] - start[first] - 1
+    for i in range(first, last):
+        own = start[i] + before
+        for j in range(i + 1 - first):
+            other = start[first + j] + before
+            entry = value[own + j]
+            for k in range(j):
+                entry -= value[own + k] * value[other + k]
+            if first + j < i:
+                value[own + j] = entry / value[other + j] if value[other + j] > 0.0 else 0.0
+            else:
+                value[own + j] = math.sqrt(entry) if distance[i] > 0.0 and entry > 0.0 else 0.0
 
 
 @kernel

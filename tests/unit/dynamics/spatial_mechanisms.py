@@ -106,9 +106,11 @@ def four_bar(error: float = 0.0, masses: Sequence[float] = (1.0, 1.0, 1.0), seed
     return loop(list(points), [np.array([0.0, 0.0, 1.0])] * 4, ["hinge"] * 4, masses, error, seed)
 
 
-def bennett(error: float = 0.0, masses: Sequence[float] = (1.0, 1.0, 1.0), seed: int = 0) -> Mechanism:
+def bennett(
+    error: float = 0.0, masses: Sequence[float] = (1.0, 1.0, 1.0), seed: int = 0, turn: float = 1.1
+) -> Mechanism:
     """Bennett's linkage, four hinges askew with one freedom: a / sin(alpha) = b / sin(beta). Rank 17 of 20."""
-    a, b, alpha, turn = 1.0, 0.7, 0.9, 1.1
+    a, b, alpha = 1.0, 0.7, 0.9
     beta = float(np.arcsin(b * np.sin(alpha) / a))
     other = 2.0 * np.arctan(np.sin((beta + alpha) / 2) / np.sin((beta - alpha) / 2) / np.tan(turn / 2))
     frame, points, axes = np.eye(4), [], []

@@ -79,6 +79,21 @@ def test_rank(make: Callable[..., Mechanism], expected: int, error: float, masse
         assert rank(work) == expected, seed
 
 
+@pytest.mark.parametrize("error", [0.0, 1e-6])
+def test_rows_are_chosen_anew_as_it_moves(error: float) -> None:
+    """The rows that are kept are far from dependent on the whole way of a linkage, on which other ones become so."""
+    sets = set()
+    for turn in np.linspace(0.3, 2.8, 60):
+        mechanism = bennett(error, turn=float(turn))
+        work, J = laid(mechanism), mechanism.rows()
+        kept = np.zeros(len(J), dtype=bool)
+        kept[work.joints.factor.order[work.joints.factor.own > 0.0]] = True
+        sets.add(tuple(np.flatnonzero(kept)))
+        sizes = np.linalg.svd(J, compute_uv=False)
+        assert np.linalg.svd(J[kept], compute_uv=False)[-1] > 0.15 * sizes[16]
+    assert len(sets) > 1
+
+
 @pytest.mark.parametrize("make", [four_bar, bennett])
 def test_it_moves(make: Callable[..., Mechanism]) -> None:
     """Assembled with an error of 1e-6, it keeps its one motion, all of which the rows in full would take away."""
