@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
     from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
+    from lcpflex.bodies.spatial.matrices import SpatialMatrices
     from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, SpatialRigidBody, Sphere
     from lcpflex.compile.state_mechanics import StateMechanics
     from lcpflex.dynamics.impact_laws import Newton, Poisson, Stronge
@@ -144,6 +145,7 @@ __all__ = [
     "SolverError",
     "SpatialScene",
     "SpatialBody",
+    "SpatialMatrices",
     "SpatialPoint",
     "SpatialRigidBody",
     "Sphere",

@@ -5,7 +5,7 @@ The formulas are said where the reductions are offered, in :mod:`lcpflex.bodies.
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
@@ -28,19 +28,56 @@ from lcpflex.bodies.reduction.orthonormal_basis import joined, own_basis
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
 Basis: TypeAlias = tuple[FloatArray, FloatArray]
 
 __all__ = [
     "SHARE",
     "Basis",
+    "Flexible",
     "boundary_basis",
+    "constraint_columns",
     "check_full",
     "elastic_count",
     "free_basis",
+    "held_factor",
     "interface_basis",
     "regional_basis",
     "residual_basis",
 ]
+
+
+class HasMatrices(Protocol):
+    """A mesh with its mass and stiffness."""
+
+    @property
+    def mass(self) -> csc_matrix[Any]:
+        """(f, f)."""
+        ...
+
+    @property
+    def stiffness(self) -> csc_matrix[Any]:
+        """(f, f)."""
+        ...
+
+
+class Flexible(HasMatrices, Protocol):
+    """A mesh that is ready for static loads and modes: a :class:`FreeMesh`, or one that is held."""
+
+    @property
+    def frame(self) -> FloatArray:
+        """(f, r) M-orthonormal rigid motions; (f, 0) of one that is held."""
+        ...
+
+    def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """The lowest modes (omega2, shapes)."""
+        ...
+
+    def flexibility(self, loads: FloatArray) -> FloatArray:
+        """Static response to loads (f, k)."""
+        ...
 
 
 NOISE = 1e-10  # part of a static response beyond the kept modes that is rounding
@@ -69,31 +106,54 @@ def free_basis(free: FreeMesh, modes: int | None) -> Basis:
 
 def boundary_basis(mesh: FiniteElements, boundary: IntArray, modes: int | None) -> Basis:
     """Constraint modes of the boundary nodes and modes of the mesh held there."""
-    f = len(mesh.dofs)
     held = rows_of(mesh, boundary)
-    inner = np.setdiff1d(np.arange(f), held)
-    n = count_of_modes(modes, len(inner), "modes with its boundary held; None takes all")
-    columns = len(held) + n
-    check_memory("boundary, modes", f, SHARE * columns)
-    basis = np.zeros((f, columns))
-    basis[held, np.arange(len(held))] = 1.0
-    rank = mesh_rank(mesh)
-    check_mass(mesh.mass)
-    if len(inner):
-        stiffness = mesh.stiffness[inner][:, inner].tocsc()
-        mass = mesh.mass[inner][:, inner].tocsc()
-        factor = _held(mass, stiffness, rank[inner], len(boundary))
-        coupling = mesh.stiffness[inner][:, held]
-        for first in range(0, len(held), AT_ONCE):
-            part = slice(first, min(first + AT_ONCE, len(held)))
-            basis[inner, part] = -factor.solve(coupling[:, part].toarray())
-        basis[inner, len(held) :] = fixed_modes(mass, stiffness, factor, n)[1]
+    few = f"boundary: with its {len(boundary)} node(s) held"
+    basis = constraint_columns(mesh, mesh_rank(mesh), held, modes, (few, "two, one of an axisymmetric mesh"))
     frame = orthonormal_frame(mesh.mass, mesh.rigid)
     return own_basis(mesh.mass, mesh.stiffness, frame, basis, holds_rigid=True)
 
 
-def _held(mass: Any, stiffness: Any, rank: IntArray, count: int) -> Factor:
-    """Factors of the stiffness of what is not boundary."""
+def constraint_columns(
+    mesh: HasMatrices, rank: IntArray, held: IntArray, modes: int | None, words: tuple[str, str], free: int = -1
+) -> FloatArray:
+    """(f, k + n) [constraint modes of the rows that are held | n lowest modes of the mesh held there].
+
+    Parameters
+    ----------
+    rank : (f,) in whose order the stiffness is factorised
+    held : rows that are held
+    modes : n; None for all
+    words : of an error: what is held, and how many nodes it takes
+    free : the first k rows of ``held`` may move, the others stay; -1: all may
+
+    Raises
+    ------
+    ModelError
+        Where what is held leaves some of the mesh loose, and for more modes than there are.
+    """
+    f = len(rank)
+    moving = held if free < 0 else held[:free]
+    inner = np.setdiff1d(np.arange(f), held)
+    n = count_of_modes(modes, len(inner), "modes with its boundary held; None takes all")
+    columns = len(moving) + n
+    check_memory("boundary, modes", f, SHARE * columns)
+    basis = np.zeros((f, columns))
+    basis[moving, np.arange(len(moving))] = 1.0
+    check_mass(mesh.mass)
+    if len(inner):
+        stiffness = mesh.stiffness[inner][:, inner].tocsc()
+        mass = mesh.mass[inner][:, inner].tocsc()
+        factor = held_factor(mass, stiffness, rank[inner], words)
+        coupling = mesh.stiffness[inner][:, moving]
+        for first in range(0, len(moving), AT_ONCE):
+            part = slice(first, min(first + AT_ONCE, len(moving)))
+            basis[inner, part] = -factor.solve(coupling[:, part].toarray())
+        basis[inner, len(moving) :] = fixed_modes(mass, stiffness, factor, n)[1]
+    return basis
+
+
+def held_factor(mass: Any, stiffness: Any, rank: IntArray, words: tuple[str, str]) -> Factor:
+    """Factors of the stiffness of what is not held; ``words`` of an error: what is held, how many nodes it takes."""
     top = float((stiffness.diagonal() / mass.diagonal()).max())
     try:
         factor = positive_factor(stiffness, rank)
@@ -104,8 +164,8 @@ def _held(mass: Any, stiffness: Any, rank: IntArray, count: int) -> Factor:
         if lowest > 10.0 * EPS * top:
             return factor
     raise ModelError(
-        f"boundary: with its {count} node(s) held, the rest of the mesh can still move without deformation "
-        f"(omega^2 = {lowest:.3g}), expected nodes that hold every piece of the rest: two, one of an axisymmetric mesh"
+        f"{words[0]}, the rest of the mesh can still move without deformation "
+        f"(omega^2 = {lowest:.3g}), expected nodes that hold every piece of the rest: {words[1]}"
     )
 
 
@@ -114,12 +174,12 @@ def residual_basis(free: FreeMesh, rows: IntArray, modes: int | None) -> Basis:
     return _with_responses(free, free.responses(rows), modes)
 
 
-def interface_basis(free: FreeMesh, loads: FloatArray, modes: int | None) -> Basis:
+def interface_basis(free: Flexible, loads: FloatArray, modes: int | None) -> Basis:
     """Lowest free-free modes, and the static response of all others to loads (f, k)."""
     return _with_responses(free, free.flexibility(loads), modes)
 
 
-def _with_responses(free: FreeMesh, static: FloatArray, modes: int | None) -> Basis:
+def _with_responses(free: Flexible, static: FloatArray, modes: int | None) -> Basis:
     n = count_of_modes(modes, len(free.frame) - free.frame.shape[1])
     omega2, shapes = free.modes(n)
     static = _residual(free, shapes, static)
@@ -127,7 +187,7 @@ def _with_responses(free: FreeMesh, static: FloatArray, modes: int | None) -> Ba
     return joined((omega2, shapes), rest)
 
 
-def _residual(free: FreeMesh, shapes: FloatArray, static: FloatArray) -> FloatArray:
+def _residual(free: Flexible, shapes: FloatArray, static: FloatArray) -> FloatArray:
     """(f, k) static displacements without what the kept modes have of them; those that are rounding are dropped."""
     whole = np.linalg.norm(static, axis=0)
     for _ in range(2):

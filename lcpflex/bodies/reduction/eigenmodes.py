@@ -40,6 +40,7 @@ __all__ = [
     "judge",
     "mesh_rank",
     "orthonormal_frame",
+    "rank_of",
     "ritz",
     "softest",
 ]
@@ -312,15 +313,19 @@ def orthonormal_frame(mass: csc_matrix[Any], rigid: FloatArray) -> FloatArray:
 
 
 def mesh_rank(mesh: FiniteElements) -> IntArray:
-    """(f,) order of elimination; refuses a mesh in pieces.
+    """(f,) order of elimination; refuses a mesh in pieces."""
+    return rank_of(mesh.stiffness, mesh.places, mesh.dofs // 2, mesh.dofs % 2)
+
+
+def rank_of(stiffness: csc_matrix[Any], places: FloatArray, node: IntArray, part: IntArray) -> IntArray:
+    """(f,) order of elimination of degrees of freedom, each the ``part`` of a ``node`` at its place (N, 2) or (N, 3).
 
     Raises
     ------
     ModelError
-        Naming the number of pieces and their sizes.
+        For a mesh in pieces, naming their number and their sizes.
     """
-    node = mesh.dofs // 2
-    graph = links(mesh.stiffness, node, len(mesh.places))
+    graph = links(stiffness, node, len(places))
     pieces, label = libs.csgraph.connected_components(graph, directed=False)
     if pieces > 1:
         sizes = sorted(np.bincount(label).tolist(), reverse=True)
@@ -329,8 +334,8 @@ def mesh_rank(mesh: FiniteElements) -> IntArray:
             f"stiffness: the mesh falls into {pieces} pieces of {shown} nodes, expected one piece without mechanisms "
             "or loose parts (join nodes that lie at one place, drop nodes without elements)"
         )
-    rank = dissection(mesh.places, graph)
-    return np.asarray(2 * rank[node] + mesh.dofs % 2)
+    rank = dissection(places, graph)
+    return np.asarray((part.max(initial=0) + 1) * rank[node] + part)
 
 
 def _supports(rigid: FloatArray) -> IntArray:

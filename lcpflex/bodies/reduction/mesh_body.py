@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,10 @@ from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.model.recovery import MeshShapes
 
-__all__ = ["NO_RESIDUAL", "Residual", "body_of"]
+if TYPE_CHECKING:
+    from scipy.sparse import csc_matrix
+
+__all__ = ["NO_RESIDUAL", "Residual", "body_of", "damping_of"]
 
 
 class Residual(NamedTuple):
@@ -69,7 +72,7 @@ def body_of(
         cannot be stiffened as asked.
     """
     shapes = signed(shapes)
-    diagonal, cross = _damping(mesh, omega2, shapes, damping, residual)
+    diagonal, cross = damping_of(mesh.damping, omega2, shapes, damping, residual)
     nodal = mesh.nodal(shapes)
     material = material_at_nodes(mesh, nodal)
     integrals = _axial_integrals if mesh.axisymmetric else _planar_integrals
@@ -142,12 +145,16 @@ def _axial_integrals(mesh: FiniteElements, shapes: FloatArray) -> tuple[dict[str
     return inertia | {"coupling": None}, np.column_stack([rigid, weighed[:, 1:]])
 
 
-def _damping(
-    mesh: FiniteElements, omega2: FloatArray, shapes: FloatArray, damping: Damping | None, residual: Residual
+def damping_of(
+    matrix: csc_matrix[Any] | None,
+    omega2: FloatArray,
+    shapes: FloatArray,
+    damping: Damping | None,
+    residual: Residual,
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Diagonal and off-diagonal part of the modal damping matrix [1/s]."""
-    if damping is not None or mesh.damping is None:
-        if mesh.damping is not None:
+    """Diagonal and off-diagonal part of the modal damping matrix [1/s]; ``matrix``: that of the mesh."""
+    if damping is not None or matrix is None:
+        if matrix is not None:
             raise ModelError(f"damping: {shown(damping)} was given besides a damping matrix, expected one of the two")
         given = 0.0 if damping is None else damping
         return with_residual(given, residual.damping, np.sqrt(omega2), len(omega2) - residual.modes), None
@@ -155,7 +162,7 @@ def _damping(
         raise ModelError(
             f"residual_damping: {shown(residual.damping)} was given besides a damping matrix, expected one of the two"
         )
-    modal = shapes.T @ (mesh.damping @ shapes)
+    modal = shapes.T @ (matrix @ shapes)
     modal = 0.5 * (modal + modal.T)
     diagonal = np.diag(modal).copy()
     if not len(diagonal):

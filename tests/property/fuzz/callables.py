@@ -30,6 +30,7 @@ OUTPUTS = {
     "WorkPrecision",
     "Verdict",
     "SlotParts",
+    "SpatialPoint",
     "PowerFit",
     "Case",
     "ContactAdvice",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 import lcpflex as lf
 from tests.property.fuzz.face import Face
+from tests.solids import block
 
 __all__ = ["spatial_bodies_faces"]
 
@@ -25,6 +27,17 @@ def _written() -> dict[str, Any]:
         "products": products,
         "points": {"a": lf.SpatialPoint(np.zeros(3), np.ones((1, 3)), np.zeros((1, 3)))},
     }
+
+
+@cache
+def _solid() -> dict[str, Any]:
+    """One trilinear element."""
+    return block((0.3, 0.2, 0.1), (1, 1, 1), "hex1")
+
+
+@cache
+def _flexible() -> lf.SpatialBody:
+    return lf.SpatialMatrices(**_solid()).reduce(2)
 
 
 def spatial_bodies_faces() -> list[Face]:
@@ -45,5 +58,13 @@ def spatial_bodies_faces() -> list[Face]:
             lf.SpatialBody.point,
             lambda: {"name": "center"},
             lambda: lf.Sphere(0.1, mass=1.0),
+        ),
+        Face("SpatialBody.at_nodes", lf.SpatialBody.at_nodes, lambda: {"nodes": [0, 1, 2]}, _flexible),
+        Face("SpatialMatrices", lf.SpatialMatrices, lambda: dict(_solid())),
+        Face(
+            "SpatialMatrices.reduce",
+            lf.SpatialMatrices.reduce,
+            lambda: {"modes": 2},
+            lambda: lf.SpatialMatrices(**_solid()),
         ),
     ]

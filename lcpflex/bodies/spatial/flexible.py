@@ -1,0 +1,127 @@
+"""The body that a reduction makes of a mesh in space.
+
+Mean frame (Buckens, Tisserand): the modes are M-orthogonal to the six rigid motions and the origin is the mass centre,
+so that <x> = 0, <Phi_k> = 0 and <x x Phi_k> = 0. Clamped frame: it rides on the nodes that are held, its origin is that
+of the coordinates of the mesh, and none of these vanish.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from lcpflex.basics.arguments import array_of, whole_number
+from lcpflex.bodies.body import Lazily
+from lcpflex.bodies.reduction.bases import Basis
+from lcpflex.bodies.reduction.damping import Damping, signed, vanish
+from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
+from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
+from lcpflex.bodies.spatial.checks import skew_part
+from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
+from lcpflex.bodies.spatial.shapes import SurfaceShape
+from lcpflex.errors import ModelError, shown
+from lcpflex.jit.kernel import FloatArray
+
+__all__ = ["check_deformation", "flexible_body"]
+
+SECOND_ORDER = 12  # modes whose products are kept unless more are asked for
+ORIGIN = np.zeros(3)
+
+
+def check_deformation(deformation: Any) -> None:
+    """Refuse what is not implemented: "linear" is the only kind of deformation."""
+    if deformation != "linear" or not isinstance(deformation, str):
+        raise ModelError(
+            f"deformation: {shown(deformation)} was given, expected 'linear': the material moves by a linear function "
+            "of the modal coordinates, and spin or axial force do not stiffen it"
+        )
+
+
+def flexible_body(
+    mesh: ElasticMesh,
+    basis: Basis,
+    damping: Damping | None,
+    residual: Residual,
+    second_order: int | None,
+    *,
+    clamped: bool,
+) -> SpatialBody:
+    """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
+
+    Parameters
+    ----------
+    basis : omega2 (n,), shapes (f, n)
+    damping : of the modes; None for the damping matrix of the mesh, none if there is none
+    residual : how many of the last columns are residual modes
+    second_order : n2 of the products; None for min(n, 12)
+    clamped : whether the frame rides on what is held, or is the mean frame
+
+    Raises
+    ------
+    ModelError
+        If the basis is not orthogonal to the rigid motions, or a damping matrix feeds energy into the modes.
+    """
+    omega2, shapes = basis[0], signed(basis[1])
+    n = len(omega2)
+    n2 = min(n, SECOND_ORDER) if second_order is None else whole_number("second_order", second_order, 0, n)
+    diagonal, cross = damping_of(mesh.damping, omega2, shapes, damping, residual)
+    origin = ORIGIN if clamped else mesh.centre
+    found = mesh.integrals(shapes, n2, origin)
+    if not clamped:
+        found = _centred(found)
+
+    here = (mesh, shapes, origin)
+    return SpatialBody(
+        mass=found.mass,
+        second=found.second,
+        moment=found.moment,
+        stiffness=omega2,
+        damping=diagonal,
+        cross_damping=cross,
+        S=found.S,
+        first=found.first.reshape(n, 9),
+        products=found.products.reshape(n2, n2, 9),
+        points=Lazily({name: partial(_named, *here, name) for name in mesh.points}),
+        locate=partial(_located, *here),
+        nodes=None if mesh.nodes is None else partial(_of_nodes, *here),
+        shape=_shape(mesh, shapes, origin),
+        origin=origin,
+        residual_modes=residual.modes,
+    )
+
+
+def _centred(found: Integrals) -> Integrals:
+    """Zeros for what vanishes in the mean frame; raises ModelError if it does not."""
+    radius = math.sqrt(float(np.trace(found.second)) / found.mass)
+    root = math.sqrt(found.mass)
+    vanish("<x x Phi>", skew_part(found.first), root * radius)
+    return found._replace(
+        moment=vanish("<x>", found.moment, found.mass * radius),
+        S=vanish("<Phi>", found.S, root),
+        first=0.5 * (found.first + found.first.transpose(0, 2, 1)),
+    )
+
+
+def _named(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, name: str) -> SpatialPoint:
+    return material(mesh.points[name](), shapes, origin)
+
+
+def _located(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, x: float, y: float, z: float) -> SpatialPoint:
+    """The material at a place of the body frame, which the mesh knows by its own coordinates."""
+    moved = array_of("x, y, z", (x, y, z), (3,)) + origin
+    return material(mesh.locate(*moved.tolist()), shapes, origin)
+
+
+def _of_nodes(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray, nodes: Any, weights: Any) -> SpatialPoint:
+    assert mesh.nodes is not None
+    return material(mesh.nodes(nodes, weights), shapes, origin)
+
+
+def _shape(mesh: ElasticMesh, shapes: FloatArray, origin: FloatArray) -> SurfaceShape | None:
+    if mesh.surface is None:
+        return None
+    surface = mesh.surface
+    return SurfaceShape(surface.vertices - origin, surface.triangles, surface.phi(shapes))

@@ -1,0 +1,62 @@
+"""Meshes of solid blocks as matrices, by scikit-fem."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import skfem
+from skfem.helpers import ddot, dot, sym_grad, trace
+from skfem.models.elasticity import lame_parameters
+
+__all__ = ["block", "bar"]
+
+STEEL = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
+ELEMENTS = {
+    "hex1": (skfem.MeshHex, skfem.ElementHex1, 4),
+    "hex2": (skfem.MeshHex, skfem.ElementHex2, 6),
+    "tet1": (skfem.MeshTet, skfem.ElementTetP1, 3),
+    "tet2": (skfem.MeshTet, skfem.ElementTetP2, 5),
+}
+
+
+def block(
+    edges: tuple[float, float, float],
+    cells: tuple[int, int, int],
+    kind: str = "hex2",
+    *,
+    density: float = STEEL["density"],
+    youngs_modulus: float = STEEL["youngs_modulus"],
+    poissons_ratio: float = STEEL["poissons_ratio"],
+    skew: float = 0.0,
+) -> dict[str, Any]:
+    """Mass, stiffness and coordinates of a block from the origin to its edges, x sheared by ``skew`` z."""
+    mesh_type, element, order = ELEMENTS[kind]
+    lines = [np.linspace(0.0, edge, n + 1) for edge, n in zip(edges, cells, strict=True)]
+    mesh = mesh_type.init_tensor(*lines)
+    if skew:
+        mesh = mesh.translated((0.0, 0.0, 0.0))
+        mesh = type(mesh)(mesh.p + np.outer([skew, 0.0, 0.0], mesh.p[2]), mesh.t)
+    basis = skfem.Basis(mesh, skfem.ElementVector(element()), intorder=order)
+    lam, mu = lame_parameters(youngs_modulus, poissons_ratio)
+
+    @skfem.BilinearForm
+    def stiffness(u, v, _):
+        e, d = sym_grad(u), sym_grad(v)
+        return 2.0 * mu * ddot(e, d) + lam * trace(e) * trace(d)
+
+    @skfem.BilinearForm
+    def mass(u, v, _):
+        return density * dot(u, v)
+
+    # degrees of freedom of one place, x y z after each other
+    order_of = np.lexsort((np.arange(basis.N), *np.round(basis.doflocs / max(edges), 9)))
+    M, K = (form.assemble(basis).tocsr()[order_of][:, order_of] for form in (mass, stiffness))
+    places = basis.doflocs.T[order_of]
+    return {"mass": M, "stiffness": K, "coordinates": places[0::3]}
+
+
+def bar(cells: tuple[int, int, int], kind: str = "hex2") -> dict[str, Any]:
+    """The steel bar 0.2 x 0.02 x 0.02 along x, its origin at the middle of its end face."""
+    made = block((0.2, 0.02, 0.02), cells, kind)
+    return made | {"coordinates": made["coordinates"] - [0.0, 0.01, 0.01]}
