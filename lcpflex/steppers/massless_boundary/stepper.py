@@ -43,6 +43,7 @@ from lcpflex.jit.dispatch import link
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.jit.struct import allocate
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.solvers.auto import Auto
 from lcpflex.solvers.problem import LcpSolver
@@ -167,9 +168,10 @@ class MasslessBoundary:
     Raises
     ------
     ModelError
-        For a number out of its range; when a run is started: for a user's own system (it has no modes), a contact with
-        restitution (here it is a result), a contact without compliance, dynamic_modes that leave no static mode, and a
-        compliance that is no elastic law, or of a name that no declared contact has.
+        For a number out of its range; when a run is started: for a spatial scene (it has no contacts), a user's own
+        system (it has no modes), a contact with restitution (here it is a result), a contact without compliance,
+        dynamic_modes that leave no static mode, and a compliance that is no elastic law, or of a name that no declared
+        contact has.
     """
 
     step: float | None = None
@@ -280,6 +282,11 @@ def _elastic(system: System) -> IntArray:
 
 def _refuse(system: System) -> None:
     """Raise ModelError for what the scheme cannot be asked."""
+    if is_spatial(system.model):
+        raise ModelError(
+            "stepper: MasslessBoundary was given for a SpatialScene; it is made for contacts of flexible bodies, and "
+            "spatial scenes take none so far; expected MoreauJean, GeneralizedAlpha, EventDriven or Smooth"
+        )
     if system.dense:
         raise ModelError(
             "stepper: MasslessBoundary was given for a user's own system, which has no modes that could give way; "

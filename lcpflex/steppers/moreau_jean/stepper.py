@@ -87,12 +87,6 @@ class MoreauJean:
         None: 1e-9 of the size of the scene (extent of the largest body), or rounding of places.
     projection
         Take the drift out of contacts that stay closed, after each step. Joints are always projected.
-    gyroscopic
-        Of spatial scenes alone, inertial forces as omega x J omega, which change with the velocity within a step.
-        "corrected": taken at the old velocity, and once more at the mean of the old and the new one, as that comes out
-        by then; "solved": repeated until that mean is met to rounding, with a warning where 40 passes do not
-        do. A rigid body with J = (1, 2, 3) kg m^2 that turns over about its middle axis for 4 s at 5 rad/s, h = 1/250:
-        energy off by 2.4e-2 without either, 8e-7 corrected, 3e-15 solved; its angle by .12, 5e-5 and 8e-5 rad.
     adaptive
         Step control (:class:`AdaptiveStep`); ``step`` is then the first one.
     solver
@@ -104,6 +98,12 @@ class MoreauJean:
         result and a warning tell, or "raise". Smaller islands that are not solved end the run in any case.
     budget
         Sparse factors that an island of more than 20 contacts may take in a step. None: by their cost, 100 to 600.
+    gyroscopic
+        Of spatial scenes alone, inertial forces as omega x J omega, which change with the velocity within a step.
+        "corrected": taken at the old velocity, and once more at the mean of the old and the new one, as that comes out
+        by then; "solved": repeated until that mean is met to rounding, with a warning where 40 passes do not
+        do. A rigid body with J = (1, 2, 3) kg m^2 that turns over about its middle axis for 4 s at 5 rad/s, h = 1/250:
+        energy off by 2.4e-2 without either, 8e-7 corrected, 3e-15 solved; its angle by .12, 5e-5 and 8e-5 rad.
 
     Raises
     ------
@@ -116,12 +116,12 @@ class MoreauJean:
     activation: float = 0.5
     gap_tolerance: float | None = None
     projection: bool = True
-    gyroscopic: str = CORRECTED
     adaptive: AdaptiveStep | None = None
     solver: LcpSolver = field(default_factory=Auto)
     solver_tolerance: float = 1e-9
     on_unsolved: str = "continue"
     budget: int | None = None
+    gyroscopic: str = CORRECTED
 
     def __post_init__(self) -> None:
         keep_number(self, "step", 0.0, math.inf, open_ends=True)
