@@ -52,11 +52,14 @@ def chosen_nodes(mesh: FiniteElements, argument: str, choice: Nodes) -> IntArray
 
 def node_numbers(label: str, value: object, count: int, expected: str) -> IntArray:
     """(k,) the node numbers of a user, one or more, of a mesh of ``count`` nodes; raises ModelError for others."""
+    if isinstance(value, int | np.integer) or (type(value) is np.ndarray and not value.ndim):
+        value = [value]
+    listed = sequence_of(label, value, expected, count + 1)  # a closed chain has its first node twice
     try:
-        given = np.atleast_1d(np.asarray(value))
-    except ValueError:
+        given = np.array(listed)
+    except Exception:  # ragged, and objects of a user
         given = np.zeros(0)
-    if given.ndim != 1 or not len(given) or not np.issubdtype(given.dtype, np.integer):
+    if given.ndim != 1 or not len(given) or given.dtype.kind not in "iu":
         raise ModelError(f"{label}: {shown(value)} was given, expected {expected}")
     if given.min() < 0 or given.max() >= count:
         bad = int(given.min() if given.min() < 0 else given.max())

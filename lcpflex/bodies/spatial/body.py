@@ -14,26 +14,24 @@ Sources: Shabana, Dynamics of Multibody Systems; Zwoelfer & Gerstmayr (2020), no
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from lcpflex.basics.arguments import absent, array_of, whole_number
-from lcpflex.basics.options import keep_number
+from lcpflex.basics.arguments import absent, array_of, mapping_of, positive, whole_number
 from lcpflex.basics.restored import restore
 from lcpflex.bodies.body import Resolution
 from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
-from lcpflex.bodies.spatial.shapes import Shape
-from lcpflex.errors import ModelError
+from lcpflex.bodies.spatial.shapes import SHAPES, Shape
+from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
 
 __all__ = ["SpatialBody", "SpatialPoint"]
 
-ORIGIN = np.zeros(3)
-ORIGIN.setflags(write=False)
+# What may be omitted, and is there once the body is made.
+FloatArrayOrNone: TypeAlias = FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,6 +51,10 @@ class SpatialPoint:
     phi: FloatArray
     psi: FloatArray
     turns: bool = True
+
+
+MappingOrNone: TypeAlias = Mapping[str, SpatialPoint]
+CallableOrNone: TypeAlias = Callable[[float, float, float], SpatialPoint]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,28 +93,31 @@ class SpatialBody:
     """
 
     mass: float
-    second: FloatArray = None  # type: ignore[assignment]  # what is omitted is filled in
-    inertia: FloatArray = None  # type: ignore[assignment]
-    moment: FloatArray = field(default_factory=lambda: ORIGIN)
-    stiffness: FloatArray = field(default_factory=lambda: np.zeros(0))
-    damping: FloatArray = None  # type: ignore[assignment]
-    S: FloatArray = field(default=None, repr=False)  # type: ignore[arg-type]
-    first: FloatArray = field(default=None, repr=False)  # type: ignore[arg-type]
-    products: FloatArray = field(default=None, repr=False)  # type: ignore[arg-type]
+    second: FloatArrayOrNone = None  # type: ignore[assignment]  # what is omitted is filled in
+    inertia: FloatArrayOrNone = None  # type: ignore[assignment]
+    moment: FloatArrayOrNone = None  # type: ignore[assignment]
+    stiffness: FloatArrayOrNone = None  # type: ignore[assignment]
+    damping: FloatArrayOrNone = None  # type: ignore[assignment]
+    S: FloatArrayOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
+    first: FloatArrayOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
+    products: FloatArrayOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
     cross_damping: FloatArray | None = field(default=None, repr=False)
-    points: Mapping[str, SpatialPoint] = field(default_factory=dict, repr=False)
-    locate: Callable[[float, float, float], SpatialPoint] = field(default=None, repr=False)  # type: ignore[assignment]
-    nodes: Callable[[Sequence[int], Sequence[float] | None], SpatialPoint] | None = field(default=None, repr=False)
+    points: MappingOrNone = field(default=None, repr=False)  # type: ignore[arg-type]
+    locate: CallableOrNone = field(default=None, repr=False)  # type: ignore[assignment]
+    nodes: Callable[[Sequence[int] | int, Sequence[float] | None], SpatialPoint] | None = field(
+        default=None, repr=False
+    )
     shape: Shape | None = field(default=None, repr=False)
-    origin: FloatArray = field(default_factory=lambda: ORIGIN)
+    origin: FloatArrayOrNone = None  # type: ignore[assignment]
     resolution: Resolution | None = field(default=None, repr=False)
     residual_modes: int = 0
 
     def __post_init__(self) -> None:
-        keep_number(self, "mass", 0.0, math.inf, open_ends=True)
-        n = len(array_of("stiffness", self.stiffness, (-1,)))
-        omitted = {"damping": np.zeros(n), "S": np.zeros((n, 3)), "first": np.zeros((n, 9)),
-                   "products": np.zeros((0, 0, 9))}  # fmt: skip
+        object.__setattr__(self, "mass", positive("mass", self.mass))
+        n = 0 if self.stiffness is None else len(array_of("stiffness", self.stiffness, (-1,)))
+        omitted = {"stiffness": np.zeros(0), "damping": np.zeros(n), "S": np.zeros((n, 3)), "first": np.zeros((n, 9)),
+                   "products": np.zeros((0, 0, 9)), "moment": np.zeros(3), "origin": np.zeros(3),
+                   "points": {}, "locate": _nowhere if n else rigid_point}  # fmt: skip
         for name, value in omitted.items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
@@ -128,13 +133,11 @@ class SpatialBody:
         check_inertia(self.mass, self.moment, self.second, self.S, self.first)
         object.__setattr__(self, "products", check_products(self.products, n))
         if n and (self.stiffness.min() <= 0.0 or self.damping.min() < 0.0):
-            raise ModelError("stiffness, damping: a body has elastic modes only, stiffness > 0 and damping >= 0")
+            raise ModelError("stiffness, damping: expected elastic modes only, stiffness > 0 and damping >= 0")
         if self.cross_damping is not None and np.abs(np.diag(self.cross_damping)).any():
             raise ModelError("cross_damping: its diagonal belongs into damping, expected zeros there")
         object.__setattr__(self, "residual_modes", whole_number("residual_modes", self.residual_modes, 0, n))
-        if self.locate is None:
-            object.__setattr__(self, "locate", rigid_point if not n else _nowhere)
-        self._check_points(n)
+        self._check_others(n)
 
     def _keep_second(self) -> None:
         """P0 and J, of which one at least was given."""
@@ -154,8 +157,17 @@ class SpatialBody:
             value.setflags(write=False)
             object.__setattr__(self, name, value)
 
-    def _check_points(self, n: int) -> None:
-        """Named points that are made already must have one shape a mode."""
+    def _check_others(self, n: int) -> None:
+        """What is no array; and named points that are made already must have one shape a mode."""
+        mapping_of("points", self.points)
+        for name in ("locate", "nodes"):
+            if not (callable(getattr(self, name)) or (name == "nodes" and self.nodes is None)):
+                raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
+        for name, kinds in (("shape", SHAPES), ("resolution", (Resolution,))):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, kinds):
+                expected = " or ".join(kind.__name__ for kind in kinds)
+                raise ModelError(f"{name}: {shown(value)} was given, expected {expected}, or None")
         if isinstance(self.points, dict):
             for name, point in self.points.items():
                 if not isinstance(point, SpatialPoint):
@@ -222,7 +234,7 @@ class SpatialBody:
         """
         if self.nodes is None:
             raise ModelError("nodes: this body has no mesh, expected one of SpatialMatrices")
-        return self.nodes([nodes] if np.ndim(nodes) == 0 else nodes, weights)  # type: ignore[list-item,arg-type]
+        return self.nodes(nodes, weights)
 
 
 def rigid_point(x: float, y: float, z: float) -> SpatialPoint:

@@ -33,7 +33,7 @@ ORIGIN = np.zeros(3)
 
 def check_deformation(deformation: Any) -> None:
     """Refuse what is not implemented: "linear" is the only kind of deformation."""
-    if deformation != "linear" or not isinstance(deformation, str):
+    if not isinstance(deformation, str) or deformation != "linear":
         raise ModelError(
             f"deformation: {shown(deformation)} was given, expected 'linear': the material moves by a linear function "
             "of the modal coordinates, and spin or axial force do not stiffen it"

@@ -21,7 +21,7 @@ from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface, load_columns
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
 from lcpflex.bodies.spatial.nodes import NodePoints
-from lcpflex.errors import ModelError, in_range, shown
+from lcpflex.errors import ModelError, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -259,11 +259,10 @@ def _check_spread(places: FloatArray) -> None:
 
 def _triangles(value: Any, count: int) -> IntArray:
     """(T, 3) node numbers."""
-    given = np.asarray(value)
-    if given.ndim != 2 or given.shape[1] != 3 or not np.issubdtype(given.dtype, np.integer):
-        raise ModelError(f"triangles: {shown(value)} was given, expected an array (T, 3) of node numbers")
-    if given.size:
-        node_numbers("triangles", given.ravel(), count, "node numbers")
+    given = array_of("triangles", value, (-1, 3))
+    outside = given[(given < 0) | (given >= count) | (given != np.floor(given))]
+    if len(outside):
+        raise ModelError(f"triangles: node {outside[0]:g} was given, expected node numbers from 0 to {count - 1}")
     triangles = given.astype(np.int64)
     triangles.setflags(write=False)
     return triangles

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["CapsuleShape", "CylinderShape", "Shape", "SphereShape", "SurfaceShape"]
+__all__ = ["SHAPES", "CapsuleShape", "CylinderShape", "Shape", "SphereShape", "SurfaceShape"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,3 +61,4 @@ class SurfaceShape:
 
 
 Shape: TypeAlias = SphereShape | CylinderShape | CapsuleShape | SurfaceShape
+SHAPES = (SphereShape, CylinderShape, CapsuleShape, SurfaceShape)

@@ -59,6 +59,7 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("Continuum", "sets"): {"dict"},  # "a" is node 1
     ("SolidOfRevolution", "sets"): {"dict"},
     ("Matrices", "node_sets"): {"dict"},
+    ("SpatialMatrices", "node_sets"): {"dict"},
     ("matrices_from_files", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
     ("Torque", "P"): {"strange point"},

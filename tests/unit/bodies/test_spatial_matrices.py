@@ -307,7 +307,7 @@ def of(name, row, column, value):
         (lambda: changed(node_sets={"a": [99]}), r"node_sets\['a'\]: node 99 was given"),
         (lambda: changed(node_sets={"a": [1, 1]}), r"node_sets\['a'\]: a node appears twice"),
         (lambda: changed(triangles=[[0, 1, 99]]), "triangles: node 99 was given"),
-        (lambda: changed(triangles=[0, 1]), "triangles: .* expected an array"),
+        (lambda: changed(triangles=[0, 1]), "triangles: an array of shape"),
         (lambda: changed(damping=np.eye(3)), "damping: an array of shape"),
         (lambda: solid().reduce(10**4), "modes: 10000 was given"),
         (lambda: solid().reduce(deformation="large"), "deformation: 'large' was given, expected 'linear'"),

@@ -178,8 +178,8 @@ def one_mode(**changed):
     [
         ({"products": np.zeros((1, 1, 9))}, "products: .* misses 1 and 0 by 1"),
         ({"products": np.zeros((2, 2, 9))}, "products: .* n2 <= 1"),
-        ({"stiffness": [0.0]}, "elastic modes only"),
-        ({"damping": [-1.0]}, "elastic modes only"),
+        ({"stiffness": [0.0]}, "expected elastic modes only"),
+        ({"damping": [-1.0]}, "expected elastic modes only"),
         ({"damping": [1.0, 2.0]}, "damping: an array of shape"),
         ({"S": [[2.0, 0.0, 0.0]]}, "S, first: the modes carry more mass"),
         ({"first": [[0, 1, 0, -1, 0, 0, 0, 0, 0]]}, "S, first: the modes carry more mass"),
