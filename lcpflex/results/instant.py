@@ -39,7 +39,8 @@ class Instant:
     state
         (nc,) OPEN, STICK, SLIP or CREEP.
     joint_force
-        (nj, 3) F_x, F_y [N] and M [N m] of each joint, world axes, as in ``Result.reaction``.
+        (nj, 3) F_x, F_y [N] and M [N m] of each joint, in space (nj, 6), three of each;
+        world axes, as in ``Result.reaction``.
     """
 
     time: float

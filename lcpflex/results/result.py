@@ -119,9 +119,9 @@ class Result:
     speed_error: float | None = None  # [m/s]; both as shares of a coordinate's range in a system of the user's own
     strict: FloatArray | None = None  # (m,) the residual relative to the free velocity alone; None: not known
     # of each joint, see ``reaction``; None in results of older versions
-    joint_force: FloatArray | None = None  # (m, nj, 3) F_x, F_y [N], M [N m]
+    joint_force: FloatArray | None = None  # (m, nj, 3) F_x, F_y [N], M [N m]; in space 6: F, M
     joint_peak: FloatArray | None = None  # (m, nj, 2) largest |F| [N] and |M| [N m] since the previous instant
-    joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]
+    joint_impulse: FloatArray | None = None  # (m, nj, 3) of impacts since the start [N s], [N m s]; in space 6
     joint_unique: IntArray | None = None  # (m, nj) 1 where the motion determines the reaction
     stored: str = INSTANTS  # "steps" where record=0 asked for all of them, "dense": with the middle of each
     outside: FloatArray | None = None  # (m, slots, 3) what functions of the user gave; of a file, see ``save``
@@ -311,9 +311,9 @@ class Result:
 
         Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
         ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
-        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. Units are
-        in ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it twice, before
-        and after. Raises ModelError where pandas is not installed.
+        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment`` (in space three of each);
+        ``energy.kinetic`` and so on. Units are in ``attrs["units"]`` by column, with facts of the run beside them.
+        Instants of events stand in it twice, before and after. Raises ModelError where pandas is not installed.
         """
         return to_dataframe(self)
 
@@ -321,7 +321,8 @@ class Result:
         """An xarray.Dataset with the dimensions time, coordinate, contact, joint, touch, event, component and axis.
 
         ``q`` and ``u`` (time, coordinate); ``force`` and ``impulse`` (time, contact, component), ``state``, ``gap``
-        (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time, joint) and more of joints;
+        (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time, joint), in space (time, joint,
+        axis), and more of joints;
         ``energy_kinetic`` and so on (time); ``touch_place`` (touch, axis) and more of all touching points, of the
         instant ``touch_time_index`` and the contact ``touch_contact_index``; ``event_time`` and more (event);
         ``sensor_NAME`` (sensor_NAME_time, sensor_NAME_column) of each sensor, with / in its name as _.

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.basics.version import VERSION
-from lcpflex.compile.coordinates import coordinate_units, velocity_units
+from lcpflex.compile.coordinates import coordinate_units, velocity_names, velocity_units
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.model.arrays import OPEN, SLIP, STICK
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["facts", "to_dataframe", "to_xarray"]
 
-AXES = ("x", "y")
+AXES = ("x", "y", "z")
 COMPONENTS = ("normal", "tangential")
 STATES = {"open": OPEN, "stick": STICK, "slip": SLIP, "creep": CREEP}
 OF_EACH_INSTANT = {"residual": "1", "penetration": "m", "joint_drift": "m or rad", "size": "1", "strict": "1"}
@@ -64,7 +64,7 @@ def _columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
     units, rates = _units(result)
     named = list(enumerate(result.coordinate_names()))
     columns: dict[str, tuple[NDArray[Any], str]] = {name: (result.q[:, k], units[k]) for k, name in named}
-    columns |= {f"{name}'": (result.u[:, k], rates[k]) for k, name in named}
+    columns |= {name: (result.u[:, k], rates[k]) for k, name in enumerate(_rates(result))}
     for k, name in enumerate(result.contact_names):
         for what, values, unit in (("force", result.force, "N"), ("impulse", result.impulse, "N s")):
             columns |= {f"{name}.{way} {what}": (values[:, k, c], unit) for c, way in enumerate(COMPONENTS)}
@@ -72,7 +72,7 @@ def _columns(result: Result) -> dict[str, tuple[NDArray[Any], str]]:
         columns[f"{name}.gap"] = (result.gap[:, k], "m")
     if result.joint_force is not None:
         for k, name in enumerate(_joints(result)):
-            for i, (way, unit) in enumerate((("force x", "N"), ("force y", "N"), ("moment", "N m"))):
+            for i, (way, unit) in enumerate(_reaction_columns(result)):
                 columns[f"{name}.{way}"] = (result.joint_force[:, k, i], unit)
     columns |= {f"energy.{name}": (getattr(result.energies, name), "J") for name in Energies.__dataclass_fields__}
     known = {name: unit for name, unit in OF_EACH_INSTANT.items() if getattr(result, name) is not None}
@@ -95,13 +95,15 @@ def to_xarray(result: Result) -> Any:
     }
     units, rates = _units(result)
     names = {"coordinate": result.coordinate_names(), "contact": result.contact_names, "joint": _joints(result)}
+    if _of_space(result):
+        names[_of_u(result)] = _rates(result)
     coordinates = {
         "time": _variable(result.times, "s", "time"),
         **{name: ((name,), _texts(labels)) for name, labels in names.items()},
         "q_units": (("coordinate",), _texts(units)),
-        "u_units": (("coordinate",), _texts(rates)),
+        "u_units": ((_of_u(result),), _texts(rates)),
         "component": (("component",), _texts(COMPONENTS)),
-        "axis": (("axis",), _texts(AXES)),
+        "axis": (("axis",), _texts(_axes(result))),
         **at,
     }
     there = {name: one for name, one in variables.items() if np.size(one[1]) or one[0] == ("time",)}
@@ -114,7 +116,7 @@ def _motion(result: Result) -> dict[str, Variable]:
     of_each = {name: unit for name, unit in OF_EACH_INSTANT.items() if getattr(result, name) is not None}
     return {
         "q": _variable(result.q, "see q_units", "time", "coordinate"),
-        "u": _variable(result.u, "see u_units", "time", "coordinate"),
+        "u": _variable(result.u, "see u_units", "time", _of_u(result)),
         **{name: _variable(getattr(result, name), unit, "time") for name, unit in of_each.items()},
     }
 
@@ -131,19 +133,49 @@ def _contacts(result: Result) -> dict[str, Variable]:
     return found | ({"crept": _variable(np.array(result.crept), "m", "contact")} if result.crept else {})
 
 
+def _of_space(result: Result) -> bool:
+    return result.compiled is not None and result.compiled.spatial
+
+
+def _axes(result: Result) -> tuple[str, ...]:
+    """Names of the axes of the world."""
+    return AXES if _of_space(result) else AXES[:2]
+
+
+def _of_u(result: Result) -> str:
+    """Name of the dimension of u: in space its numbers are not the rates of those of q."""
+    return "velocity" if _of_space(result) else "coordinate"
+
+
+def _rates(result: Result) -> tuple[str, ...]:
+    """Name of each entry of u."""
+    if result.compiled is None or not result.compiled.spatial:
+        return tuple(f"{name}'" for name in result.coordinate_names())
+    names = velocity_names(result.compiled.model.bodies, result.compiled.layout)
+    known = set(result.coordinate_names())
+    return tuple(f"{name}'" if name in known else name for name in names)  # of modes
+
+
+def _reaction_columns(result: Result) -> list[tuple[str, str]]:
+    """Name and unit of each component of a reaction."""
+    forces = [(f"force {axis}", "N") for axis in _axes(result)]
+    return forces + ([(f"moment {axis}", "N m") for axis in AXES] if _of_space(result) else [("moment", "N m")])
+
+
 def _joint_variables(result: Result) -> dict[str, Variable]:
     """Of results that recorded reactions."""
     force, peak, impulse, unique = result.joint_force, result.joint_peak, result.joint_impulse, result.joint_unique
     if force is None or peak is None or impulse is None or unique is None:
         return {}
-    own = "time", "joint"
+    own, d = ("time", "joint"), len(_axes(result))
+    turns, about = (slice(d, None), (*own, "axis")) if _of_space(result) else (d, own)
     return {
-        "joint_force": _variable(force[..., :-1], "N", *own, "axis"),
-        "joint_moment": _variable(force[..., -1], "N m", *own),
+        "joint_force": _variable(force[..., :d], "N", *own, "axis"),
+        "joint_moment": _variable(force[..., turns], "N m", *about),
         "joint_largest_force": _variable(peak[..., 0], "N", *own),
         "joint_largest_moment": _variable(peak[..., 1], "N m", *own),
-        "joint_impulse": _variable(impulse[..., :-1], "N s", *own, "axis"),
-        "joint_angular_impulse": _variable(impulse[..., -1], "N m s", *own),
+        "joint_impulse": _variable(impulse[..., :d], "N s", *own, "axis"),
+        "joint_angular_impulse": _variable(impulse[..., turns], "N m s", *about),
         "joint_unique": _variable(unique == 1, "1", *own),
     }
 
