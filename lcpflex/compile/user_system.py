@@ -11,6 +11,7 @@ from lcpflex.dynamics.user_mechanics import hooks
 from lcpflex.model.arrays import bodiless_model
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.steppers.system import System
+from lcpflex.steppers.user_hooks import hooks_of_steps
 
 __all__ = ["system_of"]
 
@@ -19,12 +20,13 @@ def system_of(user: UserSystem, project: bool, indents: Callable[[str], bool] | 
     """The functions of ``user`` behind the kernels that a scene has; see :meth:`UserSystem.system`."""
     functions = user._functions
     q, u = functions.start(np.array(user.q, dtype=float), np.array(user.u, dtype=float), project, indents)
+    known = hooks(functions)
     return System(
-        model=bodiless_model(len(q), functions.n_joint, user.friction, user.restitution, user.tangential_restitution),
+        model=bodiless_model(len(u), functions.n_joint, user.friction, user.restitution, user.tangential_restitution),
         q=q,
         u=u,
         n_external=0,
-        hooks=hooks(functions),
+        hooks={**known, **hooks_of_steps(functions, known)},
         dense=True,
         margin=math.inf,
         names=tuple(user.names),

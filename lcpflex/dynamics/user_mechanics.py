@@ -16,15 +16,29 @@ from lcpflex.dynamics import mechanics
 from lcpflex.dynamics.workspace import Rows, Workspace
 from lcpflex.jit.dispatch import Hooks
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.kinematics import joint_rows as constraint_rows
+from lcpflex.kinematics import configuration, joint_rows as constraint_rows
 from lcpflex.model.arrays import Model
 from lcpflex.solvers.semidefinite import cholesky, cholesky_solve
 
 __all__ = ["Mechanics", "hooks"]
 
 
+class Kinematics(Protocol):
+    """How velocities move a configuration."""
+
+    own: bool  # False where qdot = u
+    nq: int
+
+    def velocity(self, q: FloatArray, change: FloatArray) -> FloatArray: ...
+    def rate(self, q: FloatArray, u: FloatArray) -> FloatArray: ...
+    def normalised(self, q: FloatArray) -> FloatArray: ...
+    def moved(self, q: FloatArray, u: FloatArray, h: float) -> FloatArray: ...
+    def difference(self, a: FloatArray, b: FloatArray) -> FloatArray: ...
+    def magnitudes(self, q: FloatArray) -> FloatArray: ...
+
+
 class Mechanics(Protocol):
-    """The checked functions of a user's system, n coordinates, m contacts, r joint rows."""
+    """The checked functions of a user's system, n velocities, m contacts, r joint rows."""
 
     n: int
     m: int
@@ -33,6 +47,8 @@ class Mechanics(Protocol):
     damping: FloatArray
     friction: FloatArray
 
+    @property
+    def kinematics(self) -> Kinematics: ...
     @property
     def has_potential(self) -> bool: ...
     def mass(self, q: FloatArray) -> FloatArray: ...
@@ -50,20 +66,54 @@ class Mechanics(Protocol):
 
 def hooks(system: Mechanics) -> Hooks:
     """Replacements of the kernels that a stepper calls for the mechanics of a scene."""
-    return {**_contact_hooks(system), **_joint_hooks(system), **_inertia_hooks(system)}
+    common = {**_contact_hooks(system), **_joint_hooks(system), **_inertia_hooks(system)}
+    return {**common, **_configuration_hooks(system)} if system.kinematics.own else common
+
+
+def _configuration_hooks(system: Mechanics) -> Hooks:
+    """What moves configurations that velocities are not the rates of."""
+    moves = system.kinematics
+
+    def advance(model: Model, q: FloatArray, u: FloatArray, h: float, out: FloatArray) -> None:
+        out[: len(q)] = moves.moved(q, u, h)
+
+    def difference(model: Model, a: FloatArray, b: FloatArray, out: FloatArray) -> None:
+        out[:] = moves.difference(a, b)
+
+    def rate(model: Model, q: FloatArray, u: FloatArray, out: FloatArray) -> None:
+        out[: len(q)] = moves.rate(q, u)
+
+    def normalise(model: Model, q: FloatArray) -> None:
+        q[:] = moves.normalised(q)
+
+    def magnitudes(model: Model, q: FloatArray, out: FloatArray) -> None:
+        out[:] = moves.magnitudes(q)
+
+    def displace(model: Model, work: Workspace, first: int, last: int, p: FloatArray, q: FloatArray) -> None:
+        q[:] = moves.moved(q, p[first:last] @ work.solved[first:last, 0, : system.n], 1.0)
+
+    return {
+        configuration.advance: advance,
+        configuration.difference: difference,
+        configuration.rate: rate,
+        configuration.normalise: normalise,
+        configuration.magnitudes: magnitudes,
+        mechanics.displace: displace,
+    }
 
 
 def _inertia_hooks(system: Mechanics) -> Hooks:
     def forces(model: Model, t: float, q: FloatArray, u: FloatArray, work: Workspace) -> None:
         given = system.force(t, q, u)
-        work.conservative[:] = -system.stiffness @ q + (given if system.has_potential else 0.0)
+        spring = 0.0 if system.kinematics.own else -system.stiffness @ q
+        work.conservative[:] = spring + (given if system.has_potential else 0.0)
         work.driving[:] = 0.0 if system.has_potential else given
         work.dissipative[:] = -system.damping @ u
         work.total[:] = work.conservative + work.dissipative + work.driving
 
     def factorise(model: Model, q: FloatArray, alpha_c: float, alpha_k: float, work: Workspace) -> None:
         matrix = system.mass(q) + alpha_c * system.damping + alpha_k * system.stiffness
-        cholesky(matrix, len(q), work.dense)
+        cholesky(matrix, system.n, work.dense)
 
     def multiply(model: Model, q: FloatArray, x: FloatArray, work: Workspace, out: FloatArray) -> None:
         out[:] = system.mass(q) @ x
@@ -82,7 +132,8 @@ def _inertia_hooks(system: Mechanics) -> Hooks:
 
     def energies(model: Model, q: FloatArray, u: FloatArray, work: Workspace) -> tuple[float, float, float]:
         kinetic = 0.5 * float(u @ system.mass(q) @ u)
-        return kinetic, 0.5 * float(q @ system.stiffness @ q), system.potential(q)
+        elastic = 0.0 if system.kinematics.own else 0.5 * float(q @ system.stiffness @ q)
+        return kinetic, elastic, system.potential(q)
 
     return {
         mechanics.forces: forces,

@@ -80,6 +80,11 @@ def state_at(result: Result, t: float, before: bool = False) -> StateAt:
         return _stored(result, int(first if flag("before", before) else behind - 1))
     flag("before", before)
     k = int(first) - 1
+    if result.compiled is None and result.q.shape[1] != result.u.shape[1]:
+        raise ModelError(
+            f"t: {t:.9g} s was given, between stored instants of a system with kinematics of its own, which a result "
+            "does not know; expected one of result.times"
+        )
     if result.stored == DENSE and at_events(result):
         return _smooth(result, t, k, _triple(times, k), "dense")
     gained = _gained(result, k)

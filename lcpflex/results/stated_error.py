@@ -51,6 +51,8 @@ def stated_errors(
     if not (len(q) and np.isfinite(q).all() and np.isfinite(u).all()):
         return None, None
     units = Units(model, u.shape[1])
+    if units.own and q.shape[1] != u.shape[1]:  # what errors of its numbers mean is not known
+        return None, None
     span = float(data["times"][-1] - data["times"][0])
     ranges = ranges_of(model, q, u)
     # 1/omega of a vibration, half the time of a flight

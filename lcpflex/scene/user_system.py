@@ -1,6 +1,6 @@
 """A system given by its own functions: M(q), h(t, q, u), gaps, W and w, and joint rows if it has any.
 
-    M(q) udot + C u + K q = h(t, q, u) + J^T lambda + W_N lambda_N + W_T lambda_T,   qdot = u
+    M(q) udot + C u + K q = h(t, q, u) + J^T lambda + W_N lambda_N + W_T lambda_T,   qdot = B(q) u
 
 It is advanced by the same steppers and solvers as a scene; its functions are called from Python.
 """
@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lcpflex.basics.arguments import array_of, numbers
+from lcpflex.basics.arguments import numbers
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.scene import compiling
 from lcpflex.scene.sensors.sensor import Sensor, named_sensors
 from lcpflex.scene.user_functions import check_names
+from lcpflex.scene.user_kinematics import UserKinematics, call, user_array
 
 if TYPE_CHECKING:
     from lcpflex.jit.kernel import FloatArray
@@ -34,12 +35,14 @@ DIFFERENCE_STEP = 2e-4  # of time derivatives [s]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UserSystem:
-    """Mechanics written as Python functions of arrays, n coordinates, m contacts, r joint rows.
+    """Mechanics written as Python functions of arrays, n velocities, m contacts, r joint rows.
+
+    A configuration has n coordinates, qdot = u; or nq >= n numbers, as with quaternions, qdot = ``kinematics``(q) u.
 
     Attributes
     ----------
     q, u
-        Initial configuration and velocity, (n,) each.
+        Initial configuration (nq,) and velocity (n,).
     mass
         M, symmetric positive definite: an (n, n) array or a function q -> (n, n).
     force
@@ -63,6 +66,13 @@ class UserSystem:
     constraint_rate, constraint_bias
         Functions (t, q) -> (r,), the partial time derivative of phi, and (t, q, u) -> (r,), phiddot - J udot; where
         omitted, by central differences, for which phi and J are called a little before the start, too.
+    kinematics
+        B with qdot = B u: an (nq, n) array or a function q -> (nq, n), of rank n; where omitted, the unit matrix. Steps
+        move q along B by the midpoint rule, Runge-Kutta and implicit methods integrate B u; position corrections are
+        moves, too. Moreau-Jean takes ``force`` once more at the mean velocity of its step (as for bodies in space).
+    normalise
+        Function q -> (nq,) that takes out of q what integration has left beside the configurations, as the length of
+        quaternions; with ``kinematics`` only.
     sensors
         What is measured beside the record: ``lf.sensors.Coordinates``, ``Contact``, ``Energy`` and ``Function``, see
         :meth:`lcpflex.Scene.sensor`; without a name they are called sensor1, sensor2, ...
@@ -95,6 +105,8 @@ class UserSystem:
     constraint_rate: Callable[..., Any] | None = None
     constraint_bias: Callable[..., Any] | None = None
     sensors: Sequence[Sensor] = ()
+    kinematics: npt.ArrayLike | Callable[..., Any] | None = None
+    normalise: Callable[..., Any] | None = None
     _functions: Functions = field(init=False, repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -109,21 +121,29 @@ class UserSystem:
         return self
 
     def __post_init__(self) -> None:
-        q = _array("q", self.q, (-1,))
+        q = user_array("q", self.q, (-1,))
         if not q.size:
             raise ModelError("q: an empty array was given, expected at least one coordinate")
         for name in ("force", *OPTIONAL):
             if not callable(getattr(self, name)) and not (name in OPTIONAL and getattr(self, name) is None):
                 raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
-        u = _array("u", self.u, q.shape)
+        u = user_array("u", self.u, q.shape if self.kinematics is None else (-1,))
+        n = len(u)
+        if not 0 < n <= len(q):
+            raise ModelError(f"u: {n} velocities were given with {len(q)} numbers in q, expected 1 to {len(q)}")
+        if self.normalise is not None and self.kinematics is None:
+            raise ModelError("normalise: a function was given without kinematics, expected both, or None")
+        if self.stiffness is not None and self.kinematics is not None:
+            raise ModelError("stiffness: a matrix was given with kinematics, expected None (it is part of force then)")
+        kinematics = UserKinematics(self.kinematics, self.normalise, len(q), n)
+        q = kinematics.start(q)
         object.__setattr__(self, "q", q)
         object.__setattr__(self, "u", u)
-        n = len(q)
         if (self.gaps is None) != (self.normals is None):
             raise ModelError("gaps and normals: one was given without the other, expected both or neither")
         if (self.constraints is None) != (self.jacobian is None):
             raise ModelError("constraints and jacobian: one was given without the other, expected both or neither")
-        m = len(_call("gaps", self.gaps, (-1,), q)) if self.gaps is not None else 0
+        m = len(call("gaps", self.gaps, (-1,), q)) if self.gaps is not None else 0
         for name, high in (("friction", math.inf), ("restitution", 1.0), ("tangential_restitution", 1.0)):
             given = numbers(getattr(self, name))
             if given is None or given.shape not in ((), (m,)):
@@ -140,9 +160,9 @@ class UserSystem:
             raise ModelError("tangents: None was given, expected W_T because friction is not zero")
         for name in ("stiffness", "damping"):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, _semidefinite(name, _array(name, getattr(self, name), (n, n))))
+                object.__setattr__(self, name, _semidefinite(name, user_array(name, getattr(self, name), (n, n))))
         object.__setattr__(self, "sensors", named_sensors(self.sensors))
-        object.__setattr__(self, "_functions", Functions(self, n, m))
+        object.__setattr__(self, "_functions", Functions(self, kinematics, n, m))
         self._functions.try_all()
 
     def system(self, project: bool = False, indents: Callable[[str], bool] | None = None) -> System:
@@ -155,6 +175,7 @@ class UserSystem:
 
 OPTIONAL = (
     "gaps", "normal_bias", "tangent_bias", "potential", "constraints", "jacobian", "constraint_rate", "constraint_bias",
+    "normalise",
 )  # fmt: skip
 
 
@@ -172,33 +193,19 @@ def _semidefinite(name: str, matrix: FloatArray) -> FloatArray:
     return matrix
 
 
-def _array(name: str, value: Any, shape: tuple[int, ...]) -> FloatArray:
-    """``value`` as a finite float array of ``shape`` (-1: any length), which may be written to."""
-    return np.array(array_of(name, value, shape))
-
-
-def _call(name: str, function: Callable[..., Any], shape: tuple[int, ...], *arguments: Any) -> FloatArray:
-    """What a user's function returns, checked; what it raises, named."""
-    try:
-        value = function(*arguments)
-    except Exception as error:
-        words = f"the function raised {type(error).__name__}: {shown(str(error))}, expected an array of shape {shape}"
-        raise ModelError(f"{name}: {words}") from error
-    return _array(f"{name} (returned)", value, shape)
-
-
 class Functions:
     """The functions of a :class:`UserSystem`, each checked at every call, with defaults for those left out."""
 
-    def __init__(self, given: UserSystem, n: int, m: int) -> None:
+    def __init__(self, given: UserSystem, kinematics: UserKinematics, n: int, m: int) -> None:
         self._given = given
+        self.kinematics = kinematics
         self.n = n
         self.m = m
         self.stiffness, self.damping = self._of("stiffness", (n, n)), self._of("damping", (n, n))
         self.friction = np.asarray(given.friction, dtype=float)
         start = np.asarray(given.q, dtype=float)
         self.n_joint = (
-            0 if given.constraints is None else len(_call("constraints", given.constraints, (-1,), 0.0, start))
+            0 if given.constraints is None else len(call("constraints", given.constraints, (-1,), 0.0, start))
         )
 
     def try_all(self) -> None:
@@ -269,7 +276,7 @@ class Functions:
             phi = self.residual(0.0, q)
             if (np.abs(phi) <= tolerance).all():
                 break
-            q = q - nearest(self.jacobian(0.0, q), phi)
+            q = self.kinematics.moved(q, nearest(self.jacobian(0.0, q), phi), -1.0)
         J = self.jacobian(0.0, q)
         return q, u - nearest(J, J @ u + self.rate(0.0, q))
 
@@ -279,7 +286,7 @@ class Functions:
         if given is None:
             return np.zeros(shape)
         copies = [one.copy() if isinstance(one, np.ndarray) else one for one in arguments]
-        return _call(name, given, shape, *copies) if callable(given) else _array(name, given, shape)
+        return call(name, given, shape, *copies) if callable(given) else user_array(name, given, shape)
 
     def mass(self, q: FloatArray) -> FloatArray:
         """M (n, n)."""
@@ -318,7 +325,8 @@ class Functions:
         if getattr(self._given, name) is not None:
             return self._of(name, (self.m,), q, u)
         e = _difference_step(q, u)  # (d/dt W)^T u along the motion, by central differences
-        return np.asarray((w(q + e * u) - w(q - e * u)).T @ u / (2.0 * e))
+        moved = self.kinematics.moved
+        return np.asarray((w(moved(q, u, e)) - w(moved(q, u, -e))).T @ u / (2.0 * e))
 
     def residual(self, t: float, q: FloatArray) -> FloatArray:
         """phi (r,)."""
@@ -341,8 +349,9 @@ class Functions:
         if self._given.constraint_bias is not None:
             return self._of("constraint_bias", (self.n_joint,), t, q, u)
         e = _difference_step(q, u)
-        ahead = self.jacobian(t + e, q + e * u) @ u + self.rate(t + e, q + e * u)
-        behind = self.jacobian(t - e, q - e * u) @ u + self.rate(t - e, q - e * u)
+        after, before = self.kinematics.moved(q, u, e), self.kinematics.moved(q, u, -e)
+        ahead = self.jacobian(t + e, after) @ u + self.rate(t + e, after)
+        behind = self.jacobian(t - e, before) @ u + self.rate(t - e, before)
         return np.asarray((ahead - behind) / (2.0 * e))
 
 

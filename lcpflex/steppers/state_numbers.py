@@ -6,11 +6,12 @@ are. So their tolerance is half that of an angle of 1 rad.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.jit.dispatch import link
+from lcpflex.jit.kernel import FloatArray
+from lcpflex.kinematics.configuration import difference
+from lcpflex.model.layout import is_spatial, place_offsets
 from lcpflex.steppers.scales import Scales, absolute_tolerance, usual_state
 from lcpflex.steppers.system import System
 
@@ -38,33 +39,28 @@ def tolerance_of_numbers(
     return tolerance
 
 
-def as_velocities(system: System, numbers: FloatArray) -> FloatArray:
-    """(2, nu) magnitudes of errors of q, as velocities move it in 1 s, and of u, from those of all their numbers."""
+def as_velocities(system: System, q: FloatArray, numbers: FloatArray) -> FloatArray:
+    """(2, nu) magnitudes of errors of q, as velocities move it in 1 s, and of u, from those of all their numbers.
+
+    Of several numbers that go with one velocity the worst counts.
+    """
     nq, nu = len(system.q), len(system.u)
-    moved = np.zeros(nu)
-    np.maximum.at(moved, _source(system), numbers[:nq] / _share(system))
-    return np.array([moved, numbers[nq : nq + nu]])
-
-
-def _source(system: System) -> IntArray:
-    """(nq,) the velocity that each number of q goes with."""
-    if len(system.q) == len(system.u):
-        return np.arange(len(system.q))
-    frame = np.array([0, 1, 2, 3, 3, 4, 5])
-    dof = system.model.bodies.dof
-    return np.concatenate(
-        [
-            np.concatenate((d + frame, np.arange(d + 6, end)))
-            for d, end in zip(dof[:-1].tolist(), dof[1:].tolist(), strict=True)
-        ]
-    )
+    if nq == nu:
+        return numbers.reshape(2, -1)
+    apart = link(difference, system.hooks)
+    worst, moved = np.zeros(nu), np.zeros(nu)
+    for i in range(nq):
+        other = q.copy()
+        other[i] += numbers[i]
+        apart(system.model, q, other, moved)
+        worst = np.maximum(worst, np.abs(moved))
+    return np.array([worst, numbers[nq:]])
 
 
 def _share(system: System) -> FloatArray:
     """(nq,) by how much each number changes at most where that velocity moves it: quaternions by half of an angle."""
     share = np.ones(len(system.q))
-    if len(system.q) != len(system.u):
-        bodies: Any = system.model.bodies
-        for first in bodies.place[:-1].tolist():
+    if is_spatial(system.model):
+        for first in place_offsets(system.model.bodies)[:-1].tolist():
             share[first + 3 : first + 7] = 0.5
     return share

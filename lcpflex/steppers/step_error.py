@@ -21,7 +21,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import numbers_of, parts_of
 from lcpflex.kinematics.configuration import difference
 from lcpflex.model.arrays import Model
-from lcpflex.model.layout import PLANE, dimension
+from lcpflex.model.layout import PLANE, dimension, is_spatial
 from lcpflex.solvers.contact.memory import carried_over
 from lcpflex.steppers.rates import UNSTORED
 from lcpflex.steppers.recorder import FIELDS
@@ -161,7 +161,9 @@ class Sampling:
     def __init__(self, scheme: Sampled, total: int, whole: int) -> None:
         self._scheme = scheme
         self._whole = whole  # steps of full length: of the others none is sampled
-        count = min(SAMPLES, (total - 1) // BLOCK)
+        system = scheme.system
+        measured = len(system.q) == len(system.u) or is_spatial(system.model)  # or a user's own numbers, of any meaning
+        count = min(SAMPLES, (total - 1) // BLOCK) if measured else 0
         places = np.arange(count) + (0.5 + GOLDEN * np.arange(count)) % 1.0
         # never the first step: a sample is compared with the step before; each ends before the next one
         at = 1 + (places * (total - BLOCK) / max(count, 1)).astype(np.int64)

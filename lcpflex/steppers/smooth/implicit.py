@@ -147,7 +147,9 @@ class ImplicitSteps:
         if between is None:
             return RunStatus.STEP_TOO_SHORT
         tolerance = self._settings.atol + self._settings.rtol * np.abs(self._ode.y[: self._base])
-        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * as_velocities(self._system, tolerance)
+        self._steps.records.recorder.local[:] += ACCEPTED[self._method] * as_velocities(
+            self._system, self._ode.y[: self._nq], tolerance
+        )
         length = float(self._ode.t) - begin
         ended = float(self._ode.t) if share == 1.0 else begin + share * length
         end = self._ode.y.copy() if share == 1.0 else between(ended)

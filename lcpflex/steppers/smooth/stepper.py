@@ -103,8 +103,9 @@ class Verlet:
     """Explicit steps of fixed length: half a drift, a kick, half a drift. Order 2, symplectic without damping.
 
     Stable up to step = 2 / omega_max only, with contacts closed: beyond it the motion blows up, and the result warns.
-    With forces that depend on velocities (damping, friction, rotation) of order 1. A body that moves by more than
-    its extent in a step may pass over others.
+    With forces that depend on velocities (damping, friction, rotation) of order 1. In space the kick is made a second
+    time, with the mean of the velocities before and behind it, and is of order 2 with them, too. A body that moves by
+    more than its extent in a step may pass over others.
 
     Attributes
     ----------

@@ -47,6 +47,10 @@ def _user_system() -> dict[str, Any]:
     }
 
 
+def _kinematics() -> dict[str, Any]:
+    return {"q": [1.0, 0.0], "kinematics": lambda q: [[1.0], [0.0]], "normalise": lambda q: q}
+
+
 def _matrix(name: str) -> str:
     """The name of a file with a small matrix."""
     scipy.io.mmwrite(name, matrices()["mass" if name == "m.mtx" else "stiffness"])
@@ -220,6 +224,7 @@ def scene_faces() -> list[Face]:
         Face("Table", lf.Table, lambda: {"times": [0.0, 1.0], "values": [0.0, 1.0]}),
         Face("Function", lf.Function, lambda: {"function": lambda t: t}),
         Face("UserSystem", lf.UserSystem, _user_system),
+        Face("UserSystem with kinematics", lf.UserSystem, lambda: {**_user_system(), **_kinematics()}),
     ]
 
 
