@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.arrays import Contacts, Signals, empty, frozen
@@ -170,3 +171,19 @@ def mechanics(model: SpatialModel, q: FloatArray, u: FloatArray) -> Mechanics:
     """What kernels take."""
     system = System(model=model, q=q, u=u, n_external=0, hooks={}, dense=False, margin=0.0)
     return Mechanics(pack(system.model), system.workspace(1))
+
+
+def as_body(body: MassBody) -> SpatialBody:
+    """The same as a body for scenes."""
+    made = spatial_bodies([body])
+    n2 = int(made.second_modes[0])
+    return SpatialBody(
+        mass=float(made.mass[0]),
+        second=made.second[0],
+        moment=made.moment[0],
+        stiffness=made.stiffness,
+        damping=made.damping,
+        S=made.S,
+        first=made.first,
+        products=made.products.reshape(n2, n2, 9),
+    )
