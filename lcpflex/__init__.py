@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening
     from lcpflex.bodies.rigid import Box, Disc, Polygon, RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution
+    from lcpflex.bodies.spatial.beam import SpatialBeam
     from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
     from lcpflex.bodies.spatial.matrices import SpatialMatrices
     from lcpflex.bodies.spatial.rigid import Capsule, ConvexHull, Cuboid, Cylinder, SpatialRigidBody, Sphere
@@ -144,6 +145,7 @@ __all__ = [
     "SolidOfRevolution",
     "SolverError",
     "SpatialScene",
+    "SpatialBeam",
     "SpatialBody",
     "SpatialMatrices",
     "SpatialPoint",

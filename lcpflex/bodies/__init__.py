@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from lcpflex.bodies.reduction.stiffening import Stiffening as Stiffening
     from lcpflex.bodies.rigid import Box as Box, Disc as Disc, Polygon as Polygon, RigidBody as RigidBody
     from lcpflex.bodies.solid_of_revolution import SolidOfRevolution as SolidOfRevolution
+    from lcpflex.bodies.spatial.beam import SpatialBeam as SpatialBeam
     from lcpflex.bodies.spatial.body import SpatialBody as SpatialBody, SpatialPoint as SpatialPoint
     from lcpflex.bodies.spatial.matrices import SpatialMatrices as SpatialMatrices
     from lcpflex.bodies.spatial.rigid import (

@@ -16,11 +16,14 @@ SPEEDS = (10.0, 20_000.0)  # [m/s] of waves in a soft rubber, and more than in d
 DIMENSIONLESS = 10.0  # density and modulus both below it are numbers of a scene without units
 
 
-def check_material(part: Any) -> None:
-    """Positive finite density and modulus, a ratio, if any, in (-1, 0.5); warns of waves that no material has."""
+def check_material(part: Any, *, ratio: bool = True) -> None:
+    """Positive finite density and modulus, a ratio in (-1, 0.5) if there is one; warns of waves that no material has.
+
+    ``ratio``: False where Poisson's ratio is not to be looked at.
+    """
     for name in ("density", "youngs_modulus"):
         object.__setattr__(part, name, positive(name, getattr(part, name)))
-    if hasattr(part, "poissons_ratio"):
+    if ratio and hasattr(part, "poissons_ratio"):
         keep_number(part, "poissons_ratio", -1.0, 0.5, open_ends=True)
     E, density = part.youngs_modulus, part.density
     speed = math.sqrt(E / density)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lcpflex.basics.arguments import array_of, whole_number
-from lcpflex.bodies.body import Lazily
+from lcpflex.bodies.body import Lazily, Resolution
 from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, signed, vanish
 from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
@@ -48,6 +48,7 @@ def flexible_body(
     second_order: int | None,
     *,
     clamped: bool,
+    resolution: Resolution | None = None,
 ) -> SpatialBody:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
@@ -58,6 +59,7 @@ def flexible_body(
     residual : how many of the last columns are residual modes
     second_order : n2 of the products; None for min(n, 12)
     clamped : whether the frame rides on what is held, or is the mean frame
+    resolution : what the mesh can resolve
 
     Raises
     ------
@@ -89,6 +91,7 @@ def flexible_body(
         nodes=None if mesh.nodes is None else partial(_of_nodes, *here),
         shape=_shape(mesh, shapes, origin),
         origin=origin,
+        resolution=resolution,
         residual_modes=residual.modes,
     )
 

@@ -13,6 +13,16 @@ from tests.solids import block
 
 __all__ = ["spatial_bodies_faces"]
 
+BEAM: dict[str, Any] = {
+    "length": 0.7,
+    "area": 1e-4,
+    "second_moments": (1e-9, 2e-9),
+    "torsion_constant": 2e-9,
+    "density": 7850.0,
+    "youngs_modulus": 2.1e11,
+    "poissons_ratio": 0.3,
+    "elements": 4,
+}
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 
 
@@ -60,6 +70,8 @@ def spatial_bodies_faces() -> list[Face]:
             lambda: lf.Sphere(0.1, mass=1.0),
         ),
         Face("SpatialBody.at_nodes", lf.SpatialBody.at_nodes, lambda: {"nodes": [0, 1, 2]}, _flexible),
+        named("SpatialBeam", **BEAM),
+        Face("SpatialBeam.reduce", lf.SpatialBeam.reduce, lambda: {"modes": 2}, lambda: lf.SpatialBeam(**BEAM)),
         Face("SpatialMatrices", lf.SpatialMatrices, lambda: dict(_solid())),
         Face(
             "SpatialMatrices.reduce",

@@ -12,10 +12,10 @@ import scipy.linalg
 import scipy.sparse
 
 import lcpflex as lf
-from lcpflex.bodies.spatial.checks import skew, skew_part
 from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from tests.solids import bar, block
+from tests.spatial_inertia import mass_matrix, velocity_columns
 
 EDGES = (0.3, 0.2, 0.1)
 HZ = 2.0 * math.pi
@@ -41,36 +41,9 @@ def solid():
     return lf.SpatialMatrices(**made(), node_sets=sets())
 
 
-def mass_matrix(body, eta):
-    """M of spatial.md, section 1, in body axes (A = I), from the integrals of the body."""
-    n, n2 = body.modes, body.second_order_modes
-    first = body.first.reshape(n, 3, 3)
-    P2 = np.zeros((n, n, 3, 3))
-    P2[:n2, :n2] = body.products.reshape(n2, n2, 3, 3)
-    Y = first + np.einsum("l,lkij->kij", eta, P2)
-    P = body.second + np.einsum("k,kij->ij", eta, first + Y.transpose(0, 2, 1))
-    d = body.moment + eta @ body.S
-    M = np.eye(6 + n)
-    M[:3, :3] *= body.mass
-    M[:3, 3:6] = -skew(d)
-    M[:3, 6:] = body.S.T
-    M[3:6, 3:6] = np.trace(P) * np.eye(3) - P
-    M[3:6, 6:] = skew_part(Y.reshape(n, 9)).T
-    upper = np.triu_indices(6 + n)
-    M.T[upper] = M[upper]
-    return M
-
-
 def nodal_mass(body, matrices, eta):
     """L^T M_FE L with the velocities L of all nodes."""
-    places = matrices["coordinates"] - body.origin
-    phi = body.shape.phi
-    s = places + np.einsum("ikj,k->ij", phi, eta)
-    L = np.zeros((len(s), 3, 6 + body.modes))
-    L[:, :, :3] = np.eye(3)
-    L[:, :, 3:6] = np.array([-skew(si) for si in s])
-    L[:, :, 6:] = phi.transpose(0, 2, 1)
-    L = L.reshape(-1, 6 + body.modes)
+    L = velocity_columns(matrices["coordinates"] - body.origin, body.shape.phi, eta)
     return L.T @ (matrices["mass"] @ L)
 
 
