@@ -100,7 +100,7 @@ class CompiledScene:
         Parameters
         ----------
         q, u
-            Configuration and velocity (n,); those of the start if omitted.
+            Configuration (nq,) and velocity (n,); those of the start if omitted.
         t
             Time [s], for loads and drives.
         margin

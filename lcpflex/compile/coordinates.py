@@ -10,7 +10,7 @@ from lcpflex.model.layout import SPACE, dimension, place_offsets
 if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import Layout
 
-__all__ = ["coordinate_names", "coordinate_units", "velocity_names", "velocity_units"]
+__all__ = ["coordinate_names", "coordinate_units", "rate_labels", "velocity_names", "velocity_units"]
 
 # of a rigid body, by name: in the plane q and u have the same ones
 PLANAR = {"x": "m", "y": "m", "angle": "rad"}
@@ -32,6 +32,12 @@ def velocity_names(bodies: Any, layout: Layout) -> tuple[str, ...]:
     """Name of each entry of u: in the plane those of q; in space ``body.v_x``, ..., ``body.omega_z``, then modes."""
     rigid = VELOCITIES if dimension(bodies) is SPACE else PLANAR
     return _names(bodies, layout, tuple(rigid))
+
+
+def rate_labels(bodies: Any, layout: Layout) -> tuple[str, ...]:
+    """Label of each entry of u beside those of q, each once: ``body.x'``; in space ``body.v_x``, ``body.mode 1'``."""
+    known = set(coordinate_names(bodies, layout))
+    return tuple(f"{name}'" if name in known else name for name in velocity_names(bodies, layout))
 
 
 def _names(bodies: Any, layout: Layout, rigid: tuple[str, ...]) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lcpflex.basics.arguments import array_of
-from lcpflex.compile.coordinates import coordinate_names
+from lcpflex.compile.coordinates import coordinate_names, velocity_names
 from lcpflex.compile.state_mechanics import CompliantForces, StateMechanics
 from lcpflex.contact.detection import ContactTable, detect
 from lcpflex.contact.narrow_phase.feature import contact_bias
@@ -24,6 +24,7 @@ from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.kinematics.relative import KINDS
 from lcpflex.model.arrays import frozen
+from lcpflex.model.layout import dimension, is_spatial
 from lcpflex.steppers.event_driven.thresholds import SLIP_PART
 from lcpflex.steppers.law_run import begin_laws, law_trouble
 from lcpflex.steppers.scales import scales_of
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["mechanics_at"]
 
+UNIT = 1e-9  # how far quaternions may be from unit ones
 DURATION = 1.0  # [s] of a run whose tolerances are meant where a scene has no speed of its own
 
 
@@ -55,9 +57,9 @@ def mechanics_at(
     slow = _bound("velocity_threshold", velocity_threshold, 1e-6 * scales.speed)
     reach = max(_bound("margin", margin, system.margin), tolerance)
     t = in_range("t", t, -np.inf, np.inf)
-    n = len(compiled.q)
-    at_q = np.array(array_of("q", compiled.q if q is None else q, (n,)))
-    at_u = np.array(array_of("u", compiled.u if u is None else u, (n,)))
+    at_q = np.array(array_of("q", compiled.q if q is None else q, compiled.q.shape))
+    at_u = np.array(array_of("u", compiled.u if u is None else u, compiled.u.shape))
+    _refuse_no_rotations(compiled, at_q)
     for b in overbent(compiled.model, at_q):
         raise ModelError(
             f"q: body {compiled.layout.bodies[b]!r} is bent too far for its stiffening by spin, expected small "
@@ -72,11 +74,24 @@ def mechanics_at(
         q=frozen(at_q),
         u=frozen(at_u),
         coordinates=coordinate_names(compiled.model.bodies, compiled.layout),
+        velocities=velocity_names(compiled.model.bodies, compiled.layout),
         gap_tolerance=tolerance,
         velocity_threshold=slow,
         slip_threshold=SLIP_PART * slow,
         **parts,
     )
+
+
+def _refuse_no_rotations(compiled: CompiledScene, q: FloatArray) -> None:
+    """Raise ModelError for quaternions that are no rotations."""
+    if not compiled.spatial:
+        return
+    for name, k in zip(compiled.layout.bodies, compiled.model.bodies.place.tolist(), strict=False):
+        length = float(np.linalg.norm(q[k + 3 : k + 7]))
+        if not abs(length - 1.0) <= UNIT:
+            raise ModelError(
+                f"q: the quaternion of body {name!r} has the length {length:.9g}, expected 1: a rotation, scalar first"
+            )
 
 
 def _bound(name: str, given: float | None, usual: float) -> float:
@@ -99,6 +114,15 @@ def _index_sets(arrays: dict[str, Any], gap_tolerance: float, slow: float) -> di
     still = closed[np.abs(arrays["gap_rates"][closed]) <= slow]
     sticking = (arrays["friction"] > 0.0) & (np.abs(arrays["slip_speeds"]) <= SLIP_PART * slow)
     return {"A": every, "C": closed, "N": still, "H": still[sticking[still]], "G": still[~sticking[still]]}
+
+
+def _kinds(model: Any) -> tuple[str, ...]:
+    """What rows of joints prescribe, by the numbers of the relative coordinates."""
+    if not is_spatial(model):
+        return KINDS
+    from lcpflex.kinematics.spatial.relative import KINDS as IN_SPACE
+
+    return IN_SPACE
 
 
 class _Instant:
@@ -188,7 +212,7 @@ class _Instant:
         rows = np.repeat(np.arange(len(names)), np.diff(joints.row))
         return {
             "joints": tuple(names[k] for k in rows),
-            "joint_kinds": tuple(KINDS[kind] for kind in joints.kind),
+            "joint_kinds": tuple(_kinds(model)[kind] for kind in joints.kind),
             "J": J,
             "joint_gaps": phi,
             "joint_rates": J @ self._u + work.rate[:r],
@@ -202,7 +226,7 @@ class _Instant:
         table, m = self._detected(margin)
         width = self._work.rows.shape[2]
         normal, tangent, w = np.zeros((m, 2, width)), np.zeros((m, 2, width)), np.zeros((m, 2))
-        places = np.zeros((m, 2))
+        places = np.zeros((m, dimension(model.bodies).components))
         for k in range(m):
             contact_rows(model, self._q, table, k, normal[k], tangent[k])
             w[k] = contact_bias(model, self._q, self._u, table, k)
@@ -241,7 +265,7 @@ class _Instant:
 
     def _dense(self, rows: FloatArray, row_body: IntArray) -> FloatArray:
         """(k, ndof) rows of blocks (k, 2, width) of the bodies (k, 2)."""
-        dense = np.zeros((len(rows), len(self._q)))
+        dense = np.zeros((len(rows), len(self._u)))
         for r, b, block in self._blocks(row_body):
             dense[r, block] += rows[r, b, : block.stop - block.start]
         return dense

@@ -63,16 +63,18 @@ class StateMechanics:
         gdot_N = W_N^T u,    gddot_N = W_N^T udot + w_N        (likewise T)
         phidot = J u + phi_t,    phiddot = J udot - gamma        of the joints phi(q, t) = 0
 
-    n coordinates, m rigid contacts (a declared contact has an entry for each pair of a node and a surface part that is
-    near), r joint rows. The normal points from the second body to the first, whose force lambda_N pushes it along the
-    normal; the tangent is the normal turned clockwise by a right angle.
+    n velocities, and nq coordinates, in the plane as many; m rigid contacts (a declared contact has an entry for each
+    pair of a node and a surface part that is near), r joint rows. The normal points from the second body to the first,
+    whose force lambda_N pushes it along the normal; the tangent is the normal turned clockwise by a right angle.
 
     Attributes
     ----------
     t, q, u
-        The state: time [s], configuration (n,) and velocity (n,).
-    coordinates
-        (n,) names: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ...
+        The state: time [s], configuration (nq,) and velocity (n,).
+    coordinates, velocities
+        Names of q and of u: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1``, ...; in space q has ``body.x`` to
+        ``body.z`` and ``body.p0`` to ``body.p3``, u ``body.v_x`` to ``body.v_z`` and ``body.omega_x`` to
+        ``body.omega_z``, the angular velocity in body axes.
     M
         (n, n) mass matrix, of units that make u^T M u / 2 an energy [J].
     h
@@ -80,7 +82,8 @@ class StateMechanics:
         elastic forces, damping, and contacts with a force law (``compliant``).
     stiffness, damping
         (n, n) of the bodies alone: h contains -stiffness @ q - damping @ u (with axial forces on bending, ``stiffness``
-        is the derivative there). Time stepping needs them for an implicit step; springs are not in them.
+        is the derivative there; in space of the modal coordinates, in the places of their rates). Time stepping needs
+        them for an implicit step; springs are not in them.
     contacts
         (m,) name of the declared contact.
     keys
@@ -118,6 +121,7 @@ class StateMechanics:
     q: FloatArray
     u: FloatArray
     coordinates: tuple[str, ...]
+    velocities: tuple[str, ...]
     M: FloatArray
     h: FloatArray
     stiffness: FloatArray

@@ -15,7 +15,15 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Bodies, Model
 from lcpflex.model.planar import N_RIGID
 
-__all__ = ["elastic_matrices", "held_inverse", "mass_matrix", "null_space", "overbent", "slowest_vibrations"]
+__all__ = [
+    "body_mass_matrix",
+    "elastic_matrices",
+    "held_inverse",
+    "mass_matrix",
+    "null_space",
+    "overbent",
+    "slowest_vibrations",
+]
 
 
 def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
@@ -30,7 +38,7 @@ def mass_matrix(model: Model, q: FloatArray) -> FloatArray:
     M = np.zeros((dof[-1], dof[-1]))
     for b in range(len(dof) - 1):
         block = slice(dof[b], dof[b + 1])
-        M[block, block] = _block(model.bodies, b, q[block])
+        M[block, block] = body_mass_matrix(model.bodies, b, q[block])
     return M
 
 
@@ -95,7 +103,7 @@ def overbent(model: Model, q: FloatArray) -> list[int]:
     if _of_space(model.bodies):
         return []
     stiffened = [int(b) for b in np.flatnonzero(np.diff(model.bodies.geometric_start))]
-    blocks = (_block(model.bodies, b, q[model.bodies.dof[b] : model.bodies.dof[b + 1]]) for b in stiffened)
+    blocks = (body_mass_matrix(model.bodies, b, q[model.bodies.dof[b] : model.bodies.dof[b + 1]]) for b in stiffened)
     return [b for b, M in zip(stiffened, blocks, strict=True) if not np.linalg.eigvalsh(M)[0] > 0.0]
 
 
@@ -108,8 +116,8 @@ def _of_space(bodies: Any) -> ModuleType | None:
     return mass_matrix
 
 
-def _block(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:
-    """M of body b at its own coordinates (3 + n,)."""
+def body_mass_matrix(bodies: Bodies, b: int, q: FloatArray) -> FloatArray:
+    """M (3 + n, 3 + n) of body b of the plane at its own coordinates (3 + n,)."""
     n = len(q) - N_RIGID
     first = int(bodies.dof[b]) - N_RIGID * b
     modes = slice(first, first + n)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from lcpflex.bodies.placed_point import PlacedPoint
+    from lcpflex.dynamics.spatial.state import SpatialState
     from lcpflex.dynamics.time_functions import OnBody, State
     from lcpflex.jit.kernel import FloatArray
     from lcpflex.results.result import Result
@@ -52,7 +53,7 @@ class Instant:
     gap: FloatArray
     state: NDArray[np.int8]
     joint_force: FloatArray
-    _state: State | None = field(repr=False)
+    _state: State | SpatialState | None = field(repr=False)
 
     @classmethod
     def of(cls, result: Result, k: int) -> Instant:
@@ -64,14 +65,14 @@ class Instant:
         return cls(t, q, u, result.contact_names, *arrays, joints, own)
 
     def position(self, point: PlacedPoint) -> FloatArray:
-        """r_P (2,) [m], world axes.
+        """r_P (2,), in space (3,) [m], world axes.
 
         point: of the scene. Raises ModelError for a system of the user's own.
         """
         return self._known.position(point)
 
     def velocity(self, point: PlacedPoint) -> FloatArray:
-        """rdot_P (2,) [m/s], world axes.
+        """rdot_P (2,), in space (3,) [m/s], world axes.
 
         point: of the scene. Raises ModelError for a system of the user's own.
         """
@@ -80,19 +81,33 @@ class Instant:
     def angle(self, of: OnBody) -> float:
         """Angle [rad] of a body, or of the material at a point of one.
 
-        of: a body or a point of the scene. Raises ModelError for a system of the user's own.
+        of: a body or a point of the scene. Raises ModelError for a system of the user's own, and in space, where there
+        is ``rotation``.
         """
-        return self._known.angle(of)
+        known = self._known
+        if not hasattr(known, "angle"):
+            raise ModelError("angle: bodies in space have no one angle; expected rotation(of)")
+        return float(known.angle(of))
 
-    def angular_velocity(self, of: OnBody) -> float:
-        """Angular velocity [rad/s] of a body, or of the material at a point of one.
+    def rotation(self, of: OnBody) -> FloatArray:
+        """(3, 3) axes of a body of a spatial scene, or of the material at a point of one, as columns; world axes.
+
+        of: a body or a point of the scene. Raises ModelError in the plane, where there is ``angle``.
+        """
+        known = self._known
+        if not hasattr(known, "rotation"):
+            raise ModelError("rotation: bodies of a planar scene have one angle; expected angle(of)")
+        return np.asarray(known.rotation(of))
+
+    def angular_velocity(self, of: OnBody) -> float | FloatArray:
+        """Angular velocity [rad/s] of a body, or of the material at a point of one; in space (3,), world axes.
 
         of: a body or a point of the scene. Raises ModelError for a system of the user's own.
         """
         return self._known.angular_velocity(of)
 
     @property
-    def _known(self) -> State:
+    def _known(self) -> State | SpatialState:
         if self._state is None:
             raise ModelError("a system of the user's own has no points and bodies; expected q and u to be asked")
         return self._state

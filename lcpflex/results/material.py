@@ -36,9 +36,10 @@ def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tu
         return model, b, model.points.place[p], material_shapes(model, np.array([p]))[0]
     place = numbers(point)
     axes = ("x", "y", "z")[: dimension(model.bodies).components]
+    words = "two" if len(axes) == 2 else "three"
     if place is None or place.shape != (len(axes),) or not np.isfinite(place).all():
         raise ModelError(
-            f"point: {shown(point)} was given, expected the name of a point or {len(axes)} finite numbers "
+            f"point: {shown(point)} was given, expected the name of a point or {words} finite numbers "
             f"({', '.join(axes)})"
         )
     phi = _shapes_at(result.compiled, b, place)

@@ -14,7 +14,9 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent, called, numbers
 from lcpflex.errors import ModelError, shown
+from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.planar import N_RIGID
+from lcpflex.model.spatial import N_PLACE
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import joint_reaction
@@ -22,8 +24,8 @@ from lcpflex.results.orientation import body_angle
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.section_forces import body_of_result, section_forces
 from lcpflex.results.stress_history import stress_history
-from lcpflex.scene.sensors.forces import Contact, Reaction, Section, Stress
-from lcpflex.scene.sensors.motions import Body, Coordinates, Energy, MaterialPoint
+from lcpflex.scene.sensors.forces import Contact, Reaction, Section, SpatialReaction, Stress
+from lcpflex.scene.sensors.motions import Body, Coordinates, Energy, MaterialPoint, SpatialFrame, StateNumbers
 from lcpflex.scene.sensors.user_function import Function
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Columns", "Window", "Unmeasured", "columns_of", "known", "measured"]
 
-AXES = ("x", "y")
+AXES = ("x", "y", "z")
 STORED = tuple(name for name in Energies.__dataclass_fields__ if name != "remainder")
 AT_NODE = 1e-9  # of the extent of a body: a place so near is that one
 
@@ -58,12 +60,12 @@ class Window:
         return range(self.skipped, len(self.result.times))
 
 
-def _motion(what: str = "") -> tuple[tuple[str, ...], tuple[str, ...]]:
-    return tuple(f"{what}{axis}" for axis in AXES), ("m/s" if what else "m",) * len(AXES)
+def _motion(what: str = "", components: int = 2) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    return tuple(f"{what}{axis}" for axis in AXES[:components]), ("m/s" if what else "m",) * components
 
 
 def _point_columns(sensor: MaterialPoint) -> Columns:
-    (places, m), (rates, m_s) = _motion(), _motion("velocity ")
+    (places, m), (rates, m_s) = (_motion(what, len(sensor.place)) for what in ("", "velocity "))
     return Columns((*places, *rates), (*m, *m_s))
 
 
@@ -85,6 +87,29 @@ def _body(sensor: Body, window: Window) -> Any:
     compiled, b = body_of_result(result, sensor.body, "Body")
     frame = slice(int(compiled.model.bodies.dof[b]), int(compiled.model.bodies.dof[b]) + N_RIGID)
     return np.column_stack([result.q[window.skipped :, frame], result.u[window.skipped :, frame]])
+
+
+def _frame_columns(sensor: SpatialFrame) -> Columns:
+    (places, m), (rates, m_s) = (_motion(what, 3) for what in ("", "velocity "))
+    turning = tuple(f"angular velocity {axis}" for axis in AXES)
+    return Columns((*places, "p0", "p1", "p2", "p3", *rates, *turning), (*m, *["1"] * 4, *m_s, *["rad/s"] * 3))
+
+
+def _frame(sensor: SpatialFrame, window: Window) -> Any:
+    assert window.result.compiled is not None
+    bodies = window.result.compiled.model.bodies
+    k, d = int(bodies.place[sensor.body]), int(bodies.dof[sensor.body])
+    q, u = window.result.q[window.skipped :, k : k + N_PLACE], window.result.u[window.skipped :, d : d + 6]
+    return np.column_stack([q, u[:, :3], rotated(q[:, 3:], u[:, 3:])])
+
+
+def _numbers_columns(sensor: StateNumbers) -> Columns:
+    return Columns(sensor.columns, sensor.units)
+
+
+def _numbers(sensor: StateNumbers, window: Window) -> Any:
+    whole = np.column_stack([part[window.skipped :] for part in (window.result.q, window.result.u)])
+    return whole[:, list(sensor.chosen)]
 
 
 def _coordinates_columns(sensor: Coordinates) -> Columns:
@@ -116,14 +141,23 @@ def _energy(sensor: Energy, window: Window) -> Any:
     return np.column_stack([getattr(window.result.energies, name)[window.skipped :] for name in STORED])
 
 
+def _spatial_reaction_columns(sensor: SpatialReaction) -> Columns:
+    force, moment, push, twist = (
+        tuple(f"{what} {axis}" for axis in AXES) for what in ("force", "moment", "impulse", "angular impulse")
+    )
+    names = (*force, *moment, "largest force", "largest moment", *push, *twist, "drive", "unique")
+    units = (*["N"] * 3, *["N m"] * 3, "N", "N m", *["N s"] * 3, *["N m s"] * 3, "N or N m", "")
+    return Columns(names, units)
+
+
 def _reaction_columns(sensor: Reaction) -> Columns:
-    forces, impulses = ([f"{what} {axis}" for axis in AXES] for what in ("force", "impulse"))
+    forces, impulses = ([f"{what} {axis}" for axis in AXES[:2]] for what in ("force", "impulse"))
     names = (*forces, "moment", "largest force", "largest moment", *impulses, "angular impulse", "drive", "unique")
-    along, pushed = ("N",) * len(AXES), ("N s",) * len(AXES)
+    along, pushed = ("N",) * 2, ("N s",) * 2
     return Columns(names, (*along, "N m", "N", "N m", *pushed, "N m s", "N or N m", ""))
 
 
-def _reaction(sensor: Reaction, window: Window) -> Any:
+def _reaction(sensor: Reaction | SpatialReaction, window: Window) -> Any:
     found = joint_reaction(window.result, sensor.joint, sensor.axes)
     drive = np.full(len(found.times), np.nan) if found.drive is None else found.drive
     parts = (
@@ -202,9 +236,12 @@ class Unmeasured(ModelError):
 KINDS: dict[type, tuple[Callable[[Any], Columns], Callable[[Any, Window], Any]]] = {
     MaterialPoint: (_point_columns, _point),
     Body: (_body_columns, _body),
+    SpatialFrame: (_frame_columns, _frame),
+    StateNumbers: (_numbers_columns, _numbers),
     Coordinates: (_coordinates_columns, _coordinates),
     Energy: (_energy_columns, _energy),
     Reaction: (_reaction_columns, _reaction),
+    SpatialReaction: (_spatial_reaction_columns, _reaction),
     Contact: (_contact_columns, _contact),
     Section: (_section_columns, _section),
     Stress: (_stress_columns, _stress),

@@ -11,7 +11,7 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent
 from lcpflex.basics.renamed import renamed_property
-from lcpflex.compile.coordinates import coordinate_names
+from lcpflex.compile.coordinates import coordinate_names, velocity_names
 from lcpflex.compile.touched_pairs import pair_of
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
@@ -27,6 +27,7 @@ from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
 from lcpflex.results.material import material_of
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
+from lcpflex.results.momentum import Momentum, momentum_of
 from lcpflex.results.orientation import body_angle, body_orientation, body_spin
 from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
@@ -60,6 +61,7 @@ __all__ = [
     "Instant",
     "JointReaction",
     "ModalCoordinates",
+    "Momentum",
     "Result",
     "SectionForces",
     "SensorHistory",
@@ -212,6 +214,14 @@ class Result:
         """
         return body_spin(self, body, axes)
 
+    def momentum(self, body: str | None = None) -> Momentum:
+        """Linear momentum, angular momentum about the origin of the world, and mass centre: see :class:`Momentum`.
+
+        body: its name; None for all bodies together. Raises ModelError for a body that is not there, and for a system
+        of the user's own.
+        """
+        return momentum_of(self, body)
+
     def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces:
         """Section forces N, V and M of a beam or bar over the stored instants: see :class:`SectionForces`.
 
@@ -240,19 +250,19 @@ class Result:
         """
         return stress_history(self, body, static)
 
-    def point(self, body: str, point: str | tuple[float, float]) -> FloatArray:
-        """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) [m], world axes.
+    def point(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Trajectory r_P = R + A (x + Phi q) of a material point, (m, 2) or, in space, (m, 3) [m], world axes.
 
-        ``point`` is the name of a point or its undeformed place (x, y) [m] in the frame of the body: anywhere on a
-        rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is none.
+        ``point`` is the name of a point or its undeformed place (x, y) or (x, y, z) [m] in the frame of the body:
+        anywhere on a rigid body, on the outline or at a named point of a flexible one. Raises ModelError where there is
+        none.
         """
         model, b, place, phi = material_of(self, body, point)
         return trajectory(model, self.q, b, place, phi)
 
-    def velocity(self, body: str, point: str | tuple[float, float]) -> FloatArray:
-        """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes.
-
-        ``point`` as in :meth:`point`.
+    def velocity(self, body: str, point: str | tuple[float, ...]) -> FloatArray:
+        """Velocity rdot_P = Rdot + A (Phi qdot + omega J s) of a material point, (m, 2) [m/s], world axes; in space
+        v + A (Phi etadot + omega x s), (m, 3).
 
         body: its name. point: as in :meth:`trajectory`.
         """
@@ -311,23 +321,24 @@ class Result:
 
         Columns: ``body.x``, ``body.y``, ``body.angle``, ``body.mode 1`` and so on, their rates with a trailing ``'``;
         ``contact.normal force``, ``contact.tangential force``, the same for ``impulse``, ``contact.state``,
-        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment`` (in space three of each);
-        ``energy.kinetic`` and so on. Units are in ``attrs["units"]`` by column, with facts of the run beside them.
-        Instants of events stand in it twice, before and after. Raises ModelError where pandas is not installed.
+        ``contact.gap``; ``joint.force x``, ``joint.force y``, ``joint.moment``; ``energy.kinetic`` and so on. In space
+        those of :meth:`coordinate_names` and :meth:`velocity_names`, and moments x, y, z. Units are in
+        ``attrs["units"]`` by column, with facts of the run beside them. Instants of events stand in it twice, before
+        and after. Raises ModelError where pandas is not installed.
         """
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset with the dimensions time, coordinate, contact, joint, touch, event, component and axis.
 
-        ``q`` and ``u`` (time, coordinate); ``force`` and ``impulse`` (time, contact, component), ``state``, ``gap``
-        (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time, joint), in space (time, joint,
-        axis), and more of joints;
-        ``energy_kinetic`` and so on (time); ``touch_place`` (touch, axis) and more of all touching points, of the
-        instant ``touch_time_index`` and the contact ``touch_contact_index``; ``event_time`` and more (event);
+        ``q`` and ``u`` (time, coordinate), in space ``u`` (time, velocity); ``force`` and ``impulse`` (time, contact,
+        component), ``state``, ``gap`` (time, contact); ``joint_force`` (time, joint, axis), ``joint_moment`` (time,
+        joint), in space (time, joint, axis), and more of joints; ``energy_kinetic`` and so on (time); ``touch_place``
+        (touch, axis) and more of all touching points, of the instant ``touch_time_index`` and the contact
+        ``touch_contact_index``; ``event_time`` and more (event);
         ``sensor_NAME`` (sensor_NAME_time, sensor_NAME_column) of each sensor, with / in its name as _.
 
-        Units are in the attributes of each variable, those of q and u in ``q_units`` and ``u_units`` (coordinate); the
+        Units are in the attributes of each variable, those of q and u in ``q_units`` and ``u_units``; the
         stepper, warnings and other facts of the run are attributes of the whole. Instants of events stand twice in
         time, before and after. Of contacts, joints, touches and events there are variables where there are any.
         ``to_netcdf`` writes all of it (engines h5netcdf, scipy). Raises ModelError where xarray is not installed.
@@ -348,6 +359,12 @@ class Result:
         if self.compiled is None:
             return tuple(f"q {k + 1}" for k in range(self.q.shape[1]))
         return coordinate_names(self.compiled.model.bodies, self.compiled.layout)
+
+    def velocity_names(self) -> tuple[str, ...]:
+        """Name of each entry of u: in the plane those of q; in space ``body.v_x``, ..., ``body.omega_z``, modes."""
+        if self.compiled is None:
+            return tuple(f"q {k + 1}" for k in range(self.u.shape[1]))
+        return velocity_names(self.compiled.model.bodies, self.compiled.layout)
 
     def modes_of(self, body: str) -> ModalCoordinates:
         """What the modal coordinates of a body are: their columns in ``q``, free or residual, and their frequencies.

@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.basics import libs
 from lcpflex.basics.version import VERSION
-from lcpflex.compile.coordinates import coordinate_units, velocity_names, velocity_units
+from lcpflex.compile.coordinates import coordinate_units, rate_labels, velocity_units
 from lcpflex.errors import ModelError
 from lcpflex.force_laws.friction.creep import CREEP
 from lcpflex.model.arrays import OPEN, SLIP, STICK
@@ -149,11 +149,9 @@ def _of_u(result: Result) -> str:
 
 def _rates(result: Result) -> tuple[str, ...]:
     """Name of each entry of u."""
-    if result.compiled is None or not result.compiled.spatial:
+    if result.compiled is None:
         return tuple(f"{name}'" for name in result.coordinate_names())
-    names = velocity_names(result.compiled.model.bodies, result.compiled.layout)
-    known = set(result.coordinate_names())
-    return tuple(f"{name}'" if name in known else name for name in names)  # of modes
+    return rate_labels(result.compiled.model.bodies, result.compiled.layout)
 
 
 def _reaction_columns(result: Result) -> list[tuple[str, str]]:

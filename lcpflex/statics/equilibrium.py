@@ -15,6 +15,7 @@ from lcpflex.compile.compiled_scene import CompiledScene
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.results.result import Result
+from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.statics.balance import Balance
 from lcpflex.statics.path import Path
@@ -145,6 +146,7 @@ def come_to_rest(problem: Problem, path: Path) -> Rest:
 
 def _compiled(scene: Any) -> CompiledScene:
     """Of rigid contacts alone, each of a rule listed."""
+    refuse_space("equilibrium", scene)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
     compiled = compiled_scene(scene, True, None, False, listed=True)

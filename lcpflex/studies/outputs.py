@@ -11,7 +11,7 @@ import numpy as np
 from lcpflex.basics.arguments import numbers, sequence_of, text
 from lcpflex.errors import ModelError, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
-from lcpflex.model.planar import N_RIGID
+from lcpflex.model.layout import SPACE, dimension
 from lcpflex.results.result import Result
 from lcpflex.studies.convergence.distance import graph_distance
 from lcpflex.studies.peaks import NotDefined, peak_force, peak_impulse
@@ -311,7 +311,8 @@ def trajectory(result: Result) -> list[Part]:
     """Position and velocity: of two points of each body, or every coordinate of a system of the user's own.
 
     The points are the frame and a point of it one radius of gyration away of a rigid body, and the two ends of what is
-    known of a flexible one. Positions and velocities have one scale each.
+    known of a flexible one; in space a third one beside the line between these. Positions and velocities have one scale
+    each.
     """
     if result.compiled is None:
         names = result.coordinate_names()
@@ -328,7 +329,7 @@ def motion(result: Result) -> list[Part]:
     return [part for part in trajectory(result) if part.name != "velocity" and not part.name.endswith("'")]
 
 
-def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, float]]]) -> list[Part]:
+def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, ...]]]) -> list[Part]:
     """Position and velocity of the material at the undeformed ``places`` of bodies [m], with one scale each."""
     assert result.compiled is not None
     position = np.stack([result.point(*at) for at in places], axis=1)
@@ -341,26 +342,35 @@ def motion_of(result: Result, places: Sequence[tuple[str, tuple[float, float]]])
     ]
 
 
-def two_places(compiled: CompiledScene, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, float]]]:
-    """Undeformed places [m], two for each body, that between them see it translate, turn and bend.
+def two_places(compiled: CompiledScene, ends: Sequence[str] = ()) -> list[tuple[str, tuple[float, ...]]]:
+    """Undeformed places [m], two for each body (in space three), that between them see it translate, turn and bend.
 
     Of bodies in ``ends`` they are the ends of what is known of them even if they are rigid.
     """
     return [(body, place) for body in compiled.layout.bodies for place in _two_of(compiled, body, body in ends)]
 
 
-def _two_of(compiled: CompiledScene, body: str, ends: bool) -> list[tuple[float, float]]:
+def _two_of(compiled: CompiledScene, body: str, ends: bool) -> list[tuple[float, ...]]:
     model = compiled.model
+    size = dimension(model.bodies)
     b = compiled.layout.bodies.index(body)
     own = model.points.place[model.points.body == b]
-    if model.bodies.dof[b + 1] - model.bodies.dof[b] == N_RIGID and not (ends and len(own)):
+    if model.bodies.dof[b + 1] - model.bodies.dof[b] == size.rigid and not (ends and len(own)):
+        if size is SPACE:
+            arm = float(np.sqrt(np.trace(model.bodies.second[b]) / model.bodies.mass[b]))
+            return [(0.0, 0.0, 0.0), (arm, 0.0, 0.0), (0.0, arm, 0.0)]
         arm = float(np.sqrt(model.bodies.inertia[b] / model.bodies.mass[b]))
         return [(0.0, 0.0), (arm, 0.0)]
     if not len(own):
         raise ModelError(f"outputs: the flexible body {body!r} has no point whose motion is known; choose outputs")
     first = own[np.linalg.norm(own - own.mean(axis=0), axis=1).argmax()]
     last = own[np.linalg.norm(own - first, axis=1).argmax()]
-    return [(float(x), float(y)) for x, y in (first, last)]
+    chosen = [first, last]
+    if size is SPACE:  # what turns about the line between them
+        along = (last - first) / max(float(np.linalg.norm(last - first)), np.finfo(float).tiny)
+        across = (own - first) - np.outer((own - first) @ along, along)
+        chosen.append(own[np.linalg.norm(across, axis=1).argmax()])
+    return [tuple(map(float, place)) for place in chosen]
 
 
 def _impulses(result: Result) -> list[Part]:

@@ -28,6 +28,7 @@ from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.model.planar import N_RIGID
+from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -89,6 +90,7 @@ def small_vibrations(scene: Scene, spin: float = 0.0) -> Vibrations:
         If no steady state was found near the start.
     """
     spin = in_range("spin", spin, -math.inf, math.inf)
+    refuse_space("small_vibrations", scene)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene")
     compiled = scene.compile(project=True)

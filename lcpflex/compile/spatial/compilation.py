@@ -9,9 +9,9 @@ import numpy as np
 from lcpflex.bodies.spatial.shapes import CapsuleShape, CylinderShape, Shape, SphereShape, SurfaceShape
 from lcpflex.compile.compiled_scene import CompiledScene, Layout
 from lcpflex.compile.consistency import consistent_start
-from lcpflex.compile.sensors import compiled_sensor
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
+from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
@@ -71,7 +71,7 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
         (),
         assembly.signals.functions,
         recovery=tuple(None for _ in parts.bodies),
-        sensors=tuple(compiled_sensor(name, sensor) for name, sensor in parts.sensors.items()),
+        sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )
 
 

@@ -10,7 +10,7 @@ from lcpflex.bodies.body import array_of
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.sensors.sensor import check_sensor, keep_body, keep_text
 
-__all__ = ["Contact", "Reaction", "Section", "Stress"]
+__all__ = ["Contact", "Reaction", "Section", "SpatialReaction", "Stress"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +31,16 @@ class Reaction:
         check_sensor(self)
         keep_text(self, "joint", "the name of a joint")
         keep_text(self, "axes", "'world', 'body' or the name of a body")
+
+
+@dataclass(frozen=True, slots=True)
+class SpatialReaction:
+    """A :class:`Reaction` of a compiled spatial scene."""
+
+    joint: str
+    axes: str
+    every: float | None
+    name: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,7 +140,7 @@ class SpatialScene:
         return name
 
     def load(self, load: Load) -> None:
-        """Add a spring, bushing, force or torque."""
+        """Add a load: a spring, bushing, force or torque."""
         if isinstance(load, type) or not isinstance(load, Load):
             raise ModelError(f"load: {shown(load)} was given, expected a load such as Force(P, value) or Spring(P, Q)")
         check_own(self, "load", load.P)
@@ -161,7 +161,7 @@ class SpatialScene:
         return name
 
     def contact(self, *surfaces: object, **options: object) -> str:
-        """Contact is planar so far: ModelError."""
+        """Contact is planar so far: ModelError, whatever the surfaces and options."""
         raise ModelError("contact: a SpatialScene takes no contacts yet, expected a planar Scene for them")
 
     contact_all = contact

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from lcpflex.basics.arguments import raised, sequence_of
 from lcpflex.bodies.body import Body, FidelityLevel
 from lcpflex.errors import LcpflexError, ModelError, shown
+from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.substitution import settled
 from lcpflex.scene.user_system import UserSystem
@@ -113,6 +114,7 @@ def of_scene(scene: Any) -> Fidelities:
         raise raised("scene", error, "a Scene, a function that makes one, or a Case") from error
     if hasattr(made, "build") and hasattr(made, "duration"):  # a function that returns a case
         made = made.build()
+    refuse_space("right_size", made)
     if not isinstance(made, Scene):
         what = "a UserSystem, which has no bodies," if isinstance(made, UserSystem) else shown(scene)
         raise ModelError(f"scene: {what} was given, expected a Scene, a function that makes one, or a Case")
@@ -159,9 +161,9 @@ def comparable(fidelities: Fidelities, outputs: Any) -> tuple[Output, ...]:
     )
 
 
-def _position(places: Sequence[tuple[str, tuple[float, float]]]) -> Output:
+def _position(places: Sequence[tuple[str, tuple[float, ...]]]) -> Output:
     return Output(MOTION, lambda result: motion_of(result, places)[:1])
 
 
-def _at(places: Sequence[tuple[str, tuple[float, float]]]) -> Callable[[Result], list[Part]]:
+def _at(places: Sequence[tuple[str, tuple[float, ...]]]) -> Callable[[Result], list[Part]]:
     return lambda result: motion_of(result, places)

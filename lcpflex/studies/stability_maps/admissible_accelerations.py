@@ -38,6 +38,7 @@ from lcpflex.dynamics.islands import one_island
 from lcpflex.dynamics.joint_response import joint_impulses
 from lcpflex.errors import ModelError, SolverError, in_range, shown
 from lcpflex.jit.dispatch import link
+from lcpflex.scene.planar_only import refuse_space
 from lcpflex.scene.scene import Scene
 from lcpflex.scene.user_system import UserSystem
 from lcpflex.solvers.contact.compiled import row_forces
@@ -171,6 +172,7 @@ def _same(a: AdmissibleMotion, b: AdmissibleMotion) -> bool:
 def _system(scene: Scene | UserSystem) -> System:
     if isinstance(scene, UserSystem):
         return scene.system()
+    refuse_space("admissible_accelerations", scene)
     if not isinstance(scene, Scene):
         raise ModelError(f"scene: {shown(scene)} was given, expected a Scene or a UserSystem")
     return scene.compiled().system()
