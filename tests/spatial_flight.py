@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import lcpflex as lf
 from lcpflex.jit.kernel import FloatArray
-from tests.spatial_bodies import random_body
+from tests.spatial_bodies import MassBody, random_body
 
 J = np.array([1.0, 2.0, 3.0])
 OMEGA = (0.01, 5.0, 0.01)  # about the middle axis
@@ -41,17 +41,22 @@ def exact_flight(end: float) -> Any:
     return solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-13, atol=1e-14, dense_output=True).sol
 
 
+def flexible_body(given: MassBody, **elastic: FloatArray) -> lf.SpatialBody:
+    """A body of point masses in its mean frame; ``elastic``: stiffness and damping."""
+    weights, modes = given.mass.sum(axis=0), given.n
+    return lf.SpatialBody(
+        mass=float(weights.sum()),
+        second=given.places.T @ given.mass @ given.places,
+        first=np.einsum("mi,mn,knj->kij", given.places, given.mass, given.shapes).reshape(modes, 9),
+        products=np.einsum("lmi,mn,knj->lkij", given.shapes, given.mass, given.shapes).reshape(modes, modes, 9),
+        **elastic,
+    )
+
+
 def flexible_flight(modes: int = 3) -> lf.SpatialScene:
     """A free asymmetric body of point masses, all of its inertia kept, that spins and vibrates."""
     given = random_body(np.random.default_rng(7), modes, centred=True)
-    weights = given.mass.sum(axis=0)
-    body = lf.SpatialBody(
-        mass=float(weights.sum()),
-        second=given.places.T @ given.mass @ given.places,
-        stiffness=40.0 * (1.0 + np.arange(modes)),
-        first=np.einsum("mi,mn,knj->kij", given.places, given.mass, given.shapes).reshape(modes, 9),
-        products=np.einsum("lmi,mn,knj->lkij", given.shapes, given.mass, given.shapes).reshape(modes, modes, 9),
-    )
+    body = flexible_body(given, stiffness=40.0 * (1.0 + np.arange(modes)))
     scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
     eta = 0.05 * np.cos(np.arange(modes))
     scene.add(body, angular_velocity=(1.0, 2.0, -1.5), velocity=VELOCITY, modal=eta, modal_velocity=-eta)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from lcpflex.kinematics.spatial.relative import ALONG, COMPONENT, DISTANCE, PERP
 from lcpflex.model.arrays import frozen
 from lcpflex.model.spatial import SpatialJoints, SpatialPointTable
 from lcpflex.steppers.system import System
+from tests.spatial_bodies import random_body
+from tests.spatial_flight import flexible_body
 
 GROUND = -1
 NONE = np.zeros(3)
@@ -33,10 +36,12 @@ STEADY, FAST = 2.650181072, 32.879066262  # [rad/s] precession of the top
 TILT = math.radians(30.0)
 
 
-def system_of(scene: lf.SpatialScene, joints: Sequence[Joint]) -> System:
-    """A scene of free rigid bodies, joined."""
+def system_of(
+    scene: lf.SpatialScene, joints: Sequence[Joint], shapes: Mapping[int, Any] = MappingProxyType({})
+) -> System:
+    """A scene of free bodies, joined; ``shapes``: phi and psi at the points of those that are flexible."""
     compiled, table = scene.compile(), SpatialPointTable()
-    points = [[table.add(body, place, [], []) for body, place in ends] for *ends, _ in joints]
+    points = [[table.add(body, place, *shapes.get(body, ([], []))) for body, place in ends] for *ends, _ in joints]
     rows = [row for *_, own in joints for row in own]
     kinds, axes, directions, rest = zip(*rows, strict=True)
     made = SpatialJoints(
@@ -108,3 +113,14 @@ def slider_crank() -> System:
     scene.add(lf.Cuboid(0.1, 0.1, 0.1, mass=2.0), position=place * X, velocity=speed * X)
     rod: Joint = ((1, NONE), (0, 0.08 * Y), [(DISTANCE, NONE, NONE, 0.3)])
     return system_of(scene, [((0, NONE), (GROUND, 0.12 * Z), HINGE), ((1, NONE), (GROUND, NONE), SLIDE), rod])
+
+
+def flexible_pendulum(modes: int = 3) -> System:
+    """A damped flexible body of point masses that hangs on a ball joint at one of them, and spins."""
+    given = random_body(np.random.default_rng(7), modes, centred=True)
+    body = flexible_body(given, stiffness=400.0 * (1.0 + np.arange(modes)), damping=np.ones(modes))
+    omega, place = np.array([1.0, 2.0, -1.5]), given.places[0]
+    scene = lf.SpatialScene()
+    scene.add(body, position=-place, angular_velocity=omega, velocity=-np.cross(omega, place))
+    turns = 0.3 * np.random.default_rng(1).normal(size=(modes, 3))
+    return system_of(scene, [((0, place), (GROUND, NONE), BALL)], {0: (given.shapes[:, 0], turns)})

@@ -17,6 +17,7 @@ from tests.spatial_mechanisms import (
     angles_of_pendulum,
     axis_in_precession,
     axis_of_top,
+    flexible_pendulum,
     pendulum,
     simulated,
     slider_crank,
@@ -93,6 +94,23 @@ def test_a_spatial_slider_crank_runs_free_with_order_two(name: str) -> None:
     # errors of opposite signs make it fall faster at first under Moreau-Jean
     assert_rate(1.0 / steps, errors, 2.0, within=(0.1, 0.2 if name == "alpha" else 0.8))
     assert errors[-1] < 1e-4
+
+
+@pytest.mark.parametrize("name", STEPPERS)
+def test_a_flexible_pendulum_with_order_two(name: str) -> None:
+    """Against Runge-Kutta steps to 1e-12: a ball joint at a material point that moves and turns with the modes."""
+    exact = simulated(flexible_pendulum(), 0.5, lf.EventDriven(rtol=1e-12, atol=1e-13))
+    steps = 200 * 2 ** np.arange(3)
+    errors, unexplained = [], []
+    for n in steps:
+        found = simulated(flexible_pendulum(), 0.5, STEPPERS[name](0.5 / n))
+        assert found["joint_drift"].max() < 1e-11
+        errors.append([np.abs(found[part][-1] - exact[part][-1]).max() for part in ("q", "u")])
+        audit = found["energies"][:, :6].sum(axis=1) - found["energies"][:, 6]
+        unexplained.append(abs(audit[1] - audit[0]))
+    assert_rate(1.0 / steps, errors, 2.0, within=0.1)
+    assert np.max(errors[-1]) < 4e-5
+    assert unexplained[-1] < 5e-5  # of 22 J
 
 
 @pytest.mark.parametrize(("make", "power"), [(lf.GeneralizedAlpha, 2 / 3), (lf.MoreauJean, 1.0)])
