@@ -77,6 +77,12 @@ if TYPE_CHECKING:
     from lcpflex.scene.loads.torsion_spring import TorsionSpring
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.slots import Slot, SlotParts
+    from lcpflex.scene.spatial.joints.ball import Ball
+    from lcpflex.scene.spatial.joints.cylindrical import Cylindrical
+    from lcpflex.scene.spatial.joints.planar import Planar
+    from lcpflex.scene.spatial.joints.point_on_plane import PointOnPlane
+    from lcpflex.scene.spatial.joints.universal import Universal
+    from lcpflex.scene.spatial.loads.bushing import Bushing
     from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.solvers.auto import Auto
@@ -96,15 +102,18 @@ if TYPE_CHECKING:
 __all__ = [
     "AdaptiveStep",
     "Auto",
+    "Ball",
     "Bar",
     "Beam",
     "Box",
+    "Bushing",
     "Capsule",
     "ContactLaw",
     "Continuum",
     "ConvexHull",
     "Cuboid",
     "Cylinder",
+    "Cylindrical",
     "Disc",
     "Distance",
     "DrivenAngle",
@@ -127,7 +136,9 @@ __all__ = [
     "MoreauJean",
     "Newton",
     "Penalty",
+    "Planar",
     "PointOnLine",
+    "PointOnPlane",
     "Poisson",
     "Polygon",
     "Prismatic",
@@ -159,6 +170,7 @@ __all__ = [
     "Table",
     "Torque",
     "TorsionSpring",
+    "Universal",
     "UserSystem",
     "Verlet",
     "Weld",

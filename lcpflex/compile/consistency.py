@@ -18,9 +18,10 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative import UNITS
 from lcpflex.model.arrays import Model
-from lcpflex.model.layout import dimension, place_offsets
+from lcpflex.model.layout import dimension, is_spatial, place_offsets
 from lcpflex.scene.handles import Placed
 from lcpflex.scene.joints.joint import Joint
+from lcpflex.scene.spatial.relative import SpatialJoint
 
 __all__ = [
     "consistent_start",
@@ -89,7 +90,7 @@ def refuse_overbent(model: Model, q: FloatArray, names: Sequence[str]) -> None:
 
 def consistent_start(
     model: Any,
-    joints: Mapping[str, Joint],
+    joints: Mapping[str, Joint | SpatialJoint],
     q: FloatArray,
     u: FloatArray,
     external: FloatArray,
@@ -97,7 +98,7 @@ def consistent_start(
     project: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """A start that fulfils the joints: the given one, or its projection."""
-    units = [UNITS[kind] for kind in model.joints.kind]
+    units = _units(model)
     frames = place_offsets(model.bodies)[:-1, None] + np.arange(dimension(model.bodies).components)
     reach = max(size, float(np.abs(q[frames]).max()))
     scale = np.array([reach if unit == "m" else 1.0 for unit in units])
@@ -108,10 +109,19 @@ def consistent_start(
     return q, u
 
 
+def _units(model: Any) -> list[str]:
+    """Of the rows of all joints."""
+    if not is_spatial(model):
+        return [UNITS[kind] for kind in model.joints.kind]
+    from lcpflex.kinematics.spatial.relative import UNITS as SPATIAL_UNITS  # kernels that planar scenes do without
+
+    return [SPATIAL_UNITS[kind] for kind in model.joints.kind]
+
+
 def _refuse_violation(
     found: start.Violation,
     model: Model,
-    joints: Mapping[str, Joint],
+    joints: Mapping[str, Joint | SpatialJoint],
     units: Sequence[str],
     scale: FloatArray,
     project: bool,

@@ -44,7 +44,8 @@ def _components(load: Load, form: Effort, assembly: Assembly) -> tuple[int, int]
     """Numbers of the functions of time of the components; twice the same one where there is one."""
     name = f"{getattr(load, 'name', '') or type(load).__name__.lower()} at {load.P.label}"
     if callable(form.value):
-        return assembly.signals.force_pair(name, form.value)
+        first, second = assembly.signals.force_components(name, form.value, 2)
+        return first, second
     if len(form.value) == 1:
         number = assembly.signals.force(name, form.value[0])
         return number, number

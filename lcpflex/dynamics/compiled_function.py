@@ -20,11 +20,13 @@ from lcpflex.scene.functions_of_time import Function, takes_state
 
 __all__ = ["DIFFERENCE_STEP", "CompiledFunction", "called", "compiled_source"]
 
-VALUE, PAIR, MOTION, TRIPLE = range(4)  # a force, both components of one, a motion, that with its derivatives
-SHAPES = {VALUE: ((), (1,)), PAIR: ((2,),), MOTION: ((), (1,), (3,))}
+# a force, both components of one in the plane, a motion, that with its derivatives, three components of a force
+VALUE, PAIR, MOTION, TRIPLE, VECTOR = range(5)
+SHAPES = {VALUE: ((), (1,)), PAIR: ((2,),), MOTION: ((), (1,), (3,)), VECTOR: ((3,),)}
 EXPECTED = {
     VALUE: "a finite number",
     PAIR: "2 finite numbers",
+    VECTOR: "3 finite numbers",
     MOTION: "a finite number or three: value, rate, acceleration",
 }
 MISHAP, TIME = 0, 1  # entries of the data block: what went wrong first, and when
@@ -46,7 +48,7 @@ def compiled_source(function: Any) -> Any:
 
 
 class CompiledFunction:
-    """A function of time at an address; ``form``: VALUE, PAIR or MOTION."""
+    """A function of time at an address; ``form``: VALUE, PAIR, VECTOR or MOTION."""
 
     def __init__(self, name: str, function: Callable[..., Any], form: int) -> None:
         self.name, self.function = name, function
@@ -109,7 +111,7 @@ def _compiled(source: Any, form: int) -> Any:
     """Numba's callback (time, component, unused, data block) -> float. Raises ModelError for what does not compile."""
     import numba
 
-    ask = numba.njit({VALUE: _value, PAIR: _component, MOTION: _difference, TRIPLE: _component}[form](source))
+    ask = numba.njit({VALUE: _value, MOTION: _difference}.get(form, _component)(source))
 
     def call(t, component, unused, block):  # type: ignore[no-untyped-def]
         data = numba.carray(block, (2,))

@@ -17,6 +17,7 @@ from lcpflex.dynamics.compiled_function import (
     MOTION,
     PAIR,
     VALUE,
+    VECTOR,
     CompiledFunction,
     called,
     compiled_source,
@@ -40,6 +41,7 @@ __all__ = [
 ]
 
 PIECES, HARMONIC, EXTERNAL, COMPILED = range(4)
+COMPONENTS = {1: VALUE, 2: PAIR, 3: VECTOR}
 WHOLE = -1  # in place of a component: a motion with its derivatives
 
 
@@ -142,7 +144,7 @@ def _turned(angle: float, s: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class ForceCallback:
-    """A Python force: f(t) or f(t, state), for one external slot or two."""
+    """A Python force: f(t) or f(t, state), for an external slot or one for each component."""
 
     name: str
     function: Callable[..., Any]
@@ -152,7 +154,7 @@ class ForceCallback:
     def fill(self, t: float, state: Any, external: FloatArray) -> None:
         """Write f into ``external`` (slots, 3). Raises ModelError if the function fails or returns something else."""
         arguments = (t, state) if self.with_state else (t,)
-        values = called(self.name, PAIR if len(self.slots) == 2 else VALUE, self.function, *arguments)
+        values = called(self.name, COMPONENTS[len(self.slots)], self.function, *arguments)
         external[list(self.slots), 0] = values.reshape(len(self.slots))
 
 
@@ -249,14 +251,13 @@ class SignalTable:
             return self._external()
         return self._add(value, smooth=False)
 
-    def force_pair(self, name: str, value: Callable[..., Any]) -> tuple[int, int]:
-        """Register a Python function that returns both components of a force."""
+    def force_components(self, name: str, value: Callable[..., Any], n: int) -> tuple[int, ...]:
+        """Register a Python function that returns all n components of a force."""
         if compiled_source(value) is not None:
-            x, y = self._compiled(name, value, PAIR, (0, 1))
-            return x, y
-        slots = (self.n_external, self.n_external + 1)
+            return tuple(self._compiled(name, value, COMPONENTS[n], tuple(range(n))))
+        slots = tuple(self.n_external + k for k in range(n))
         self._callbacks.append(ForceCallback(name, value, slots, takes_state(value)))
-        return self._external(), self._external()
+        return tuple(self._external() for _ in range(n))
 
     def compile(self) -> tuple[Signals, tuple[Callback, ...]]:
         """All functions so far as read-only arrays, and the Python ones among them."""

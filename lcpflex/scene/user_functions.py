@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, Any
 from lcpflex import force_laws
 from lcpflex.errors import ModelError
 from lcpflex.scene.functions_of_time import Function
-from lcpflex.scene.loads.load import Load
 
 if TYPE_CHECKING:
     from lcpflex.force_laws.law import Law
     from lcpflex.scene.declared import Parts
-    from lcpflex.scene.joints.joint import Joint
     from lcpflex.scene.spatial.scene import SpatialParts
 
 __all__ = ["check_names", "functions_of"]
@@ -46,7 +44,7 @@ def functions_of(parts: Parts | SpatialParts) -> Iterator[tuple[str, Any]]:
     yield from ((f"sensor {name!r}: function", getattr(one, "function", None)) for name, one in parts.sensors.items())
 
 
-def _of_load(number: int, load: Load) -> Iterator[tuple[str, Any]]:
+def _of_load(number: int, load: Any) -> Iterator[tuple[str, Any]]:
     value = getattr(load, "value", None)
     holder = f"load {number} ({type(load).__name__} on {load.P.label}): value"
     if isinstance(value, tuple):
@@ -55,7 +53,7 @@ def _of_load(number: int, load: Load) -> Iterator[tuple[str, Any]]:
         yield holder, value
 
 
-def _of_joint(name: str, joint: Joint) -> Iterator[tuple[str, Any]]:
+def _of_joint(name: str, joint: Any) -> Iterator[tuple[str, Any]]:
     for field in ("motion", "length"):
         yield f"joint {name!r} ({type(joint).__name__}): {field}", getattr(joint, field, None)
 

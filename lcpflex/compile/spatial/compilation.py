@@ -11,12 +11,14 @@ from lcpflex.compile.compiled_scene import CompiledScene, Layout
 from lcpflex.compile.consistency import consistent_start
 from lcpflex.compile.spatial.assembly import SpatialAssembly
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
+from lcpflex.compile.spatial.joints import compile_spatial_joints
+from lcpflex.compile.spatial.loads import compile_spatial_loads
 from lcpflex.compile.spatial.sensors import compiled_spatial_sensor
 from lcpflex.dynamics.spatial.state import SpatialState
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.arrays import Contacts, empty, frozen
-from lcpflex.model.spatial import SpatialJoints, SpatialLoads, SpatialModel
+from lcpflex.model.spatial import SpatialModel
 from lcpflex.scene.spatial.scene import SpatialParts
 
 if TYPE_CHECKING:
@@ -39,7 +41,8 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
         for p, body in zip(parts.placed, parts.bodies, strict=True)
         for name, point in body.points.items()
     }
-    joints, loads = no_joints(), only_weight(scene.gravity)
+    joints = compile_spatial_joints(parts.joints, assembly, project)
+    loads = compile_spatial_loads(scene.gravity, parts.loads, assembly)
     signals, callbacks = assembly.signals.compile()
     model = SpatialModel(bodies, assembly.points.compile(), signals, joints, loads, empty(Contacts))
     layout = Layout(
@@ -72,20 +75,6 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
         assembly.signals.functions,
         recovery=tuple(None for _ in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
-    )
-
-
-def no_joints() -> SpatialJoints:
-    """Arrays of no joints."""
-    pairs, rows, triples = frozen([], np.int64, columns=2), frozen([], np.int64), frozen([], columns=3)
-    return SpatialJoints(pairs, frozen([0], np.int64), rows, triples, triples, triples, frozen([]), rows)
-
-
-def only_weight(gravity: FloatArray) -> SpatialLoads:
-    """Arrays of no loads but gravity."""
-    pairs, rows, triples = frozen([], np.int64, columns=2), frozen([], np.int64), frozen([], columns=3)
-    return SpatialLoads(
-        frozen(gravity), rows, pairs, triples, triples, triples, triples, rows, rows, frozen([], np.int64, columns=3)
     )
 
 

@@ -10,6 +10,7 @@ from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
 from lcpflex.scene.joints.joint import check_joint
 from lcpflex.scene.relative import Relative
+from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["Distance"]
 
@@ -42,3 +43,7 @@ class Distance:
         if self.length is None or isinstance(self.length, float):
             return (Relative("distance", rest=self.length),)
         return (Relative("distance", motion=self.length),)
+
+    def spatial_rows(self) -> tuple[SpatialRelative, ...]:
+        """The same in space."""
+        return tuple(SpatialRelative("distance", rest=row.rest, motion=row.motion) for row in self.rows())

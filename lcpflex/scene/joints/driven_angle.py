@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
 from lcpflex.scene.joints.joint import check_joint, keep_angle
 from lcpflex.scene.relative import Relative
+from lcpflex.scene.spatial import axes
+from lcpflex.scene.spatial.angle import angle_about
+from lcpflex.scene.spatial.keep import keep_axes, keep_half_turn
+from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["DrivenAngle"]
 
@@ -22,6 +28,11 @@ class DrivenAngle:
     the rotation since then; 0 makes f the relative angle itself. Raises ModelError for points that cannot be joined or
     a motion that is none.
 
+    In space the angle is that about ``axis`` (3,), fixed in the material at Q and parallel to what coincides with it at
+    P at the start; the revolute joint beside it keeps them so. It is counted over any number of turns. The relative
+    angle is 0 where the axes of the two bodies are parallel, if the axis has the same components in both; if it has
+    not, where they are after the shortest rotation that takes one to the other.
+
     P, Q: points of two bodies, or of a body and of the ground. name: of the joint, for results and messages;
     joint1, joint2, ... if empty.
     """
@@ -31,12 +42,20 @@ class DrivenAngle:
     motion: Motion
     angle: float | None = None
     name: str = ""
+    axis: npt.ArrayLike | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_joint(self)
+        if check_joint(self, space=("axis",)):
+            keep_axes(self, ("axis",), needed=("axis",))
+            keep_half_turn(self)
+            axes.check_turns(self, self.spatial_rows())
         keep_angle(self)
         object.__setattr__(self, "motion", checked_motion("DrivenAngle: motion", self.motion))
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
         return (Relative("angle", rest=self.angle, motion=self.motion),)
+
+    def spatial_rows(self) -> tuple[SpatialRelative, ...]:
+        """The same in space."""
+        return (angle_about(self.axis, self.angle, self.motion),)  # type: ignore[arg-type]  # a unit vector

@@ -10,6 +10,9 @@ from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.functions_of_time import Motion, checked_motion
 from lcpflex.scene.joints.joint import check_joint, unit
 from lcpflex.scene.relative import Relative
+from lcpflex.scene.spatial import axes
+from lcpflex.scene.spatial.keep import keep_line
+from lcpflex.scene.spatial.relative import SpatialRelative
 
 __all__ = ["DrivenDisplacement"]
 
@@ -18,7 +21,7 @@ __all__ = ["DrivenDisplacement"]
 class DrivenDisplacement:
     """Linear drive: axis_Q.(r_P - r_Q) - f(t) = 0 (1 row). It guides nothing: add a prismatic joint or a line.
 
-    ``axis`` (2,) is fixed in the material at Q. ``motion`` f [m] is a number,
+    ``axis`` (2,), in space (3,), is fixed in the material at Q. ``motion`` f [m] is a number,
     :class:`~lcpflex.scene.functions_of_time.Harmonic`,
     :class:`~lcpflex.scene.functions_of_time.Table` or Python function of time. Raises ModelError for points that
     cannot be joined, a zero axis or a motion that is none.
@@ -33,10 +36,16 @@ class DrivenDisplacement:
     name: str = ""
 
     def __post_init__(self) -> None:
-        check_joint(self)
-        object.__setattr__(self, "axis", unit("DrivenDisplacement", self.axis))
+        in_space = check_joint(self)
+        keep_line(self, omitted=False)
         object.__setattr__(self, "motion", checked_motion("DrivenDisplacement: motion", self.motion))
+        if in_space:
+            axes.check_turns(self, self.spatial_rows())
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
         return (Relative("along", unit("DrivenDisplacement", self.axis), motion=self.motion),)
+
+    def spatial_rows(self) -> tuple[SpatialRelative, ...]:
+        """The same in space."""
+        return (SpatialRelative("along", self.axis, motion=self.motion),)  # type: ignore[arg-type]  # a unit vector

@@ -14,7 +14,7 @@ from lcpflex.bodies.placed_point import PlacedPoint, check_pair
 from lcpflex.errors import ModelError, shown
 from lcpflex.scene.relative import Relative
 
-__all__ = ["COINCIDENCE", "Joint", "across", "check_joint", "keep_angle", "unit"]
+__all__ = ["COINCIDENCE", "Joint", "across", "check_joint", "keep_angle", "refuse_foreign", "unit"]
 
 COINCIDENCE = (Relative("component", (1.0, 0.0)), Relative("component", (0.0, 1.0)))  # r_P - r_Q = 0
 
@@ -37,8 +37,11 @@ class Joint(Protocol):
         ...
 
 
-def check_joint(joint: Any) -> None:
-    """Points on two bodies, and a name that is one."""
+def check_joint(joint: Any, plane: tuple[str, ...] = (), space: tuple[str, ...] = ()) -> bool:
+    """Points on two bodies, and a name that is one; whether they are points of space.
+
+    plane, space: arguments that have a meaning in the plane alone, and in space alone; elsewhere they must be omitted.
+    """
     owner = type(joint).__name__
     check_pair(owner, joint.P, joint.Q)
     if joint.P.body == joint.Q.body:
@@ -47,6 +50,16 @@ def check_joint(joint: Any) -> None:
         )
     if not isinstance(joint.name, str):
         raise ModelError(f"{owner}: name: {shown(joint.name)} was given, expected a text")
+    refuse_foreign(joint, plane, space)
+    return bool(joint.P.in_space)
+
+
+def refuse_foreign(part: Any, plane: tuple[str, ...], space: tuple[str, ...]) -> None:
+    """Raise ModelError for an argument of a joint or load that has no meaning in the scene of its points."""
+    owner, where = type(part).__name__, "a spatial" if part.P.in_space else "a planar"
+    for name in plane if part.P.in_space else space:
+        if (given := getattr(part, name)) is not None and given is not False:
+            raise ModelError(f"{owner}: {name}: {shown(given)} was given with points of {where} scene, expected none")
 
 
 def keep_angle(joint: Any) -> None:

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy.typing as npt
 
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.joints.joint import COINCIDENCE, check_joint, keep_angle
 from lcpflex.scene.relative import Relative
+from lcpflex.scene.spatial import axes
+from lcpflex.scene.spatial.keep import keep_orientation
+from lcpflex.scene.spatial.relative import SpatialRelative
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 __all__ = ["Weld"]
 
@@ -18,6 +27,10 @@ class Weld:
     ``angle`` [rad] is the relative angle of the start configuration if omitted. Raises ModelError for points
     that cannot be joined or an angle that is not finite.
 
+    In space (6 rows) they keep their relative rotation A_Q^T A_P = ``orientation``, a scipy Rotation or a 3 x 3 matrix
+    whose columns are the axes of the body of P in those of the body of Q; that of the start if omitted. A start more
+    than 30 degrees from a given one is refused.
+
     name: of the joint, for results and messages; joint1, joint2, ... if empty.
     """
 
@@ -25,11 +38,18 @@ class Weld:
     Q: PlacedPoint
     angle: float | None = None
     name: str = ""
+    orientation: Rotation | npt.ArrayLike | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
-        check_joint(self)
+        if check_joint(self, plane=("angle",), space=("orientation",)):
+            keep_orientation(self)
+            axes.check_turns(self, self.spatial_rows())
         keep_angle(self)
 
     def rows(self) -> tuple[Relative, ...]:
         """The relative coordinates that are prescribed."""
         return *COINCIDENCE, Relative("angle", rest=self.angle)
+
+    def spatial_rows(self) -> tuple[SpatialRelative, ...]:
+        """The same in space."""
+        return *axes.COINCIDENCE, *axes.locked(self.orientation)  # type: ignore[arg-type]  # a matrix or None

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
+from lcpflex.basics.arguments import sequence_of
 from lcpflex.basics.options import keep_number, keep_number_or_none
 from lcpflex.bodies.placed_point import PlacedPoint, check_pair, check_point
 from lcpflex.errors import ModelError, shown
-from lcpflex.scene.functions_of_time import Signal
+from lcpflex.scene.functions_of_time import checked_motion
+from lcpflex.scene.loads.effort import Effort
 from lcpflex.scene.relative import Relative
 
-__all__ = ["Effort", "Load", "Resistance", "check_loaded", "check_spring"]
+__all__ = ["Effort", "Load", "Resistance", "check_loaded", "check_rotation", "check_spring", "keep_components"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,14 +24,6 @@ class Resistance:
     coordinate: Relative
     stiffness: float  # k [N/m] or [N m/rad]
     damping: float  # d [N s/m] or [N m s/rad]
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """Force or torque at the point P of a load: its components, or one function that returns both."""
-
-    kind: str  # a name in :data:`lcpflex.dynamics.applied_forces.EFFORTS`
-    value: tuple[Signal, ...] | Callable[..., Any]
 
 
 @runtime_checkable
@@ -64,3 +57,23 @@ def check_loaded(load: Any) -> None:
         raise ModelError(f"{owner}: name: {shown(load.name)} was given, expected a text")
     if load.P.body < 0:
         raise ModelError(f"{owner}: P: {load.P.label} was given, expected a point of a body: the ground does not move")
+
+
+def check_rotation(load: Any) -> None:
+    """A point of space whose rotation is known, or any of the plane."""
+    if load.P.in_space and not load.P.material.turns:
+        raise ModelError(
+            f"{type(load).__name__}: P: {load.P.label} was given, whose nodes lie on one line and tell no rotation "
+            "about it, expected nodes that span a surface"
+        )
+
+
+def keep_components(load: Any, names: tuple[str, ...]) -> None:
+    """Keep the value of a force or torque as a tuple of functions of time, one for each of ``names``."""
+    owner, count = type(load).__name__, {2: "a pair", 3: "a triple"}[len(names)]
+    expected = f"{count} ({', '.join(names)}) or a Python function of the time"
+    parts = sequence_of(f"{owner}: value", load.value, expected)
+    if len(parts) != len(names):
+        raise ModelError(f"{owner}: value: {shown(load.value)} was given, expected {expected}")
+    kept = tuple(checked_motion(f"{owner}: value[{k}]", part) for k, part in enumerate(parts))
+    object.__setattr__(load, "value", kept)

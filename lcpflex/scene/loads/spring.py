@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from lcpflex.bodies.placed_point import PlacedPoint
 from lcpflex.scene.loads.load import Resistance, check_spring
 from lcpflex.scene.relative import Relative
+from lcpflex.scene.spatial.relative import SpatialRelative, SpatialResistance
 
 __all__ = ["Spring"]
 
@@ -31,3 +32,7 @@ class Spring:
     def form(self) -> Resistance:
         """For the compilation."""
         return Resistance(Relative("distance", rest=self.length), self.stiffness, self.damping)
+
+    def spatial_forms(self) -> tuple[SpatialResistance, ...]:
+        """The same in space."""
+        return (SpatialResistance(SpatialRelative("distance", rest=self.length), self.stiffness, self.damping),)

@@ -14,13 +14,12 @@ from lcpflex.bodies.body import Body
 from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.scene import compiling
-from lcpflex.scene.joints.joint import Joint
-from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import check_own
 from lcpflex.scene.sensors.sensor import Sensor
 from lcpflex.scene.spatial.handles import SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
+from lcpflex.scene.spatial.relative import SpatialJoint, SpatialLoad
 from lcpflex.scene.user_functions import check_names, functions_of
 
 if TYPE_CHECKING:
@@ -36,8 +35,8 @@ class SpatialParts(NamedTuple):
     """All that has been declared of a spatial scene."""
 
     placed: tuple[SpatialPlaced, ...]
-    joints: dict[str, Joint]
-    loads: tuple[Load, ...]
+    joints: dict[str, SpatialJoint]
+    loads: tuple[SpatialLoad, ...]
     sensors: dict[str, Sensor]
 
     @property
@@ -67,8 +66,8 @@ class SpatialScene:
         self.gravity = _gravity(gravity)
         self.ground = SpatialPlaced("ground", -1, None, (np.zeros(0), np.zeros(0)), self)
         self._placed: dict[str, SpatialPlaced] = {}
-        self._joints: dict[str, Joint] = {}
-        self._loads: list[Load] = []
+        self._joints: dict[str, SpatialJoint] = {}
+        self._loads: list[SpatialLoad] = []
         self._sensors: dict[str, Sensor] = {}
 
     def __getstate__(self) -> dict[str, Any]:
@@ -130,18 +129,21 @@ class SpatialScene:
             raise ModelError(f"name: no body {absent(name, self._placed)}")
         return self._placed[name]
 
-    def join(self, joint: Joint) -> str:
+    def join(self, joint: SpatialJoint) -> str:
         """Add a joint or a drive; returns its name (joint1, joint2, ... if omitted)."""
-        if isinstance(joint, type) or not isinstance(joint, Joint):
+        if isinstance(joint, type) or not isinstance(joint, SpatialJoint):
             raise ModelError(f"joint: {shown(joint)} was given, expected a joint such as Ball(P, Q)")
         check_own(self, "joint", joint.P)
         name = free_name("joint", joint.name or None, self._joints)
         self._joints[name] = joint
         return name
 
-    def load(self, load: Load) -> None:
-        """Add a load: a spring, bushing, force or torque."""
-        if isinstance(load, type) or not isinstance(load, Load):
+    def load(self, load: SpatialLoad) -> None:
+        """Add a spring, bushing, force or torque.
+
+        load: ``Spring``, ``TorsionSpring``, ``Bushing``, ``Force`` or ``Torque``.
+        """
+        if isinstance(load, type) or not isinstance(load, SpatialLoad):
             raise ModelError(f"load: {shown(load)} was given, expected a load such as Force(P, value) or Spring(P, Q)")
         check_own(self, "load", load.P)
         self._loads.append(load)

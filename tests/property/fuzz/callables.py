@@ -9,6 +9,7 @@ from tests.property.fuzz.faces_of_laws import advice_faces, law_faces, mesh_face
 from tests.property.fuzz.faces_of_scenes import bodies_faces, run_faces, scene_faces, sensor_faces
 from tests.property.fuzz.faces_of_solvers import solver_faces
 from tests.property.fuzz.faces_of_spatial_bodies import spatial_bodies_faces
+from tests.property.fuzz.faces_of_spatial_scenes import spatial_parts_faces
 from tests.property.fuzz.faces_of_studies import gallery_faces, study_faces
 
 __all__ = ["INTERNAL", "OUTPUTS", "PLAIN", "SLOW", "faces"]
@@ -91,6 +92,7 @@ def faces() -> tuple[Face, ...]:
     parts = (
         bodies_faces,
         spatial_bodies_faces,
+        spatial_parts_faces,
         scene_faces,
         run_faces,
         sensor_faces,

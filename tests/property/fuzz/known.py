@@ -62,6 +62,8 @@ TAKEN: dict[tuple[str, str], set[str]] = {
     ("SpatialMatrices", "node_sets"): {"dict"},
     ("matrices_from_files", "node_sets"): {"dict"},
     ("Force", "P"): {"strange point"},  # the scene is known when it is loaded with the force
+    ("Force in space", "value"): {"three"},
+    ("Torque in space", "value"): {"three"},
     ("Torque", "P"): {"strange point"},
     ("Point", "P"): {"strange point"},  # as with sensors
     **{(sensor, "body"): {"stranger"} for sensor in ("Body", "Section", "Stress")},

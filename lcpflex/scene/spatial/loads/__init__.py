@@ -1,0 +1,1 @@
+"""Loads that there are in space only; those of both are in :mod:`lcpflex.scene.loads`."""

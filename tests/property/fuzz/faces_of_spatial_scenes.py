@@ -1,0 +1,55 @@
+"""Joints and loads of space."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import lcpflex as lf
+from tests.property.fuzz.face import Face
+
+__all__ = ["spatial_parts_faces"]
+
+
+def _points() -> dict[str, Any]:
+    scene = lf.SpatialScene()
+    body = scene.add(lf.Sphere(0.1, mass=1.0), name="ball", position=(0.0, 0.0, 0.5))
+    return {"P": body.at(0.0, 0.0, 0.1), "Q": scene.ground.at(0.0, 0.0, 0.6)}
+
+
+def spatial_parts_faces() -> list[Face]:
+    axis = (0.0, 0.0, 1.0)
+
+    def part(name: str, label: str = "", **more: Any) -> Face:
+        return Face(label or name, getattr(lf, name), lambda: {**_points(), **more})
+
+    def pushed(name: str, **more: Any) -> Face:
+        return Face(
+            f"{name} in space", getattr(lf, name), lambda: {"P": _points()["P"], "value": (1.0, 0.0, 0.0), **more}
+        )
+
+    def scene() -> lf.SpatialScene:
+        made = lf.SpatialScene()
+        made.add(lf.Sphere(0.1, mass=1.0), name="ball")
+        return made
+
+    return [
+        Face("SpatialScene", lf.SpatialScene, dict),
+        Face("SpatialScene.add", lf.SpatialScene.add, lambda: {"body": lf.Sphere(0.1, mass=1.0)}, lf.SpatialScene),
+        Face("SpatialScene.body", lf.SpatialScene.body, lambda: {"name": "ball"}, scene),
+        Face("SpatialScene.compile", lf.SpatialScene.compile, dict, scene),
+        part("Ball"),
+        part("Universal", axis=axis, axis_p=(1.0, 0.0, 0.0)),
+        part("Cylindrical", axis=axis),
+        part("Planar", axis=axis),
+        part("PointOnPlane", axis=axis),
+        part("Bushing", stiffness=1.0),
+        part("Revolute", "Revolute in space", axis=axis),
+        part("Weld", "Weld in space"),
+        part("Prismatic", "Prismatic in space", axis=axis),
+        part("PointOnLine", "PointOnLine in space", axis=axis),
+        part("DrivenAngle", "DrivenAngle in space", axis=axis, motion=0.0),
+        part("DrivenDisplacement", "DrivenDisplacement in space", axis=axis, motion=0.0),
+        part("TorsionSpring", "TorsionSpring in space", axis=axis, stiffness=1.0),
+        pushed("Force"),
+        pushed("Torque"),
+    ]
