@@ -14,9 +14,10 @@ from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.joint_rows import joint_residual, joint_rows
 from lcpflex.model.arrays import Model
 
-__all__ = ["Violation", "project", "violation"]
+__all__ = ["Violation", "correctable", "project", "violation"]
 
 ITERATIONS = 50
+NO_STEP = 1e-15  # of the largest number in q: a correction that is rounding
 INDEPENDENT = 1e-12  # singular values of J M^-1 J^T below this part of the largest belong to redundant joint rows
 
 
@@ -64,7 +65,8 @@ def project(
     """The state nearest to (q, u), in the mass metric, that fulfils the joints to ``tolerance`` (r,).
 
     q by Newton steps with the velocity -M^-1 J^T (J M^-1 J^T)^-1 phi, u by one such step of phidot. Where the joints
-    cannot be fulfilled the state returned still violates them.
+    cannot be fulfilled the state returned still violates them: redundant ones that contradict each other as little as
+    it can be.
     """
     model, q = pack(model), q.copy()
     for _ in range(ITERATIONS):
@@ -73,9 +75,17 @@ def project(
             break
         moved = nearest(model, mass_matrix(model, q), state.jacobian, state.position)
         advance(model, q, -moved, 1.0, q)
+        if not np.abs(moved).max(initial=0.0) > NO_STEP * (1.0 + np.abs(q).max()):
+            break
     state = violation(model, q, u, external)
     J = state.jacobian
     return q, u - nearest(model, mass_matrix(model, q), J, J @ u + state.rate)
+
+
+def correctable(model: Model, q: FloatArray, state: Violation) -> FloatArray:
+    """(r,) the part of ``state.position`` at q that a projection would take away, to first order: |J dq|."""
+    model, J = pack(model), state.jacobian
+    return np.asarray(np.abs(J @ nearest(model, mass_matrix(model, q), J, state.position)))
 
 
 @in_space("lcpflex.dynamics.spatial.start")

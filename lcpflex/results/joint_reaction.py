@@ -11,7 +11,8 @@ import numpy as np
 
 from lcpflex.basics.arguments import absent
 from lcpflex.errors import ModelError
-from lcpflex.kinematics.relative import ALONG, ANGLE, COMPONENT, DISTANCE
+from lcpflex.kinematics.lengths import LENGTHS
+from lcpflex.kinematics.relative import ANGLE, COMPONENT, DISTANCE
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.layout import SPACE, dimension
 from lcpflex.results.orientation import body_angle, body_orientation
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from lcpflex.results.result import Result
 
 __all__ = ["JointReaction", "joint_reaction"]
-
-FORCES = COMPONENT, ALONG, DISTANCE  # kinds of rows that make a force; others a moment alone
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,7 +187,7 @@ def _drive(result: Result, joint: int, stored: FloatArray) -> FloatArray | None:
     if len(driven) != 1:
         return None
     kind, d = int(model.joints.kind[driven[0]]), dimension(model.bodies)
-    if np.count_nonzero(np.isin(model.joints.kind[rows], FORCES) == (kind in FORCES)) > 1:
+    if np.count_nonzero(np.isin(model.joints.kind[rows], LENGTHS) == (kind in LENGTHS)) > 1:
         return None  # other rows add to what is stored
     if kind == ANGLE and d is not SPACE:
         return stored[:, 2]
