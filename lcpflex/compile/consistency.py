@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -13,7 +14,7 @@ from lcpflex.contact.near import near, surfaces_of
 from lcpflex.dynamics import start
 from lcpflex.dynamics.mass_matrix import overbent
 from lcpflex.dynamics.time_functions import State
-from lcpflex.errors import ModelError
+from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative import UNITS
@@ -33,6 +34,7 @@ __all__ = [
 
 JOINT_TOLERANCE = 1e-9  # [rad], or times the size of the scene [m]; the same for velocities
 PROJECTION_TOLERANCE = 1e-12
+MISFIT = 1e-5  # what redundant joints of space may contradict each other by, in the same units; it is said
 AXIS_TOLERANCE = 1e-6  # [rad] between a solid of revolution and what guides it
 PENETRATION = 1e-6  # times the size of the largest body: an initial penetration beyond it is an error
 
@@ -97,7 +99,10 @@ def consistent_start(
     size: float,
     project: bool,
 ) -> tuple[FloatArray, FloatArray]:
-    """A start that fulfils the joints: the given one, or its projection."""
+    """A start that fulfils the joints: the given one, or its projection.
+
+    Mechanisms of space are redundant as a rule, and never fit exactly: of their projection the least misfit is left.
+    """
     units = _units(model)
     frames = place_offsets(model.bodies)[:-1, None] + np.arange(dimension(model.bodies).components)
     reach = max(size, float(np.abs(q[frames]).max()))
@@ -105,8 +110,24 @@ def consistent_start(
     q, u = q.copy(), u.copy()  # writable, as the kernels are compiled for
     if project:
         q, u = start.project(model, q, u, external, PROJECTION_TOLERANCE * scale)
-    _refuse_violation(start.violation(model, q, u, external), model, joints, units, scale, project)
+    found = start.violation(model, q, u, external)
+    misfit = project and is_spatial(model) and _is_misfit(model, q, found, scale)
+    worst = _refuse_violation(found, model, joints, units, scale, project, MISFIT if misfit else JOINT_TOLERANCE)
+    if misfit:
+        warnings.warn(
+            f"redundant joints contradict each other, most at {worst}: this is the least that there can be, and the "
+            "mechanism moves with it; expected joints that fit, or none that are redundant",
+            ModelWarning,
+            stacklevel=3,
+        )
     return q, u
+
+
+def _is_misfit(model: Any, q: FloatArray, found: start.Violation, scale: FloatArray) -> bool:
+    """Whether joints are violated and no motion would mend that."""
+    violated = (np.abs(found.position) > JOINT_TOLERANCE * scale).any()
+    violated |= (np.abs(found.velocity) > JOINT_TOLERANCE * (scale + found.speed)).any()
+    return bool(violated and (start.correctable(model, q, found) <= JOINT_TOLERANCE * scale).all())
 
 
 def _units(model: Any) -> list[str]:
@@ -125,27 +146,29 @@ def _refuse_violation(
     units: Sequence[str],
     scale: FloatArray,
     project: bool,
-) -> None:
-    """Raise ModelError for the joint that is violated most, relative to what is tolerated."""
+    tolerance: float,
+) -> str:
+    """Raise ModelError for the joint that is violated most, relative to what is tolerated; else tell of that one."""
     hint = "the joints contradict each other" if project else "place the bodies accordingly, or use project=True"
     owner = np.searchsorted(model.joints.row, np.arange(len(units)), side="right") - 1
-    names = list(joints)
+    names, told = list(joints), ""
     for violated, allowed, rate in (
-        (found.position, JOINT_TOLERANCE * scale, ""),
-        (found.velocity, JOINT_TOLERANCE * (scale + found.speed), "/s"),
+        (found.position, tolerance * scale, ""),
+        (found.velocity, tolerance * (scale + found.speed), "/s"),
     ):
         worst = int(np.argmax(np.abs(violated) / allowed))
+        name = names[owner[worst]]
+        joint = joints[name]
+        rows = model.joints.row[owner[worst] : owner[worst] + 2]
+        size = math.hypot(*(violated[r] for r in range(*rows) if units[r] == units[worst]))
+        what = "velocity" if rate else "position"
+        told = told or f"joint {name!r}, by {size:.3g} {units[worst]}{rate}"
         if not abs(violated[worst]) <= allowed[worst]:
-            name = names[owner[worst]]
-            joint = joints[name]
-            rows = model.joints.row[owner[worst] : owner[worst] + 2]
-            of_unit = [violated[r] for r in range(*rows) if units[r] == units[worst]]
-            what = "velocity" if rate else "position"
-            size = math.hypot(*of_unit)
             raise ModelError(
                 f"joint {name!r} ({type(joint).__name__} of {joint.P.label} and {joint.Q.label}): the initial {what} "
                 f"violates it by {size:.6g} {units[worst]}{rate}, expected at most {allowed[worst]:.1g}: {hint}"
             )
+    return told
 
 
 def refuse_penetration(model: Model, q: FloatArray, layout: Layout, hard: set[str], size: float) -> None:
