@@ -8,7 +8,7 @@ import numpy as np
 
 from lcpflex.bodies.spatial.checks import skew, skew_part
 
-__all__ = ["mass_matrix", "velocity_columns"]
+__all__ = ["mass_matrix", "stretch_by_spin", "velocity_columns"]
 
 
 def mass_matrix(body: Any, eta: Any) -> Any:
@@ -28,6 +28,13 @@ def mass_matrix(body: Any, eta: Any) -> Any:
     upper = np.triu_indices(6 + n)
     M.T[upper] = M[upper]
     return M
+
+
+def stretch_by_spin(body: Any, omega: Any, x: float) -> float:
+    """Displacement along x of the material at (x, 0, 0) by a steady spin: stiffness eta = |w|^2 tr P1 - w.P1 w."""
+    first = body.first.reshape(-1, 3, 3)
+    force = np.trace(first, axis1=1, axis2=2) * (omega @ omega) - np.einsum("i,kij,j->k", omega, first, omega)
+    return float((force / body.stiffness) @ body.locate(x, 0.0, 0.0).phi[:, 0])
 
 
 def velocity_columns(places: Any, phi: Any, eta: Any) -> Any:

@@ -41,7 +41,7 @@ def check_inertia(mass: float, moment: FloatArray, second: FloatArray, S: FloatA
     if not trace > THIN * float(np.trace(second)):
         raise ModelError(
             "inertia: it is that of a point mass about its mass centre, expected more: nothing resists a rotation of "
-            "it. Give a Sphere of a small radius: one of 1e-3 of a pendulum's length changes its motion by 4e-7"
+            "it. Give a Sphere of a small radius: one of 1e-3 of a pendulum's length changes its period by 2e-7"
         )
     own = np.linalg.eigvalsh(central)  # of P0 about the centre; the principal moments are sums of two of them
     if own[0] < -TRIANGLE * trace:

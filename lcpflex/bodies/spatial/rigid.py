@@ -127,7 +127,7 @@ def Cylinder(radius: float, length: float, density: float | None = None, mass: f
     Raises
     ------
     ModelError
-        For anything not positive and finite, both or none of density and mass, or a radius below 1e-5 of the length,
+        For anything not positive and finite, both or none of density and mass, or a radius below 5e-6 of the length,
         with which nothing resists a rotation about z.
     """
     r, h = positive("radius", radius), positive("length", length)
@@ -152,7 +152,7 @@ def Capsule(radius: float, length: float, density: float | None = None, mass: fl
     Raises
     ------
     ModelError
-        For anything not positive and finite, both or none of density and mass, or a radius below 1e-5 of the length.
+        For anything not positive and finite, both or none of density and mass, or a radius below 5e-6 of the length.
     """
     r, h = positive("radius", radius), positive("length", length)
     cylinder, ends = math.pi * r * r * h, 4.0 / 3.0 * math.pi * r**3

@@ -10,7 +10,7 @@ import pytest
 
 import lcpflex as lf
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
-from tests.spatial_inertia import mass_matrix, velocity_columns
+from tests.spatial_inertia import mass_matrix, stretch_by_spin, velocity_columns
 
 HZ = 2.0 * math.pi
 STEEL = {"density": 7850.0, "youngs_modulus": 2.1e11, "poissons_ratio": 0.3}
@@ -173,6 +173,14 @@ def test_points_off_the_axis_are_carried_by_their_section():
     volume = np.linalg.det(body.shape.vertices[body.shape.triangles]).sum() / 6.0
     assert volume == pytest.approx(0.2 * SIDE**2, rel=1e-12)
     assert pickle.loads(pickle.dumps(body)).point("left").phi == pytest.approx(body.point("left").phi)
+
+
+def test_a_spinning_bar_is_stretched():
+    """By rho omega^2 (L/2)^3 / (3 E) at its ends: linear elements are exact at their nodes."""
+    body = bar().reduce(None, second_order=0)
+    assert stretch_by_spin(body, np.array([0.0, 0.0, 2000.0]), 0.1) == pytest.approx(4.98413e-5, rel=2e-6)
+    few = bar().reduce(2, second_order=0, interfaces=["right"])
+    assert stretch_by_spin(few, np.array([0.0, 2000.0, 0.0]), 0.1) == pytest.approx(4.98413e-5, rel=2e-6)
 
 
 def test_rigid_beams_and_shares_of_damping():

@@ -15,7 +15,7 @@ import lcpflex as lf
 from lcpflex.bodies.spatial.nodes import NodePoints
 from lcpflex.compile.spatial.bodies import compile_spatial_bodies
 from tests.solids import bar, block
-from tests.spatial_inertia import mass_matrix, velocity_columns
+from tests.spatial_inertia import mass_matrix, stretch_by_spin, velocity_columns
 
 EDGES = (0.3, 0.2, 0.1)
 HZ = 2.0 * math.pi
@@ -97,6 +97,20 @@ def test_frequencies_of_the_steel_bar():
     hertz = lf.SpatialMatrices(**bar((10, 1, 1))).reduce(8).frequencies() / HZ
     assert hertz[0] / 2568.2 - 1.0 == pytest.approx(2.7e-3, rel=0.05)
     assert hertz[7] == pytest.approx(12920.9, rel=1e-4)
+
+
+def test_a_spinning_bar_is_stretched():
+    """As the nodes of the mesh are by their own centrifugal forces; about rho omega^2 (L/2)^3 / (3 E)."""
+    given = bar((10, 1, 1))
+    body = lf.SpatialMatrices(**given).reduce(None, second_order=0)
+    places, spin = given["coordinates"] - [0.1, 0.0, 0.0], np.array([300.0, 0.0, 2000.0])
+    away = np.cross(np.cross(spin, places), spin).ravel()
+    static = np.linalg.lstsq(given["stiffness"].toarray(), given["mass"] @ away, rcond=1e-13)[0].reshape(-1, 3)
+    end = int(np.linalg.norm(places - [0.1, 0.0, 0.0], axis=1).argmin())
+    middle = int(np.linalg.norm(places, axis=1).argmin())
+    found = stretch_by_spin(body, spin, 0.1)
+    assert found == pytest.approx(static[end, 0] - static[middle, 0], rel=1e-7)
+    assert found == pytest.approx(4.98413e-5, rel=1e-3)
 
 
 @pytest.mark.slow
