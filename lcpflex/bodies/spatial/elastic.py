@@ -84,7 +84,8 @@ class ElasticMesh:
 def material(operator: PointOperator, shapes: FloatArray, origin: FloatArray) -> SpatialPoint:
     """The material point of a body with the shapes (f, n), its place from the origin of the frame."""
     local = shapes[operator.rows].T
-    return SpatialPoint(operator.place - origin, local @ operator.u, local @ operator.psi, operator.turns)
+    turns = operator.turns or not len(local)  # a rigid body turns as a whole
+    return SpatialPoint(operator.place - origin, local @ operator.u, local @ operator.psi, turns)
 
 
 def load_columns(operators: list[tuple[PointOperator, bool]], f: int) -> FloatArray:

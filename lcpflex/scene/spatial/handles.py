@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from operator import methodcaller
 from typing import TYPE_CHECKING
@@ -41,6 +42,14 @@ class SpatialPlaced:
         if not isinstance(name, str) or name not in known:
             raise ModelError(f"name: {shown(self.name)} has no point {absent(name, known)}")
         return PlacedPoint(self.scene, self.body, f"{self.name}.{name}", known[name], methodcaller("point", name))
+
+    def at_nodes(self, nodes: Sequence[int] | int, weights: Sequence[float] | None = None) -> PlacedPoint:
+        """The point that stands for nodes of the mesh of a flexible body: see :meth:`SpatialBody.at_nodes`."""
+        if self.source is None:
+            raise ModelError("nodes: the ground has no mesh, expected a body of SpatialMatrices")
+        material = self.source.at_nodes(nodes, weights)
+        label = f"{self.name}.at_nodes({shown(np.asarray(nodes).tolist())})"
+        return PlacedPoint(self.scene, self.body, label, material, methodcaller("at_nodes", nodes, weights))
 
     def at(self, x: float, y: float, z: float) -> PlacedPoint:
         """The material point at (x, y, z)."""

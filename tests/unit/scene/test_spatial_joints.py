@@ -18,6 +18,7 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.configuration import advance
 from lcpflex.kinematics.spatial.joint_rows import joint_residual
+from tests.solids import block
 
 AXIS = (2.0, -1.0, 2.0)
 HINGE = (0.7, -0.2, 0.4)  # where P and Q meet, world axes
@@ -264,3 +265,33 @@ def test_springs_that_begin_nearly_half_a_turn_off_are_refused() -> None:
     scene.load(lf.TorsionSpring(body.at(0, 0, 0), scene.ground.at(0, 0, 0), 1.0, axis=(0.0, 0.0, 1.0)))
     scene.load(lf.Bushing(body.at(0, 0, 0), scene.ground.at(0, 0, 0), 1.0, 1.0))
     scene.compile()
+
+
+def test_nodes_on_one_line_hold_no_rotation() -> None:
+    given = block((0.3, 0.2, 0.1), (2, 1, 1), "hex1")
+    x, y, _ = given["coordinates"].T
+    line = np.flatnonzero((x < 1e-9) & (y < 1e-9))
+    face = np.flatnonzero(x < 1e-9)
+    body = lf.SpatialMatrices(**given, node_sets={"line": line}).reduce(4)
+
+    def compiled(of: Callable[[Any, Any], Any], nodes: Any = line) -> Any:
+        scene = lf.SpatialScene()
+        P = scene.add(body, name="solid").at_nodes(nodes)
+        Q = scene.ground.at(*P.material.place)
+        made = of(P, Q)
+        (scene.load if isinstance(made, lf.Torque | lf.Force | lf.Spring) else scene.join)(made)
+        return scene.compile()
+
+    held = lf.Revolute, lambda P, Q: lf.Weld(Q, P), lambda P, Q: lf.PointOnPlane(Q, P, (1, 0, 0))
+    for turned in (*held, lambda P, Q: lf.Torque(P, (1.0, 0.0, 0.0))):
+        make = (lambda P, Q: lf.Revolute(P, Q, axis=AXIS)) if turned is lf.Revolute else turned
+        with pytest.raises(lf.ModelError, match=r"solid.at_nodes.* was given, whose nodes lie on one line"):
+            compiled(make)
+        compiled(make, face)
+    compiled(lambda P, Q: lf.Ball(P, Q))
+    compiled(lambda P, Q: lf.PointOnPlane(P, Q, (1, 0, 0)))
+    compiled(lambda P, Q: lf.Force(P, (1.0, 0.0, 0.0)))
+    scene = lf.SpatialScene()
+    scene.join(lf.Ball(scene.add(body).point("line"), scene.ground.at(0, 0, 0)))
+    with pytest.raises(lf.ModelError, match="nodes: the ground has no mesh"):
+        scene.ground.at_nodes(3)
