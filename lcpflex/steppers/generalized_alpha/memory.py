@@ -12,6 +12,7 @@ from lcpflex.steppers.system import System
 __all__ = ["AlphaScheme", "EndForces", "Held", "alpha_scheme", "hold", "larger", "match"]
 
 RESTART, SMOOTH, POSITION, VELOCITY = 0, 1, 2, 3  # AlphaScheme.phase: what is solved next
+MIXED = 5  # passes that are combined at most
 
 
 @struct
@@ -34,6 +35,21 @@ class EndForces:
     drive: FloatArray = array("ndof")
     conservative: FloatArray = array("ndof")
     contact: FloatArray = array("laws", 2)  # normal and tangential [N]
+
+
+@struct
+class Mixing:
+    """Passes of Newton's method so far (:mod:`lcpflex.steppers.generalized_alpha.mixing`)."""
+
+    count: int  # differences of passes that were used; 0 as long as it converges fast
+    fault: FloatArray = array("ndof")  # change that the last pass asked for
+    answer: FloatArray = array("ndof")  # what it came to
+    faults: FloatArray = array(MIXED, "ndof")  # differences of these from pass to pass
+    answers: FloatArray = array(MIXED, "ndof")
+    weighted: FloatArray = array(MIXED, "ndof")  # M times those of faults
+    products: FloatArray = array(MIXED, MIXED)
+    factor: FloatArray = array(MIXED, MIXED)
+    share: FloatArray = array(MIXED)
 
 
 @struct
@@ -68,6 +84,7 @@ class AlphaScheme:
     recursive: FloatArray = array("laws", 2)  # share of the smooth contact forces in a [N]
     start: EndForces
     end: EndForces
+    mixing: Mixing
     change: float  # last one of an acceleration
     numerical: float  # energy lost to numerical damping in this step [J]
     lifted: float  # deepest penetration that a position problem has taken out [m]
@@ -92,6 +109,7 @@ def alpha_scheme(system: System, capacity: int, **numbers: float) -> AlphaScheme
         u=system.u.copy(),
         start=allocate(EndForces, sizes),
         end=allocate(EndForces, sizes),
+        mixing=allocate(Mixing, sizes),
         sets=contact_sets(capacity, 0),
         resting=allocate(Held, sizes, table=system.held(capacity)),
         pressed=allocate(Held, sizes, table=system.held(capacity)),

@@ -41,11 +41,14 @@ from lcpflex.steppers.generalized_alpha.memory import (
     EndForces,
     hold,
 )
+from lcpflex.steppers.generalized_alpha.mixing import go_on_from, mix
 
 __all__ = ["apply_smooth", "assemble_rows", "gather_resting", "pose_smooth", "slip_mode"]
 
 MOST_PASSES = 15  # of Newton's method on the smooth motion
 SETTLED = 1e-11  # change of an acceleration, relative to the largest, at which Newton's method has converged
+MISSED = 1e-9  # the same of passes that are combined, where it does not become less
+SLOW = 0.1  # change over the last one from which on passes are combined, where no contact may open or slip instead
 DOUBTFUL = 1e-6  # change at which it has not after the last pass
 
 
@@ -209,8 +212,9 @@ def note_smooth(work: Workspace, scheme: AlphaScheme, at: EndForces) -> None:
 
 
 @kernel
-def settled(h: float, work: Workspace, scheme: AlphaScheme) -> bool:
+def settled(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> bool:
     """Take over the new iterate; whether Newton's method is done."""
+    mixing = scheme.mixing
     largest = 0.0
     for i in range(len(scheme.w)):
         largest = max(largest, abs(work.free_u[i]))
@@ -220,24 +224,33 @@ def settled(h: float, work: Workspace, scheme: AlphaScheme) -> bool:
     for i in range(len(scheme.w)):
         largest = max(largest, abs(work.free_u[i]))
         change = max(change, abs(work.free_u[i] - scheme.w_new[i]))
-        scheme.w_new[i] = work.free_u[i]
     turn = scheme.turn
     rate = 1.0 if turn == 0 else change / scheme.change
     scheme.change = change
     scheme.turn = turn + 1
-    if h == 0.0 or change * min(rate, 1.0) <= SETTLED * largest:
-        return True
-    stalled = turn >= 3 and rate > 0.7 and change <= DOUBTFUL * largest  # what is left is rounding
-    if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
-        scheme.unsettled += 1
-    return stalled or turn + 1 >= MOST_PASSES
+    if turn == 0:
+        mixing.count = 0
+    mixed = mixing.count > 0
+    ahead = 1.0 if mixed else min(rate, 1.0)  # of a combination the change does not tell what the next will be
+    done = h == 0.0 or change * ahead <= SETTLED * largest
+    if not done:
+        doubtful = MISSED if mixed else DOUBTFUL
+        stalled = turn >= 3 and rate > 0.7 and change <= doubtful * largest  # what is left is rounding
+        if turn + 1 >= MOST_PASSES and change > DOUBTFUL * largest:
+            scheme.unsettled += 1
+        done = stalled or turn + 1 >= MOST_PASSES
+    if not done and work.n_contacts == 0 and turn >= 2 and (mixed or rate > SLOW):
+        mix(model, work, scheme)
+    else:
+        go_on_from(work, scheme)
+    return done
 
 
 @kernel
 def apply_smooth(model: Model, h: float, work: Workspace, scheme: AlphaScheme) -> None:
     """A Newton step; after the last one what the next problem needs."""
     answer_joints(work)
-    if not settled(h, work, scheme):
+    if not settled(model, h, work, scheme):
         return
     place_end(model, h, scheme)
     scheme.turn = 0

@@ -13,6 +13,8 @@ A step from (q, u) solves three problems, decoupled from each other:
 3. velocity: M (u+ - v~) = J^T Lambda_J + W Lambda, J u+ = -dphi/dt, 0 <= gdot_N+ + e_N gdot_N(start) _|_
    h lambda_N + Lambda_N >= 0 and Coulomb friction for h lambda + Lambda, on the pairs that are closed at q+.
 
+Newton's matrix holds inertia, modes, joints and contacts, not springs, dampers and inertial forces; where that makes
+its passes slow, and nothing touches, they are combined (:mod:`lcpflex.steppers.generalized_alpha.mixing`).
 The scheme starts anew, a = w = udot(t), where a contact closes, opens, comes to rest or changes its slip.
 Sources: Chung & Hulbert 1993; Chen, Acary, Virlez & Bruels 2013; Bruels, Acary & Cardona 2014; Cosimo, Galvez,
 Cavalieri, Cardona & Bruels 2020. Contact forces within the smooth motion are our own addition to those.

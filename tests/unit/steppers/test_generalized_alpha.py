@@ -335,12 +335,36 @@ def test_an_unsolved_impact_ends_the_run_by_name() -> None:
 
 
 def test_forces_too_stiff_for_the_step_are_told() -> None:
+    """A force that jumps has no acceleration that it agrees with at the end of some steps."""
+    jumping = UserSystem(q=[1.0], u=[0.0], mass=[[1.0]], force=lambda t, q, u: -1e3 * np.sign(q))
+    result = lf.simulate(jumping, 0.5, GeneralizedAlpha(0.1))
+    assert any("did not converge" in warning for warning in result.warnings)
+    fine = lf.simulate(jumping, 0.04, GeneralizedAlpha(0.005))
+    assert not any("did not converge" in warning for warning in fine.warnings)
+
+
+def test_stiff_springs_of_a_user_converge() -> None:
     """A spring within ``force`` is no part of the iteration matrix: h^2 k beta / m = 6."""
     spring = UserSystem(q=[1.0], u=[0.0], mass=[[1.0]], force=lambda t, q, u: -100.0 * np.tanh(q) - 1e3 * q)
-    result = lf.simulate(spring, 0.5, GeneralizedAlpha(0.1))
-    assert any("did not converge" in warning for warning in result.warnings)
-    fine = lf.simulate(spring, 0.5, GeneralizedAlpha(0.005))
-    assert not any("did not converge" in warning for warning in fine.warnings)
+    for h in (0.1, 0.005):
+        assert not any(
+            "did not converge" in warning for warning in lf.simulate(spring, 0.5, GeneralizedAlpha(h)).warnings
+        )
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.5, 5.0, 20.0])
+def test_dampers_of_any_size_converge(share: float) -> None:
+    """Dampers between bodies are no part of the iteration matrix: c h / m of .5 to 20, and three of them at once."""
+    h = 1e-2
+    scene = lf.Scene()
+    for k in range(3):
+        body = scene.add(lf.Box(0.1, 0.1, mass=1.0), position=(0.5 * k, 0.0), velocity=(0.0, 1.0))
+        foot = scene.ground.at(0.5 * k, -0.5)
+        scene.load(lf.Spring(body.at(0.0, 0.0), foot, stiffness=100.0, damping=share / h * (1.0 + 0.3 * k)))
+    exact = lf.simulate(scene, 0.5, lf.EventDriven(rtol=1e-10, atol=1e-12))
+    result = lf.simulate(scene, 0.5, GeneralizedAlpha(h))
+    assert not any("did not converge" in warning for warning in result.warnings)
+    assert np.abs(result.q[-1] - exact.q[-1]).max() < 1e-4 * share
 
 
 def test_a_last_shorter_step_ends_on_the_duration() -> None:
