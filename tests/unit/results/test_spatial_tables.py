@@ -1,4 +1,4 @@
-"""Spatial results in tables and files: numbers by label with units, and files that come back equal."""
+"""Joints of space in tables and files: three components of forces and moments, velocities by names of their own."""
 
 from __future__ import annotations
 
@@ -8,90 +8,49 @@ import numpy as np
 import pytest
 
 import lcpflex as lf
-from lcpflex.bodies.spatial.shapes import SphereShape, SurfaceShape
-from lcpflex.errors import ModelError
-from tests.spatial_scenes import thrown
-from tests.unit.runs.checkpoint_runs import assert_same_bits
-
-REFUSED = "is planar so far"
+from lcpflex.results.result import Result
 
 
 @pytest.fixture(scope="module")
-def flight() -> lf.Result:
-    return lf.simulate(thrown(), 0.02, lf.MoreauJean(step=1e-3))
+def result() -> Result:
+    """A pendulum on a hinge."""
+    scene = lf.SpatialScene()
+    bob = scene.add(lf.SpatialRigidBody(2.0, (0.1, 0.2, 0.25)), "bob", position=(0.3, 0.1, 0.0))
+    scene.join(lf.Revolute(bob.at(-0.3, -0.1, 0), scene.ground.at(0, 0, 0), axis=(0, 1, 0), name="hinge"))
+    return lf.simulate(scene, 0.02, lf.MoreauJean(step=1e-3))
 
 
-def test_a_data_frame_has_a_column_for_each_number_of_q_and_of_u(flight: lf.Result) -> None:
-    table = flight.to_dataframe()
-    names, rates = flight.coordinate_names(), flight.velocity_names()
-    assert len(names) == flight.q.shape[1] == len(rates) + 3
-    np.testing.assert_array_equal(table[list(names)].to_numpy(), flight.q)
-    labels = [name if name not in names else f"{name}'" for name in rates]
-    np.testing.assert_array_equal(table[labels].to_numpy(), flight.u)
-    np.testing.assert_allclose(table["ball.omega_z"], 3.0, rtol=1e-14)
-    units = table.attrs["units"]
-    expected = {"box.p0": "1", "box.omega_x": "rad/s", "box.v_z": "m/s", "soft.mode 1": "kg^0.5 m"}
-    assert {name: units[name] for name in expected} == expected
-    assert units["soft.mode 1'"] == "kg^0.5 m/s"
+def test_dataframe(result: Result) -> None:
+    """Columns of joints and of velocities."""
+    pytest.importorskip("pandas")
+    table = result.to_dataframe()
+    told = result.reaction("hinge")
+    for k, axis in enumerate("xyz"):
+        assert table[f"hinge.force {axis}"].to_numpy() == pytest.approx(told.force[:, k], nan_ok=True)
+        assert table[f"hinge.moment {axis}"].to_numpy() == pytest.approx(told.moment[:, k], nan_ok=True)
+    assert table["bob.omega_y"].to_numpy() == pytest.approx(result.u[:, 4])
+    assert table.attrs["units"]["hinge.moment z"] == "N m"
+    assert table.attrs["units"]["bob.omega_y"] == "rad/s"
 
 
-def test_labelled_arrays_have_a_dimension_for_q_and_one_for_u(flight: lf.Result, tmp_path: Path) -> None:
-    pytest.importorskip("h5netcdf")
-    import xarray
-
-    data = flight.to_xarray()
-    assert (data["q"].dims, data["u"].dims) == (("time", "coordinate"), ("time", "velocity"))
-    np.testing.assert_array_equal(data["u"].sel(velocity="box.omega_y"), flight.u[:, 4])
-    np.testing.assert_array_equal(data["q"].sel(coordinate="box.p3"), flight.q[:, 6])
-    assert data["u_units"].sel(velocity="soft.mode 3'").item() == "kg^0.5 m/s"
-    data.to_netcdf(tmp_path / "flight.nc", engine="h5netcdf")
-    with xarray.open_dataset(tmp_path / "flight.nc", engine="h5netcdf") as again:
-        np.testing.assert_array_equal(again["u"], flight.u)
+def test_xarray(result: Result) -> None:
+    """Dimensions of joints and of velocities."""
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    assert data["joint_moment"].dims == ("time", "joint", "axis")
+    assert data["axis"].values.tolist() == ["x", "y", "z"]
+    last = data["joint_moment"].sel(joint="hinge").isel(time=-1)
+    assert last.values == pytest.approx(result.reaction("hinge").moment[-1])
+    assert data["u"].dims == ("time", "velocity")
+    assert data["u"].sel(velocity="bob.v_z").values == pytest.approx(result.u[:, 2])
 
 
-@pytest.mark.parametrize("name", ["flight.npz", "flight.h5"])
-def test_saved_results_come_back_equal(flight: lf.Result, tmp_path: Path, name: str) -> None:
-    if name.endswith("h5"):
-        pytest.importorskip("h5py")
-    again = lf.Result.load(flight.save(tmp_path / name))
-    assert_same_bits(flight, again)
-    assert again.compiled is not None
-    assert flight.compiled is not None
-    assert again.compiled.spatial
-    for group, other in zip(again.compiled.model, flight.compiled.model, strict=True):
-        assert type(group) is type(other)
-        for one, two in zip(group, other, strict=True):
-            np.testing.assert_array_equal(one, two)
-    box, ball, soft = again.compiled.layout.shapes
-    assert isinstance(box, SurfaceShape)
-    assert box.triangles.shape == (12, 3)
-    assert soft is None
-    assert ball == SphereShape(0.1)
-    np.testing.assert_array_equal(again.point("soft", "4"), flight.point("soft", "4"))
-    np.testing.assert_array_equal(again.momentum().angular, flight.momentum().angular)
-    np.testing.assert_array_equal(again.orientation("box").as_matrix(), flight.orientation("box").as_matrix())
-    np.testing.assert_array_equal(again.at(0.0103).q, flight.at(0.0103).q)
-    assert again.summary() == flight.summary()
-
-
-def test_modes_are_told_with_their_columns(flight: lf.Result) -> None:
-    modes = flight.modes_of("soft")
-    np.testing.assert_array_equal(modes.columns, [21, 22, 23])
-    np.testing.assert_array_equal(modes.rates, [18, 19, 20])
-    names, rates = flight.coordinate_names(), flight.velocity_names()
-    assert [names[k] for k in modes.columns] == [rates[k] for k in modes.rates] == [f"soft.mode {k}" for k in (1, 2, 3)]
-    assert not len(flight.modes_of("box").columns)
-
-
-def test_questions_of_the_plane_are_refused_by_name(flight: lf.Result) -> None:
-    with pytest.raises(ModelError, match="body: 'box' moves in space and has no one angle"):
-        flight.angle("box")
-    for ask in (flight.section, flight.stress):
-        with pytest.raises(ModelError, match=REFUSED):
-            ask("box")
-    with pytest.raises(ModelError, match="expected the name of a point or three finite numbers"):
-        flight.point("box", (0.1, 0.2))
-    with pytest.raises(ModelError, match="is neither a named point nor"):
-        flight.point("soft", (5.0, 0.0, 0.0))
-    with pytest.raises(ModelError, match="axes: 'ball'"):
-        flight.angular_velocity("box", axes="ball")
+def test_file(result: Result, tmp_path: Path) -> None:
+    """Reactions of a saved result are the same ones, in any axes."""
+    saved = result.save(tmp_path / "run")
+    again = Result.load(saved)
+    for axes in ("world", "bob"):
+        before, behind = result.reaction("hinge", axes), again.reaction("hinge", axes)
+        assert np.array_equal(before.force, behind.force, equal_nan=True)
+        assert np.array_equal(before.moment, behind.moment, equal_nan=True)
+        assert np.array_equal(before.angular_impulse, behind.angular_impulse)
