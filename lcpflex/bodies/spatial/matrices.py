@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -21,7 +22,7 @@ from lcpflex.bodies.spatial.body import SpatialBody
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator, Surface, load_columns
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
 from lcpflex.bodies.spatial.nodes import NodePoints
-from lcpflex.errors import ModelError, in_range
+from lcpflex.errors import ModelError, ModelWarning, in_range
 from lcpflex.jit.kernel import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -41,8 +42,8 @@ class SpatialMatrices:
     The degrees of freedom are the displacements (x, y, z) of each node, interleaved: 3 i, 3 i + 1, 3 i + 2 belong to
     node i. The body must be free-free: K times a rigid motion is zero. The mass must be the consistent one of solid
     elements whose geometry is in their own space (isoparametric ones): all inertia integrals are products with it, and
-    so exact. Row sums (lumping) make the moments of inertia of coarse meshes too large, by 29 % for 6 x 3 x 2 trilinear
-    elements, and nothing in the matrices tells.
+    so exact. Row sums (lumping) make the moments of inertia of coarse meshes too large, by 31 % for 6 x 3 x 2 cubic
+    elements.
 
     Parameters
     ----------
@@ -62,7 +63,8 @@ class SpatialMatrices:
     Warns
     -----
     ModelWarning
-        If waves, as nodes next to each other tell their speed, are beyond any material: a unit is wrong.
+        If waves, as nodes next to each other tell their speed, are beyond any material: a unit is wrong. And for a
+        diagonal mass matrix, which is lumped.
     """
 
     mass: Any
@@ -80,6 +82,7 @@ class SpatialMatrices:
         mass = symmetric("mass", self.mass, n, layout)
         stiffness = symmetric("stiffness", self.stiffness, n, layout)
         check_directions(mass, 3)
+        _check_lumped(mass)
         check_free(stiffness, _rigid_motions(places - places.mean(axis=0)), RIGID_MOTIONS)
         check_units(mass, stiffness, places)
         sets = {
@@ -255,6 +258,17 @@ def _rigid_motions(places: FloatArray) -> FloatArray:
 def _check_spread(places: FloatArray) -> None:
     if len(places) < 3 or np.linalg.matrix_rank(places - places.mean(axis=0), tol=1e-9 * float(np.ptp(places))) < 2:
         raise ModelError(f"coordinates: {len(places)} node(s) on one line were given, expected a mesh of a solid")
+
+
+def _check_lumped(mass: csc_matrix[Any]) -> None:
+    """Warn of a diagonal mass: its moments of inertia are those of point masses at the nodes."""
+    if mass.nnz == mass.shape[0]:
+        warnings.warn(
+            "mass: a diagonal matrix was given, expected the consistent one: the row sums of coarse meshes make the "
+            "moments of inertia too large, by 31 % for a block of 6 x 3 x 2 cubes",
+            ModelWarning,
+            stacklevel=4,
+        )
 
 
 def _triangles(value: Any, count: int) -> IntArray:
