@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import PIL.Image as image
     import qpsolvers
     import scipy.linalg as linalg
+    import scipy.ndimage as ndimage
     import scipy.sparse as sparse
     import scipy.sparse.csgraph as csgraph
     import skfem
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection
-    from matplotlib.colors import ListedColormap
+    from matplotlib.colors import ListedColormap, to_rgb
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.patches import Circle, Patch, PathPatch, Polygon

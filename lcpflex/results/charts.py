@@ -10,6 +10,7 @@ from lcpflex.basics import libs
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray, IntArray
 from lcpflex.results.chart_words import stepper_words, told_apart
+from lcpflex.results.spatial.motion_panels import bodies_shown, plot_speeds, plot_spins
 from lcpflex.results.stated_error import scene_size
 from lcpflex.results.summary import lost_in_contacts, with_unit
 
@@ -33,12 +34,18 @@ _ROUNDING = 1e-9  # gaps below that share of the scene are not magnified
 def plot(result: Result) -> Figure:
     """Chart of contact forces [N], gaps [m] and energies [J] over time [s].
 
-    Of many contacts those with the largest normal impulses are shown.
+    Of many contacts those with the largest normal impulses are shown. Of spatial scenes velocities [m/s] and angular
+    velocities [rad/s] instead of contacts: of one body their components, of several their magnitudes, of many those of
+    the bodies with the largest kinetic energies.
     """
     if not result.times.size:
         raise ModelError("result: it holds no instant; expected at least one")
     order = np.argsort(-result.impulse[-1, :, 0], kind="stable")[:_SHOWN] if result.contact_names else np.zeros(0, int)
     panels = [_plot_forces, _plot_gaps, _plot_energies] if order.size else [_plot_energies]
+    space = result.compiled if result.compiled is not None and result.compiled.spatial else None
+    if space is not None:
+        order = bodies_shown(result, _SHOWN)
+        panels = [_plot_speeds, _plot_spins, _plot_energies]
     figure = libs.Figure(figsize=(9.0, 1.2 + 2.5 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for panel, ax in zip(panels, axes, strict=True):
@@ -47,12 +54,23 @@ def plot(result: Result) -> Figure:
         ax.margins(x=0.0)
         ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, frameon=False, fontsize="small")
     axes[-1].set_xlabel("time [s]")
-    left_out = len(result.contact_names) - order.size
     title = stepper_words(result.stepper)
+    if space is not None:
+        left_out, what = len(space.layout.bodies) - order.size, "bodies with smaller kinetic energies"
+    else:
+        left_out, what = len(result.contact_names) - order.size, "contacts with smaller impulses"
     if left_out > 0:
-        title += f"\n{left_out} contacts with smaller impulses are not shown"
+        title += f"\n{left_out} {what} are not shown"
     axes[0].set_title(title, fontsize="medium", loc="left")
     return figure
+
+
+def _plot_speeds(ax: Axes, result: Result, order: IntArray) -> None:
+    plot_speeds(ax, result, order, _COLOURS)
+
+
+def _plot_spins(ax: Axes, result: Result, order: IntArray) -> None:
+    plot_spins(ax, result, order, _COLOURS)
 
 
 def _plot_forces(ax: Axes, result: Result, order: IntArray) -> None:

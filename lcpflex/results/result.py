@@ -277,20 +277,33 @@ class Result:
         """Chart of contact forces, gaps and energies over time."""
         return plot(self)
 
-    def draw(self, t: float, axes: Axes | None = None) -> Figure:
+    def draw(
+        self, t: float, axes: Axes | None = None, *, view: Any = None, frames: bool = False, scale: float = 1.0
+    ) -> Figure:
         """Picture of the scene at the stored instant nearest to ``t`` [s]: deformed shapes and contact forces.
 
-        axes: of matplotlib, to draw into; a new figure if omitted.
+        axes: of matplotlib, to draw into; a new figure if omitted. Of spatial scenes: view: (elevation, azimuth) of
+        the camera [deg]; frames: with the axes of the bodies; scale: times that deformations are drawn larger. See
+        :func:`lcpflex.results.plot.draw`.
         """
-        return draw(self, t, axes)
+        return draw(self, t, axes, view, frames, scale)
 
-    def animate(self, path: str | os.PathLike[str], fps: float = 25.0, slowdown: float | None = None) -> Path:
+    def animate(
+        self,
+        path: str | os.PathLike[str],
+        fps: float = 25.0,
+        slowdown: float | None = None,
+        *,
+        view: Any = None,
+        frames: bool = False,
+        scale: float = 1.0,
+    ) -> Path:
         """Film of the scene as GIF or, where ffmpeg is installed, MP4. See :func:`lcpflex.results.plot.animate`.
 
         path: ends in .gif or .mp4. fps: frames a second of the film. slowdown: seconds of the film a second of
-        the motion; chosen for a film of six seconds if omitted.
+        the motion; chosen for a film of six seconds if omitted. view, frames, scale: as of :meth:`draw`.
         """
-        return animate(self, path, fps=fps, slowdown=slowdown)
+        return animate(self, path, fps, slowdown, view, frames, scale)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to one file (format: :mod:`lcpflex.results.archive`), all of it or nothing.
