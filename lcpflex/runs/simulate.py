@@ -17,6 +17,7 @@ from lcpflex.checks.kept_depth import kept_depths
 from lcpflex.checks.loads_in_time import unseen_loads
 from lcpflex.checks.rebound import rebounds
 from lcpflex.checks.resolution import unresolved
+from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import crept
@@ -198,7 +199,7 @@ def carry_out(
     if message:
         touching = tuple(setup.contact_name(k) for k in run.touching)
         raise StepError(
-            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}",
+            f"at t = {run.time:.9g} s, after {run.steps} steps, {_closed(touching)}: {message}{wound_spring(result)}",
             time=run.time,
             step=run.steps,
             contacts=touching,

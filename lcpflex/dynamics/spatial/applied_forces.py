@@ -41,6 +41,7 @@ __all__ = [
     "applied_forces",
     "spring_energy",
     "spring_stretch",
+    "spring_twist",
 ]
 
 EFFORTS = ("force", "follower", "torque", "torque follower")  # world axes, those of the material; the same of torques
@@ -57,15 +58,27 @@ def directions(loads: SpatialLoads, k: int) -> Directions:
 
 
 @kernel
+def twist(kind: int, at: Apart, way: Directions, rest: float) -> float:
+    """How far a spring is turned out of its rest [rad], either way; 0 of those that do not resist a rotation."""
+    if kind == ANGLE:
+        return abs(off_rest(kind, coordinate_value(kind, at, way) - rest))
+    return norm(turn_vector(at, way.on_p)) if kind == TURN else 0.0
+
+
+@kernel
 def stretch(kind: int, at: Apart, way: Directions, rest: float) -> float:
     """c - rest of a spring [m] or [rad]; NaN where it is twisted by more than WOUND."""
-    size = off_rest(kind, coordinate_value(kind, at, way) - rest)
-    twist = 0.0
-    if kind == ANGLE:
-        twist = abs(size)
-    elif kind == TURN:
-        twist = norm(turn_vector(at, way.on_p))
-    return size if twist <= WOUND else math.nan
+    if not twist(kind, at, way, rest) <= WOUND:
+        return math.nan
+    return off_rest(kind, coordinate_value(kind, at, way) - rest)
+
+
+@kernel
+def spring_twist(model: SpatialModel, q: FloatArray, k: int) -> float:
+    """How far spring k is turned out of its rest [rad], either way."""
+    loads = model.loads
+    at, _ = apart(model.bodies, model.points, q, loads.spring_point[k, 0], loads.spring_point[k, 1])
+    return twist(loads.spring_kind[k], at, directions(loads, k), loads.spring_value[k, 2])
 
 
 @kernel

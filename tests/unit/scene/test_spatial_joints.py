@@ -295,3 +295,16 @@ def test_nodes_on_one_line_hold_no_rotation() -> None:
     scene.join(lf.Ball(scene.add(body).point("line"), scene.ground.at(0, 0, 0)))
     with pytest.raises(lf.ModelError, match="nodes: the ground has no mesh"):
         scene.ground.at_nodes(3)
+
+
+@pytest.mark.parametrize("stepper", [lf.MoreauJean(step=1e-3), lf.EventDriven()], ids=lambda one: type(one).__name__)
+def test_a_run_that_winds_a_spring_ends_and_says_which(stepper: Any) -> None:
+    """Not at 180 degrees with a force of the wrong sign."""
+    scene = lf.SpatialScene(gravity=(0.0, 0.0, 0.0))
+    wheel = scene.add(lf.Cuboid(0.2, 0.1, 0.1, density=1000.0), name="wheel", angular_velocity=(0.0, 0.0, 20.0))
+    hinge, axle = wheel.at(0, 0, 0), scene.ground.at(0, 0, 0)
+    scene.join(lf.Revolute(hinge, axle, axis=(0.0, 0.0, 1.0)))
+    scene.load(lf.TorsionSpring(hinge, axle, 0.01, axis=(0.0, 0.0, 1.0)))
+    with pytest.raises(lf.StepError, match=r"between wheel and the ground is twisted by 1(69|70)") as caught:
+        lf.simulate(scene, 0.5, stepper, progress=False)
+    assert abs(20.0 * caught.value.time - math.radians(170.0)) < 0.03
