@@ -18,6 +18,8 @@ from scipy.integrate import BDF
 import lcpflex as lf
 from lcpflex.runs.checkpoint import Checkpoints
 from tests.scenes import floor_of
+from tests.spatial_flight import flexible_flight
+from tests.spatial_tops import heavy_top
 from tests.unit.runs.sensor_scenes import struck_beam
 
 LAW = lf.ContactLaw(lf.laws.PowerLaw(1e4, 1.0), lf.laws.HysteresisDamping(0.5))
@@ -113,6 +115,10 @@ RUNS: dict[str, tuple[Build, float, Any]] = {
     "sensors adaptive": (thrown_with_sensors, 0.1, lf.GeneralizedAlpha(1e-4, adaptive=ADAPTIVE)),
     "sensors event-driven": (lambda: struck_beam(0.0031, 0.001, None, costly=False), 0.02, lf.EventDriven(rtol=1e-6)),
     "own system, event-driven": (own_system, 0.3, lf.EventDriven()),
+    "space, event-driven": (lambda: heavy_top(0.0), 0.1, lf.EventDriven()),
+    "space, stiff": (lambda: heavy_top(0.0), 0.1, lf.Smooth(integrator=lf.Stiff())),
+    "space, verlet": (flexible_flight, 0.2, lf.Smooth(integrator=lf.Verlet(5e-4))),
+    "space, moreau adaptive": (flexible_flight, 0.2, lf.MoreauJean(1e-4, adaptive=lf.AdaptiveStep(rtol=1e-6))),
 }
 
 

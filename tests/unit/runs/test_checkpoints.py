@@ -31,6 +31,7 @@ QUICK = (
     "stiff",
     "own system",
     "sensors",
+    "space, event-driven",
 )
 
 
