@@ -41,8 +41,8 @@ def exact_flight(end: float) -> Any:
     return solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-13, atol=1e-14, dense_output=True).sol
 
 
-def flexible_body(given: MassBody, **elastic: FloatArray) -> lf.SpatialBody:
-    """A body of point masses in its mean frame; ``elastic``: stiffness and damping."""
+def flexible_body(given: MassBody, **elastic: Any) -> lf.SpatialBody:
+    """A body of point masses in its mean frame; ``elastic``: stiffness, damping, points."""
     weights, modes = given.mass.sum(axis=0), given.n
     return lf.SpatialBody(
         mass=float(weights.sum()),
