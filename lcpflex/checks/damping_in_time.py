@@ -34,13 +34,7 @@ def ringing_dampers(result: Result, step: float, stepper: object) -> tuple[str, 
     None of generalised-alpha, whose steps solve for the forces of dampers, and say where they could not.
     """
     compiled, theta = result.compiled, _weight(stepper)
-    if (
-        theta is None
-        or compiled is None
-        or compiled.spatial
-        or len(result.times) < 2
-        or not np.isfinite(result.u).all()
-    ):
+    if theta is None or compiled is None or len(result.times) < 2 or not np.isfinite(result.u).all():
         return ()
     if not _strong(compiled, step):
         return ()

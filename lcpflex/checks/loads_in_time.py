@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,9 @@ from lcpflex.jit.kernel import FloatArray
 from lcpflex.jit.struct import pack
 from lcpflex.kinematics.relative import ANGLE, Motion, apart, coordinate_gradient
 from lcpflex.model.arrays import Model
+from lcpflex.model.layout import PLANE, dimension, is_spatial, place_offsets
 from lcpflex.model.planar import N_RIGID
+from lcpflex.model.spatial import N_PLACE
 from lcpflex.results.places import material_shapes
 from lcpflex.results.result import Result
 
@@ -33,6 +36,7 @@ SPRING_TURN = 0.6  # the same for a spring, whose frequency is off by (omega ste
 MATTERS = 0.01  # of the largest speed, or of the distance travelled
 NEGLIGIBLE = 1e-3  # of the other forces: what is smaller does not matter where nothing moves either
 LOST = 0.03  # of the path of a drive
+TURNING = (ANGLE, 4, 5)  # kinds of relative coordinates that are angles; in space perpendicular and turn, too
 GOOD = 20.0  # steps in a period, or in the shortest bend: what is advised
 
 Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of functions of time
@@ -41,7 +45,7 @@ Profiles = dict[int, tuple[FloatArray, FloatArray]]  # instants and values of fu
 def unseen_loads(result: Result, step: float) -> tuple[str, ...]:
     """Warnings for what steps of ``step`` [s] did not see, each with the step that would do."""
     compiled = result.compiled
-    if compiled is None or compiled.spatial or len(result.times) < 2 or not np.isfinite(result.u).all():
+    if compiled is None or len(result.times) < 2 or not np.isfinite(result.u).all():
         return ()
     with np.errstate(all="ignore"):  # a run that went astray is judged elsewhere
         scales = _Scales(result, compiled)
@@ -58,17 +62,20 @@ class _Scales:
 
     def __init__(self, result: Result, compiled: CompiledScene) -> None:
         model = compiled.model
-        dof = model.bodies.dof[:-1]
+        _, rigid, components = dimension(model.bodies)
+        dof = model.bodies.dof[:-1, None]
         self.size = compiled.size
         self.duration = float(result.times[-1])
-        self.spin = float(np.abs(result.u[:, dof + 2]).max())
-        speeds = np.hypot(result.u[:, dof], result.u[:, dof + 1]) + 0.5 * self.size * np.abs(result.u[:, dof + 2])
+        spins = np.linalg.norm(result.u[:, dof + np.arange(components, rigid)], axis=2)
+        self.spin = float(spins.max())
+        speeds = np.linalg.norm(result.u[:, dof + np.arange(components)], axis=2) + 0.5 * self.size * spins
         self.speed = float(speeds.max())
-        travel = np.hypot(np.ptp(result.q[:, dof], axis=0), np.ptp(result.q[:, dof + 1], axis=0))
-        self.travel = float((travel + 0.5 * self.size * np.ptp(result.q[:, dof + 2], axis=0)).max())
-        self.weight = float(model.bodies.mass.sum() * np.hypot(*model.loads.gravity))
+        places = result.q[:, place_offsets(model.bodies)[:-1, None] + np.arange(components)]
+        travel = np.linalg.norm(np.ptp(places, axis=0), axis=1)
+        self.travel = float((travel + 0.5 * self.size * _turned(result, model.bodies)).max())
+        self.weight = float(model.bodies.mass.sum() * np.linalg.norm(model.loads.gravity))
         self._compiled = compiled
-        self._rigid = (dof[:, None] + np.arange(N_RIGID)).ravel()
+        self._rigid = (dof + np.arange(rigid)).ravel()
 
     @cached_property
     def _mechanics(self) -> tuple[FloatArray, FloatArray]:
@@ -93,14 +100,39 @@ class _Scales:
         return max(float(np.linalg.eigvalsh(rows @ self._stiff @ rows.T)[-1]), 0.0)
 
 
+def _turned(result: Result, bodies: Any) -> FloatArray:
+    """By how much each body has turned (nb,) [rad]; in space the range of the integral of its angular velocity.
+
+    Rotations from one stored instant to the next are added as vectors: about a fixed axis that is the angle.
+    """
+    if dimension(bodies) is PLANE:
+        return np.asarray(np.ptp(result.q[:, bodies.dof[:-1] + 2], axis=0))
+    p = result.q[:, bodies.place[:-1, None] + np.arange(3, N_PLACE)]
+    w, v = p[..., :1], p[..., 1:]
+    scalar = w[1:] * w[:-1] + (v[1:] * v[:-1]).sum(axis=-1, keepdims=True)
+    vector = w[:-1] * v[1:] - w[1:] * v[:-1] - np.cross(v[1:], v[:-1])
+    vector *= np.where(scalar < 0.0, -1.0, 1.0)  # the shorter way round
+    length = np.linalg.norm(vector, axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(length, np.abs(scalar))
+    steps = np.divide(angle * vector, length, out=np.zeros_like(vector), where=length > 0.0)
+    ways = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, axis=0)])
+    return np.asarray(np.linalg.norm(np.ptp(ways, axis=0), axis=-1))
+
+
 def masses_and_joints(compiled: CompiledScene, q: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mass matrix (ndof, ndof) and rows of the joints (nj, ndof) at q, drives as at t = 0."""
-    still, external = np.zeros_like(q), np.zeros((compiled.n_external, 3))
+    still, external = np.zeros_like(compiled.u), np.zeros((compiled.n_external, 3))
     return mass_matrix(compiled.model, q), violation(compiled.model, q, still, external).jacobian
 
 
-def _rows(model: Model, q: FloatArray, p: int) -> FloatArray:
-    """Velocity (x, y) and rate of rotation of material point p by all velocities (3, ndof)."""
+def _rows(model: Any, q: FloatArray, p: int) -> FloatArray:
+    """Velocity (x, y) and rate of rotation of material point p by all velocities (3, ndof); in space (6, ndof)."""
+    if is_spatial(model):
+        from lcpflex.dynamics.spatial.load_rows import point_rows
+
+        rows = np.zeros((6, int(model.bodies.dof[-1])))
+        point_rows(pack(model), q.copy(), p, rows)
+        return rows
     rows = np.zeros((3, len(q)))
     b = int(model.points.body[p])
     if b < 0:
@@ -191,16 +223,19 @@ def _forces(compiled: CompiledScene, step: float, scales: _Scales, profiles: Pro
     largest = [_largest(model, k, profiles) for k in range(len(model.signals.kind))]
     for k, kind in enumerate(model.loads.force_kind.tolist()):
         p = int(model.loads.force_point[k])
-        torque = kind == TORQUE
+        torque = kind >= TORQUE
+        axes = dimension(model.bodies).components
         rows = _rows(model, compiled.q, p)
-        rows = math.sqrt(0.5 * scales.size) * rows[2:] if torque else rows[:2]  # speeds, of a torque at half the size
+        # speeds, of a torque at half the size
+        rows = math.sqrt(0.5 * scales.size) * rows[axes:] if torque else rows[:axes]
+        fixed = kind == FORCE or (kind == TORQUE and len(rows) > 1)  # in axes of the world
         components = model.loads.force_signal[k].tolist()
         own = set(components)
         rest = [] if torque else [scales.weight, *(x for j, x in enumerate(largest) if j not in own)]
         for signal in sorted(own):
             if largest[signal] <= NEGLIGIBLE * max(rest, default=0.0):
                 continue
-            along = rows[[c for c in (0, 1) if components[c] == signal]] if kind == FORCE else rows
+            along = rows[[c for c in range(axes) if components[c] == signal]] if fixed else rows
             words = _unseen_force(model, signal, profiles, step, scales, along)
             if words:
                 found.append(f"the {'torque' if torque else 'force'} on {place_name(compiled, p)} {words}")
@@ -296,15 +331,21 @@ def _springs(result: Result, compiled: CompiledScene, step: float, scales: _Scal
         omega = math.sqrt(float(model.loads.spring_value[k, 0]) * scales.mobility(row[None, :]))
         if omega * step <= SPRING_TURN:
             continue
-        swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if kind == ANGLE else 1.0)
+        swing = _fastest_stretch(result, model, k) / omega * (0.5 * scales.size if kind in TURNING else 1.0)
         if swing > MATTERS * max(scales.travel, NEGLIGIBLE * scales.size):
             names = f"{place_name(compiled, P)} and {place_name(compiled, Q)}"
             found.append(f"the spring between {names}, which swings, {_turns(omega, step)}")
     return found
 
 
-def resisted(model: Model, q: FloatArray, k: int) -> FloatArray:
+def resisted(model: Any, q: FloatArray, k: int) -> FloatArray:
     """(ndof,) of the coordinate that spring k resists; the model is a packed one."""
+    if is_spatial(model):
+        from lcpflex.dynamics.spatial.load_rows import spring_row
+
+        row = np.zeros(int(model.bodies.dof[-1]))
+        spring_row(model, q.copy(), k, row)
+        return row
     P, Q = model.loads.spring_point[k].tolist()
     at = apart(model.bodies, model.points, q.copy(), P, Q)
     still = Motion(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -246,6 +246,8 @@ def scene_size(result: Result) -> float | None:
     """Largest extent of a body [m]; None for a system of the user's own or for bodies without outlines."""
     if result.compiled is None:
         return None
+    if result.compiled.spatial:
+        return result.compiled.size
     points = result.compiled.model.points
     extents = [np.ptp(points.place[points.body == b], axis=0).max() for b in np.unique(points.body) if b >= 0]
     extents += [2.0 * radius for _, radius in result.compiled.layout.circles]

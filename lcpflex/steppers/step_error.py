@@ -44,7 +44,7 @@ UNTOUCHED = {*FIELDS, "points", "thickness", "deflection", "table", "before", "a
 class Units:
     """What errors are measured in: metres of the places of each body, or each coordinate of a user's own system."""
 
-    def __init__(self, model: Model, ndof: int) -> None:
+    def __init__(self, model: Any, ndof: int) -> None:
         self._bodies: list[tuple[int, int, float, FloatArray]] = []
         self.own = len(model.bodies.mass) == 0
         self.count = ndof if self.own else len(model.bodies.mass)
@@ -53,6 +53,8 @@ class Units:
         for b in range(len(model.bodies.mass)):
             ids = np.flatnonzero(points.body == b)
             extent = float(np.max(_lengths(points.place[ids]), initial=0.0))
+            if self._size is not PLANE:  # a body that turns is no point, whatever is known of it
+                extent = max(extent, math.sqrt(float(np.trace(model.bodies.second[b])) / float(model.bodies.mass[b])))
             for s in np.flatnonzero(contacts.surface_body == b):
                 reach = float(np.hypot(*contacts.surface_center[s]) + contacts.surface_extent[s])
                 extent = max(extent, reach if math.isfinite(reach) else 0.0)
