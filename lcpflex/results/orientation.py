@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lcpflex.basics.arguments import absent
+from lcpflex.basics.arguments import absent, one_of
 from lcpflex.errors import ModelError
 from lcpflex.kinematics.spatial.frames import rotated
 from lcpflex.model.planar import N_RIGID
@@ -53,8 +53,7 @@ def body_orientation(result: Result, body: str) -> Rotation:
 def body_spin(result: Result, body: str, axes: str) -> FloatArray:
     """Angular velocity of the frame of a body, (m, 3) [rad/s], in world or body axes."""
     b = _spatial_body(result, body)
-    if axes not in ("world", "body"):
-        raise ModelError(f"axes: {axes!r:.60} was given, expected 'world' or 'body'")
+    axes = one_of("axes", axes, ("world", "body"))
     d = int(result.compiled.model.bodies.dof[b])  # type: ignore[union-attr]
     omega = result.u[:, d + 3 : d + 6].copy()
     if axes == "body":

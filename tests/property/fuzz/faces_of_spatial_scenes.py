@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import cache
 from typing import Any
 
 import lcpflex as lf
@@ -14,6 +16,27 @@ def _points() -> dict[str, Any]:
     scene = lf.SpatialScene()
     body = scene.add(lf.Sphere(0.1, mass=1.0), name="ball", position=(0.0, 0.0, 0.5))
     return {"P": body.at(0.0, 0.0, 0.1), "Q": scene.ground.at(0.0, 0.0, 0.6)}
+
+
+def _join(joint: Any = None) -> Any:
+    given = _points()
+    return given["P"].scene.join(lf.Ball(**given) if joint is None else joint)
+
+
+def _load(load: Any = None) -> Any:
+    given = _points()
+    return given["P"].scene.load(lf.Spring(**given, stiffness=1.0) if load is None else load)
+
+
+def _sensor(sensor: Any = None) -> Any:
+    given = _points()
+    return given["P"].scene.sensor(lf.sensors.Point(given["P"]) if sensor is None else sensor)
+
+
+def _contact() -> None:
+    """There are none yet, which is said."""
+    with suppress(lf.ModelError):
+        lf.SpatialScene().contact()
 
 
 def spatial_parts_faces() -> list[Face]:
@@ -32,7 +55,22 @@ def spatial_parts_faces() -> list[Face]:
         made.add(lf.Sphere(0.1, mass=1.0), name="ball")
         return made
 
+    @cache
+    def result() -> lf.Result:
+        return lf.simulate(scene(), 0.003, lf.MoreauJean(step=1e-3), progress=False)
+
+    def told(name: str, **arguments: Any) -> Face:
+        return Face(f"Result.{name}", getattr(lf.Result, name), lambda: dict(arguments), result)
+
     return [
+        Face("SpatialScene.join", _join, lambda: {"joint": None}),
+        Face("SpatialScene.load", _load, lambda: {"load": None}),
+        Face("SpatialScene.sensor", _sensor, lambda: {"sensor": None}),
+        Face("SpatialScene.contact", _contact, dict),
+        Face("SpatialScene.contact_all", _contact, dict),
+        told("momentum", body="ball"),
+        told("orientation", body="ball"),
+        told("angular_velocity", body="ball", axes="body"),
         Face("SpatialScene", lf.SpatialScene, dict),
         Face("SpatialScene.add", lf.SpatialScene.add, lambda: {"body": lf.Sphere(0.1, mass=1.0)}, lf.SpatialScene),
         Face("SpatialScene.body", lf.SpatialScene.body, lambda: {"name": "ball"}, scene),
