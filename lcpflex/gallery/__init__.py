@@ -55,6 +55,12 @@ if TYPE_CHECKING:
         stick_slip_block as stick_slip_block,
         three_balls as three_balls,
     )
+    from lcpflex.gallery.mechanisms.space import (
+        dzhanibekov as dzhanibekov,
+        heavy_top as heavy_top,
+        spatial_slider_crank as spatial_slider_crank,
+        spherical_pendulum as spherical_pendulum,
+    )
     from lcpflex.gallery.mechanisms.stops import (
         elastic_stop as elastic_stop,
         hinged_beam as hinged_beam,

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from lcpflex.dynamics.impact_laws import Poisson, Stronge
 from lcpflex.force_laws.penalty import Penalty
-from lcpflex.gallery.mechanisms import bars, coaxial, flexible, piles, rigid, stops, user_systems
+from lcpflex.gallery.mechanisms import bars, coaxial, flexible, piles, rigid, space, stops, user_systems
 from lcpflex.runs.case import Case
 from lcpflex.steppers.adaptive import AdaptiveStep
 from lcpflex.steppers.event_driven.stepper import EventDriven
@@ -22,7 +22,7 @@ def scenes() -> dict[str, Case]:
     """All cases by name."""
     return {
         case.name: case
-        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles)
+        for module in (flexible, rigid, bars, user_systems, stops, coaxial, piles, space)
         for case in module.cases()
     }
 
@@ -44,6 +44,9 @@ def warmup_cases() -> tuple[Case, ...]:
         ("stick_slip", 1e-3, Smooth(spring)),
         ("stick_slip", 1e-3, Smooth(spring, integrator=Stiff())),
         ("stick_slip", 1e-3, Smooth(spring, integrator=Verlet(1e-4))),
+        ("driven_slider_crank", 1e-3, MoreauJean(step=1e-4)),
+        ("driven_slider_crank", 1e-2, EventDriven()),
+        ("driven_slider_crank", 1e-3, GeneralizedAlpha(step=1e-4)),
     )
     return (
         *(replace(known[name], duration=1e-3) for name in own),

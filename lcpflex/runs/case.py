@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lcpflex.runs.simulate import Stepper
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
 
 __all__ = ["Case"]
@@ -36,7 +37,7 @@ class Case:
 
     name: str
     title: str
-    build: Callable[[], Scene | UserSystem]
+    build: Callable[[], Scene | SpatialScene | UserSystem]
     duration: float
     stepper: Stepper
     reference: Mapping[str, float] = field(default_factory=dict)

@@ -96,7 +96,9 @@ class Setup:
         return run
 
 
-def compiled_for(scene: Scene | UserSystem, stepper: Stepper, project: bool) -> CompiledScene | UserSystem:
+def compiled_for(
+    scene: Scene | SpatialScene | UserSystem, stepper: Stepper, project: bool
+) -> CompiledScene | UserSystem:
     """``scene`` compiled for ``stepper``; a user's own system as it is."""
     if isinstance(scene, UserSystem):
         return scene

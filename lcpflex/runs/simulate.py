@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
+    from lcpflex.scene.spatial.scene import SpatialScene
     from lcpflex.scene.user_system import UserSystem
     from lcpflex.steppers.system import System
 
@@ -50,7 +51,7 @@ NAMED = 8  # closed contacts that an error names
 
 
 def simulate(
-    scene: Scene | UserSystem,
+    scene: Scene | SpatialScene | UserSystem,
     duration: float,
     stepper: Stepper,
     *,
@@ -68,7 +69,7 @@ def simulate(
     Parameters
     ----------
     scene
-        A :class:`Scene`, or a :class:`UserSystem` given by its functions M, h, gaps, W, w.
+        A :class:`Scene` or :class:`SpatialScene`, or a :class:`UserSystem` given by its functions M, h, gaps, W, w.
     duration
         Time to simulate [s], > 0.
     stepper
