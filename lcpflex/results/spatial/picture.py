@@ -33,15 +33,15 @@ __all__ = ["SpatialPicture"]
 _LONGEST = 6.2  # inches of the longer side of a picture
 _PIXELS = 200  # an inch of a single picture; films have those of the screen
 _ROOM = 0.03  # around what is drawn, relative to the longer side
-_LIGHT = np.array([-0.45, 0.60, 0.66])  # right, up, towards the viewer
-_DIM, _BEND = 0.30, 1.4  # light of what is turned away, and how fast it grows
+_LIGHT = np.array([-0.30, 0.55, 0.78])  # right, up, towards the viewer
+_DIM, _BEND = 0.38, 1.4  # light of what is turned away, and how fast it grows
 _INK, _STEEL = np.array([48.0, 48.0, 48.0]), np.array([96.0, 96.0, 104.0])
 _EDGE, _ROD, _COIL, _STAR, _FRAME, _DOT = 0.0011, 0.0030, 0.0022, 0.0045, 0.0030, 0.009  # radii, of the longer side
 _LIFT = 0.002  # of it, by which lines on a surface are nearer
 _STEP = 0.03  # of it, a step in depth that has an outline
 _SHADOW, _SOFT = 0.22, 0.006  # how dark it is, and how soft
 _AXIS = 0.7  # length of the axes of a body, relative to its extent
-_LEAST, _MOST = 0.07, 0.45  # and relative to the picture
+_LEAST, _MOST = 0.07, 0.45  # and relative to that of all in the picture
 _BEHIND = 0.4  # share with which hidden axes are seen
 _FAINT = 0.35  # likewise of marks of joints
 _RECORDS = 60  # instants of a film that its frame is made for
@@ -59,8 +59,10 @@ class SpatialPicture:
         self._pixels: tuple[int, int] | None = None
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
         sights = np.array([[np.inf] * 2, [-np.inf] * 2])
-        for record in records[:: max(1, len(records) // _RECORDS)]:
-            places = self._scenery.reach(result.q[record], look.scale)
+        records = records[:: max(1, len(records) // _RECORDS)]
+        self._arms = max(self._broad(result.q[record]) for record in records) if look.frames else 0.0
+        for record in records:
+            places = self._swept(result.q[record])
             along = places @ self._camera.floor.T
             low, high = np.minimum(low, along.min(axis=0)), np.maximum(high, along.max(axis=0))
             seen = self._camera.seen(places)[:, :2]
@@ -76,7 +78,18 @@ class SpatialPicture:
         seen = np.concatenate([seen, *(place[None] for place in outside)])
         first, last = seen.min(axis=0) - _ROOM * side, seen.max(axis=0) + _ROOM * side
         self.view = float(first[0]), float(last[0]), float(first[1]), float(last[1])
-        self._side = side
+        self._side = side  # [m] of the longer side, without room
+
+    def _swept(self, q: FloatArray) -> FloatArray:
+        """(k, 3) places that the picture has to hold at a configuration."""
+        places = self._scenery.reach(q, self._look.scale)
+        if not self._look.frames:
+            return places
+        return np.concatenate([places, *(ends.reshape(-1, 3) for ends, *_ in self._axes_of_bodies(q))])
+
+    def _broad(self, q: FloatArray) -> float:
+        """Extent of the bodies in the picture [m]."""
+        return float(np.ptp(self._camera.seen(self._scenery.reach(q, self._look.scale))[:, :2], axis=0).max())
 
     def size(self) -> tuple[float, float]:
         """Inches."""
@@ -183,7 +196,7 @@ class SpatialPicture:
         lines = []
         for one in self._scenery.drawn:
             origin, axes, _ = self._scenery.frame(q, one.body)
-            length = np.clip(_AXIS * one.extent, _LEAST * self._side, _MOST * self._side)
+            length = np.clip(_AXIS * one.extent, _LEAST * self._arms, _MOST * self._arms)
             for axis, colour in enumerate(AXIS_COLOURS):
                 tint = 255.0 * np.array(libs.to_rgb(colour))
                 ends = np.stack([origin, origin + length * axes[:, axis]])
@@ -224,7 +237,7 @@ class SpatialPicture:
         body = self._scenery.model.points.body
         marks = [(p, (p, other), "s" if slides else "o") for p, other, slides in self._scenery.joints]
         marks += [(p, pair, "o") for pair in (*self._scenery.rods, *self._scenery.springs) for p in pair]
-        for p, pair, mark in dict.fromkeys(marks):
+        for p, pair, mark in sorted(dict.fromkeys(marks), key=lambda one: one[2] == "o"):
             place = self._scenery.at(q, (p,), self._look.scale)[0]
             x, y, _ = self._camera.seen(place)
             holders = {int(body[k]) for k in pair}
@@ -232,7 +245,7 @@ class SpatialPicture:
             grounded = body[p] < 0 or (-1 in holders and mark != "o") or (-1 in holders and pair in self._held())
             if grounded:
                 ax.plot([x], [y], marker=6, markersize=9, color="#808080", alpha=alpha, zorder=2)
-            size = 5.5 if mark == "o" else 5.0
+            size = 5.5 if mark == "o" else 7.5  # seen around a circle at its place
             ax.plot(
                 [x],
                 [y],

@@ -394,3 +394,13 @@ def test_film(tmp_path: Path) -> None:
     assert not (blue[0] & blue[2]).any()
     floor = slice(-60, None)  # names and numbers below
     assert (np.abs(frames[0][floor] - frames[2][floor]).max(axis=2) > 40).mean() < 2e-3
+
+
+def test_axes_of_bodies_are_not_cut_off() -> None:
+    compiled = scene_of((lf.Cuboid(0.2, 0.01, 0.01, mass=1.0), (0.0, 0.0, 0.0)))
+    picture = SpatialPicture(result_of(compiled), compiled, np.array([0]), Look(SIDE, True, 1.0))
+    tall = (picture.view[3] - picture.view[2]) / (picture.view[1] - picture.view[0])
+    rows = np.nonzero(picture.canvas(compiled.q, round(300 * tall), 300)[0].owner != NOBODY)[0]
+    highest = picture.view[2] + rows.max() / 600 * (picture.view[1] - picture.view[0])
+    assert highest == pytest.approx(0.45 * 0.2, abs=3e-3)  # the axis z, as long as it may be in a picture of that box
+    assert highest < picture.view[3]
