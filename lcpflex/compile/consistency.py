@@ -12,7 +12,7 @@ import numpy as np
 from lcpflex.compile.compiled_scene import Layout
 from lcpflex.contact.near import near, surfaces_of
 from lcpflex.dynamics import start
-from lcpflex.dynamics.mass_matrix import overbent
+from lcpflex.dynamics.mass_matrix import mass_matrix, overbent
 from lcpflex.dynamics.time_functions import State
 from lcpflex.errors import ModelError, ModelWarning
 from lcpflex.jit.kernel import FloatArray
@@ -120,7 +120,23 @@ def consistent_start(
             ModelWarning,
             stacklevel=3,
         )
+    if is_spatial(model) and len(joints) > len(model.bodies.mass):  # not in trees
+        _warn_of_lock(model, q, found)
     return q, u
+
+
+def _warn_of_lock(model: Any, q: FloatArray, found: start.Violation) -> None:
+    """Warn where joints leave no motion, but would if they fitted a little better."""
+    from lcpflex.dynamics.spatial.start import locking_error
+
+    error = locking_error(model, mass_matrix(model, q), found.jacobian)
+    if error > 0.0:
+        warnings.warn(
+            "the joints leave the bodies no motion, but would if places and axes did not differ by some "
+            f"{error:.1g} of their arms or rad: expected joints that fit to 1e-5, if this is to be a mechanism",
+            ModelWarning,
+            stacklevel=4,
+        )
 
 
 def _is_misfit(model: Any, q: FloatArray, found: start.Violation, scale: FloatArray) -> bool:

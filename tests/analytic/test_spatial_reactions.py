@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -165,3 +166,23 @@ def test_badly_assembled_ones_are_refused() -> None:
         scene_of(four_bar(1e-6))[0].compile()
     with pytest.raises(lf.ModelError, match=r"the joints contradict each other"):
         scene_of(four_bar(1e-3))[0].compile(project=True)
+
+
+def test_locked_by_its_assembly() -> None:
+    """Axes that are off by 3e-3 rad lock a four-bar: this is said, and nothing where it moves or is none."""
+    for make, off, locked in ((four_bar, 3e-3, True), (four_bar, 0.0, False), (box, 0.0, False)):
+        mechanism = make()
+        scene = lf.SpatialScene(gravity=GRAVITY)
+        placed = [scene.add(lf.SpatialRigidBody(b.mass, b.inertia), position=b.place) for b in mechanism.bodies]
+        for k, joint in enumerate(mechanism.joints):
+            P, Q = (
+                scene.ground.at(*joint.r_p) if b == GROUND else placed[b].at(*(joint.r_p - mechanism.bodies[b].place))
+                for b in joint.bodies
+            )
+            axis = (off if k == 1 else 0.0, off if k == 2 else 0.0, 1.0)
+            scene.join(lf.Weld(P, Q) if joint.kind == "weld" else lf.Revolute(P, Q, axis=axis))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            result = lf.simulate(scene, 0.01, lf.MoreauJean(step=1e-3))
+        assert (result.energies.kinetic.max() > 1e-3) == (make is four_bar and not locked)
+        assert any("leave the bodies no motion" in str(one.message) for one in told) == locked

@@ -8,7 +8,9 @@ from lcpflex.dynamics.spatial.redundancy import DEPENDENT
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.spatial import N_RIGID, SpatialModel
 
-__all__ = ["nearest"]
+__all__ = ["locking_error", "nearest"]
+
+NEARLY = 1e-5  # as ``DEPENDENT``: errors of assembly up to 1e-3
 
 
 def nearest(model: SpatialModel, M: FloatArray, J: FloatArray, residual: FloatArray) -> FloatArray:
@@ -20,14 +22,31 @@ def nearest(model: SpatialModel, M: FloatArray, J: FloatArray, residual: FloatAr
     """
     if not len(J):
         return np.zeros(len(M))
-    scaled = J * _sizes(model, M, J)
-    size = np.sqrt((scaled * scaled).sum(axis=1))
-    unit = 1.0 / np.where(size > 0.0, size, 1.0)
-    U, s, _ = np.linalg.svd(unit[:, None] * scaled, full_matrices=False)
+    scaled, unit = _alike(model, M, J)
+    U, s, _ = np.linalg.svd(scaled, full_matrices=False)
     independent = U[:, s * s > DEPENDENT * s.max(initial=0.0) ** 2].T * unit
     rows = independent @ J
     spread = np.linalg.solve(M, rows.T)
     return np.asarray(spread @ np.linalg.solve(rows @ spread, independent @ residual))
+
+
+def locking_error(model: SpatialModel, M: FloatArray, J: FloatArray) -> float:
+    """About the error of assembly that leaves no motion at all where some would be without it; 0.0: there is none."""
+    if not len(J):
+        return 0.0
+    s = np.linalg.svd(_alike(model, M, J)[0], compute_uv=False)
+    s = np.sort(s * s / s.max(initial=0.0) ** 2)[::-1]
+    kept = int((s > DEPENDENT).sum())
+    locked = kept == len(M) and s[kept - 1] < NEARLY
+    return float(np.sqrt(s[kept - 1])) if locked else 0.0
+
+
+def _alike(model: SpatialModel, M: FloatArray, J: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """J sqrt(D), each row divided by its size, and 1 / these (r,)."""
+    scaled = J * _sizes(model, M, J)
+    size = np.sqrt((scaled * scaled).sum(axis=1))
+    unit = 1.0 / np.where(size > 0.0, size, 1.0)
+    return unit[:, None] * scaled, unit
 
 
 def _sizes(model: SpatialModel, M: FloatArray, J: FloatArray) -> FloatArray:
