@@ -1,7 +1,7 @@
 """Results for ParaView: the scene as it moves, with its stresses, and its contact forces, in VTKHDF files.
 
-``run.vtkhdf`` holds the bodies and the ground, at z = 0 where they are planar. At points, in world axes but for
-stresses, which are in the axes of the body:
+``run.vtkhdf`` holds the bodies and the ground, at z = 0 where they are planar, as surfaces of triangles in space. At
+points, in world axes but for stresses, which are in the axes of the body:
 
     displacement      (3) r - r at the first instant [m]
     velocity          (3) [m/s]

@@ -1,7 +1,8 @@
 """A scene as points and cells that move with its bodies: what other programs show of it.
 
 Meshes are their elements, beams and bars four-sided elements over their height, other bodies their outlines, discs and
-what touches of them, and the ground its surfaces; of a half-plane a piece as long as what the bodies sweep.
+what touches of them, and the ground its surfaces; of a half-plane a piece as long as what the bodies sweep. Bodies of
+space are their surfaces (:mod:`lcpflex.results.spatial.cells`).
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lcpflex.contact.narrow_phase.feature import SEGMENT
+from lcpflex.model.layout import is_spatial
 from lcpflex.model.planar import N_RIGID
 from lcpflex.model.recovery import LineShapes, MeshShapes
 from lcpflex.results.drawing import WHOLE, circle_points, features_of, stars, surfaces_of_bodies, view_of
@@ -81,6 +83,10 @@ class _Drawn:
 
 def shapes_of(result: Result, compiled: CompiledScene) -> list[Shape]:
     """Those of a scene: of its rigid bodies, of each flexible one, and of the ground, where there are any."""
+    if compiled.spatial:
+        from lcpflex.results.spatial.cells import spatial_shapes
+
+        return spatial_shapes(compiled)
     modes = (np.diff(compiled.model.bodies.dof) - N_RIGID).tolist()
     recovery = compiled.recovery or (None,) * len(modes)
     recovered = {b for b, shapes in enumerate(recovery) if shapes is not None and modes[b]}
@@ -104,6 +110,10 @@ def shapes_of(result: Result, compiled: CompiledScene) -> list[Shape]:
 
 def motion_of(model: Model, shape: Shape, q: FloatArray, u: FloatArray) -> Motion:
     """r = R + A (x + Phi q) and its rate over configurations q, u (m, ndof)."""
+    if is_spatial(model):
+        from lcpflex.results.spatial.cells import spatial_motion
+
+        return spatial_motion(model, shape, q, u)
     if not (shape.owner >= 0).any():
         still = np.broadcast_to(shape.places, (len(q), *shape.places.shape))
         return Motion(still, np.zeros_like(still), np.zeros_like(still))
