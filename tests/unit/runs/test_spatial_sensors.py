@@ -165,3 +165,26 @@ def test_a_run_starts_from_the_last_state_of_another() -> None:
     np.testing.assert_array_equal(second.u[-1], whole.u[-1])
     with pytest.raises(ModelError, match="initial: a Result with the coordinates"):
         lf.simulate(thrown("box"), 0.01, STEPPERS["moreau"], initial=first)
+
+
+def test_reactions_have_six_components_and_energies_count_the_work_of_torques() -> None:
+    """A ball on a hinge about z under a torque about z and one about x, which the hinge takes."""
+    scene = lf.SpatialScene()
+    ball = scene.add(lf.Sphere(0.1, mass=1.0), "ball")
+    hinge = lf.Revolute(ball.point("center"), scene.ground.at(0, 0, 0), axis=(0, 0, 1), name="hinge")
+    scene.join(hinge)
+    scene.load(lf.Torque(ball.point("center"), (0.3, 0.0, 0.02)))
+    scene.sensor(lf.sensors.Reaction("hinge", every=0.013, name="r"))
+    scene.sensor(lf.sensors.Energy(every=0.013, name="e"))
+    result = lf.simulate(scene, 0.1, STEPPERS["moreau"])
+    history, energy = result.sensor("r"), result.sensor("e")
+    assert history.columns[:6] == ("force x", "force y", "force z", "moment x", "moment y", "moment z")
+    reaction = result.reaction("hinge")
+    np.testing.assert_allclose(reaction.force[1:], np.tile([0.0, 0.0, 9.81], (len(result.times) - 1, 1)), atol=1e-9)
+    np.testing.assert_allclose(
+        history.values[1:, :6], [[0.0, 0.0, 9.81, -0.3, 0.0, 0.0]] * (len(history.times) - 1), atol=1e-9
+    )
+    J = 0.4 * 0.1**2
+    np.testing.assert_allclose(energy.column("work"), (0.02 * energy.times) ** 2 / (2.0 * J), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(energy.column("kinetic"), energy.column("work"), rtol=1e-9, atol=1e-15)
+    assert result.energies.largest_remainder < 1e-14
