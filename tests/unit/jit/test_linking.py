@@ -94,7 +94,17 @@ def written() -> dict[tuple[str, str], set[tuple[str, str]]]:
     for name, tree in trees.items():
         for declared, function in registered(tree):
             graph[known[name][declared]].add(known[name][function])
+        for function, module in spatial(tree):
+            graph[name, function].add((module, function))
     return graph
+
+
+def spatial(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Names of planar kernels, and of the modules with those of the same name for space: ``@in_space("module")``."""
+    for node in tree.body:
+        for call in node.decorator_list if isinstance(node, ast.FunctionDef) else ():
+            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "in_space":
+                yield node.name, ast.literal_eval(call.args[0])  # type: ignore[union-attr]
 
 
 def registered(tree: ast.Module) -> Iterator[tuple[str, str]]:

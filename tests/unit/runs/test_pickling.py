@@ -102,12 +102,15 @@ def compiled_scene() -> CompiledScene:
     return full_scene().compiled()
 
 
-def own(scene: lf.Scene) -> bool:
+def own(scene: lf.Scene | lf.SpatialScene) -> bool:
     """Whether each handle in a scene is of that scene."""
     parts = scene.parts()
-    handles: list[Any] = [scene.ground, *parts.placed, *parts.surfaces]
+    handles: list[Any] = [scene.ground, *parts.placed]
     handles += [point for joint in parts.joints.values() for point in (joint.P, joint.Q)]
     handles += [load.P for load in parts.loads]
+    if isinstance(scene, lf.SpatialScene):  # without contacts
+        return all(handle.scene is scene for handle in handles)
+    handles += parts.surfaces
     handles += [surface for contact in parts.contacts.values() for surface in contact.pair]
     handles += [side for rule in parts.rules for pair in rule.exclude for side in pair]
     return all(handle.scene is scene for handle in handles)

@@ -346,10 +346,8 @@ def test_forces_too_stiff_for_the_step_are_told() -> None:
 def test_stiff_springs_of_a_user_converge() -> None:
     """A spring within ``force`` is no part of the iteration matrix: h^2 k beta / m = 6."""
     spring = UserSystem(q=[1.0], u=[0.0], mass=[[1.0]], force=lambda t, q, u: -100.0 * np.tanh(q) - 1e3 * q)
-    for h in (0.1, 0.005):
-        assert not any(
-            "did not converge" in warning for warning in lf.simulate(spring, 0.5, GeneralizedAlpha(h)).warnings
-        )
+    results = [lf.simulate(spring, 0.5, GeneralizedAlpha(h)) for h in (0.1, 0.005)]
+    assert not any("did not converge" in warning for result in results for warning in result.warnings)
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0, 1.5, 5.0, 20.0])
