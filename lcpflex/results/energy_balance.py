@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
@@ -113,6 +114,14 @@ class Energies:
         if unexplained == 0.0:
             return 0.0
         return unexplained / scale if scale > 0.0 else float("inf")
+
+
+def lift_of(compiled: Any) -> float:
+    """Energy that lifts all bodies of a compiled scene by the size of the largest [J]; 0 where there is none."""
+    if compiled is None:
+        return 0.0
+    weight = compiled.model.bodies.mass.sum() * np.linalg.norm(compiled.model.loads.gravity)
+    return float(weight * compiled.size)
 
 
 CREATED, GREW, UNEXPLAINED = "contact impulses created energy", "the energy grew by", "of energy are unexplained"

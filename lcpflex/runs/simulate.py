@@ -21,7 +21,7 @@ from lcpflex.checks.wound_springs import wound_spring
 from lcpflex.dynamics.impact_laws import Newton
 from lcpflex.errors import LcpflexError, SolverError, StepError, in_range
 from lcpflex.force_laws.friction.creep import crept
-from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings
+from lcpflex.results.energy_balance import Energies, EnergyGrowth, energy_warnings, lift_of
 from lcpflex.results.problem_log import ProblemLog, RecordProblems
 from lcpflex.results.result import Event, Result
 from lcpflex.results.stated_error import stated_errors
@@ -37,7 +37,6 @@ from lcpflex.statics.rest import Rest
 from lcpflex.steppers.law_run import friction_warnings
 
 if TYPE_CHECKING:
-    from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.runs.checkpoint import Checkpoint
     from lcpflex.scene.scene import Scene
     from lcpflex.scene.spatial.scene import SpatialScene
@@ -295,7 +294,7 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
                 run.steps,
                 growth,
                 _tolerance(stepper),
-                _lift(compiled),
+                lift_of(compiled),
             ),
         ),
         complete=complete,
@@ -315,13 +314,6 @@ def _collect(setup: Setup, run: Run, timing: tuple[float, float], message: str, 
         place_error=place_error,
         speed_error=speed_error,
     )
-
-
-def _lift(compiled: CompiledScene | None) -> float:
-    """Energy that lifts all bodies by the size of the largest [J]; 0 where none is known."""
-    if compiled is None:
-        return 0.0
-    return float(compiled.model.bodies.mass.sum() * np.linalg.norm(compiled.model.loads.gravity)) * compiled.size
 
 
 def _tolerance(stepper: Stepper) -> float:
