@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 
 from lcpflex.jit.kernel import FloatArray, IntArray
 
-__all__ = ["LARGEST", "LineShapes", "MeshShapes", "Shapes", "small_enough"]
+__all__ = ["LARGEST", "LineShapes", "MeshShapes", "Shapes", "SpatialLineShapes", "small_enough"]
 
 LARGEST = 2_000_000  # numbers of the shapes of a body that a file keeps: 16 MB
 
@@ -42,9 +42,26 @@ class MeshShapes(NamedTuple):
     phi: FloatArray  # (N, 2, n) [kg^-1/2]
 
 
-Shapes: TypeAlias = LineShapes | MeshShapes
+class SpatialLineShapes(NamedTuple):
+    """A straight uniform beam of space along x, its middle at x = 0, and its modes at the nodes of its elements."""
+
+    length: float  # [m]
+    mass: float  # [kg]
+    gyration: tuple[float, float]  # I_z / A and I_y / A of the cross-section, mean squares of y and of z in it [m^2]
+    shear: tuple[float, float]  # s = 12 E I / (k G A h^2) of bending in the planes xy and xz
+    shapes: FloatArray  # (nodes, 6, n) u, v, w, h phi, h b and h c of :mod:`lcpflex.bodies.spatial.beam_elements`
+
+
+Shapes: TypeAlias = LineShapes | MeshShapes | SpatialLineShapes
 
 
 def small_enough(shapes: Iterable[Shapes | None]) -> tuple[Shapes | None, ...]:
     """Those that a file keeps; None for a mesh of more numbers than LARGEST, as one with all of its modes has."""
-    return tuple(None if isinstance(one, MeshShapes) and one.phi.size > LARGEST else one for one in shapes)
+    return tuple(None if _numbers(one) > LARGEST else one for one in shapes)
+
+
+def _numbers(one: Shapes | None) -> int:
+    """How many numbers the modes of a mesh or of a beam of space are."""
+    if isinstance(one, MeshShapes):
+        return one.phi.size
+    return one.shapes.size if isinstance(one, SpatialLineShapes) else 0

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from lcpflex.compile.compiled_scene import CompiledScene
     from lcpflex.jit.kernel import FloatArray, IntArray
     from lcpflex.results.result import Result
+    from lcpflex.results.spatial.acting_forces import SpatialActingForces
 
 __all__ = ["with_values"]
 
@@ -51,9 +52,17 @@ def with_values(result: Result) -> Result:
     return replace(result, compiled=kept, outside=values)
 
 
+def _acting(compiled: CompiledScene, step: float) -> ActingForces | SpatialActingForces:
+    if compiled.spatial:
+        from lcpflex.results.spatial.acting_forces import SpatialActingForces
+
+        return SpatialActingForces(compiled, step)
+    return ActingForces(compiled, step)
+
+
 def _values(result: Result, compiled: CompiledScene, own: IntArray) -> FloatArray:
     """(m, slots, 3) value, rate and acceleration: of Python functions, then of the compiled ones ``own``."""
-    acting = ActingForces(compiled, mean_step(result))
+    acting = _acting(compiled, mean_step(result))
     signals = pack(compiled.model.signals)
     values = np.zeros((len(result.times), compiled.n_external + len(own), 3))
     for k, t in enumerate(result.times.tolist()):

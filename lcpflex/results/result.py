@@ -33,7 +33,7 @@ from lcpflex.results.outside_values import with_values
 from lcpflex.results.paraview import to_vtkhdf
 from lcpflex.results.places import trajectory, velocity
 from lcpflex.results.plot import animate, draw
-from lcpflex.results.section_forces import SectionForces, section_forces
+from lcpflex.results.section_forces import SectionForces, body_of_result, mean_step, section_forces
 from lcpflex.results.sensor import SensorHistory, named_sensor
 from lcpflex.results.state_at import StateAt, state_at
 from lcpflex.results.stored_instants import impulse_noise, located, tells_of_steps
@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
     from lcpflex.compile.compiled_scene import CompiledScene
+    from lcpflex.results.spatial.section_forces import SpatialSectionForces
 
 __all__ = [
     "CREEP",
@@ -222,12 +223,21 @@ class Result:
         """
         return momentum_of(self, body)
 
-    def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces:
-        """Section forces N, V and M of a beam or bar over the stored instants: see :class:`SectionForces`.
+    def section(self, body: str, x: npt.ArrayLike | None = None) -> SectionForces | SpatialSectionForces:
+        """Section forces of a beam or bar over the stored instants: see :class:`SectionForces`.
 
-        body: its name. x: place of the section along the undeformed axis [m], or several; None for all nodes. Raises
-        ModelError for another body, a place off the axis, and a loaded result of a scene with Python functions of time.
+        Of a spatial beam, N, V_y, V_z, T, M_y and M_z: see
+        :class:`lcpflex.results.spatial.section_forces.SpatialSectionForces`.
+
+        body: its name. x: place of the section along the undeformed axis [m], or several, of a spatial beam from
+        -length / 2 to length / 2; None for all nodes. Raises ModelError for another body, a place off the axis, and a
+        loaded result of a scene with Python functions of time.
         """
+        compiled, b = body_of_result(self, body, "section")
+        if compiled.spatial:
+            from lcpflex.results.spatial.section_forces import spatial_section_forces
+
+            return spatial_section_forces(self, compiled, b, x, mean_step(self))
         return section_forces(self, body, x)
 
     def at(self, t: float, before: bool = False) -> StateAt:

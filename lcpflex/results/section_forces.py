@@ -94,8 +94,6 @@ def body_of_result(result: Result, body: Any, what: str) -> tuple[CompiledScene,
     bodies = result.compiled.layout.bodies
     if not isinstance(body, str) or body not in bodies:
         raise ModelError(f"body: no body {absent(body, bodies)}")
-    if result.compiled.spatial:
-        raise ModelError(f"{what}: body {body!r} moves in space, and {what} is planar so far; expected a planar body")
     return result.compiled, bodies.index(body)
 
 

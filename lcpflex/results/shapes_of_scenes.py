@@ -102,7 +102,7 @@ def shapes_of(result: Result, compiled: CompiledScene) -> list[Shape]:
     found = [rigid.shape()] if rigid.bodies() else []
     for b in (b for b in drawn if modes[b]):
         own = recovery[b]
-        found += [_of_recovery(b, own)] if b in recovered and own is not None else []
+        found += [_of_recovery(b, own)] if b in recovered and isinstance(own, LineShapes | MeshShapes) else []
         found += [drawn[b].shape()] if drawn[b].bodies() else []
     ground = _ground(result, compiled)
     return [*found, ground] if len(ground.owner) else found

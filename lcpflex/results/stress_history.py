@@ -143,6 +143,8 @@ def stress_history(result: Result, body: str, static: bool, step: float | None =
     """See :meth:`lcpflex.results.result.Result.stress`; ``step``: mean one of the run, None: that of the result."""
     step = mean_step(result, step)
     compiled, b = body_of_result(result, body, "stress")
+    if compiled.spatial:
+        raise ModelError(f"stress: body {body!r} moves in space, and stress is planar so far; expected a planar body")
     shapes = compiled.recovery[b] if compiled.recovery else None
     whole = flag("static", static)
     recovery: Recovery

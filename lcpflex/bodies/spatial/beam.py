@@ -32,6 +32,8 @@ from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, PointOperator
 from lcpflex.bodies.spatial.flexible import check_deformation, flexible_body
 from lcpflex.errors import ModelError, as_number, in_range, shown
 from lcpflex.jit.kernel import FloatArray, IntArray
+from lcpflex.model.arrays import frozen
+from lcpflex.model.recovery import SpatialLineShapes
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_matrix
@@ -159,6 +161,7 @@ class SpatialBeam:
         return flexible_body(
             mesh, _by_strain(self._strains(line), found), damping, residual, second_order, clamped=held is not None,
             resolution=Resolution(math.sqrt(self.youngs_modulus / self.density), line.h),
+            recover=partial(_recovered, self, line),
         )  # fmt: skip
 
     def _line(self) -> BeamMesh:
@@ -214,6 +217,18 @@ class SpatialBeam:
             },
             surface=_surface(self, line),
         )
+
+
+def _recovered(beam: SpatialBeam, line: BeamMesh, shapes: FloatArray) -> SpatialLineShapes:
+    """What section forces come from, of shapes (f, n)."""
+    Iy, Iz = beam.second_moments
+    return SpatialLineShapes(
+        length=beam.length,
+        mass=beam.density * beam.area * beam.length,
+        gyration=(Iz / beam.area, Iy / beam.area),
+        shear=line.shear,
+        shapes=frozen(shapes.reshape(line.elements + 1, DOFS, shapes.shape[1])),
+    )
 
 
 def _shear_modulus(E: float, ratio: float | None, modulus: float | None) -> float:

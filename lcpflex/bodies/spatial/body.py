@@ -27,6 +27,7 @@ from lcpflex.bodies.spatial.checks import check_inertia, check_products, even
 from lcpflex.bodies.spatial.shapes import SHAPES, Shape
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.recovery import SpatialLineShapes
 
 __all__ = ["SpatialBody", "SpatialPoint"]
 
@@ -83,6 +84,7 @@ class SpatialBody:
         to their mass centre
     resolution : what the mesh can resolve; None where it has none
     residual_modes : how many of the last coordinates are residual modes, the static response at interfaces
+    recovery : what its section forces are recovered from; None where it has none
 
     Raises
     ------
@@ -111,6 +113,7 @@ class SpatialBody:
     origin: FloatArrayOrNone = None  # type: ignore[assignment]
     resolution: Resolution | None = field(default=None, repr=False)
     residual_modes: int = 0
+    recovery: SpatialLineShapes | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mass", positive("mass", self.mass))
@@ -163,7 +166,11 @@ class SpatialBody:
         for name in ("locate", "nodes"):
             if not (callable(getattr(self, name)) or (name == "nodes" and self.nodes is None)):
                 raise ModelError(f"{name}: {shown(getattr(self, name))} was given, expected a function")
-        for name, kinds in (("shape", SHAPES), ("resolution", (Resolution,))):
+        for name, kinds in (
+            ("shape", SHAPES),
+            ("resolution", (Resolution,)),
+            ("recovery", (SpatialLineShapes,)),
+        ):
             value = getattr(self, name)
             if value is not None and not isinstance(value, kinds):
                 expected = " or ".join(kind.__name__ for kind in kinds)

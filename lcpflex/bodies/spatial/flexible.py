@@ -8,6 +8,7 @@ of the coordinates of the mesh, and none of these vanish.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -24,6 +25,7 @@ from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
 from lcpflex.bodies.spatial.shapes import SurfaceShape
 from lcpflex.errors import ModelError, shown
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.model.recovery import SpatialLineShapes
 
 __all__ = ["check_deformation", "flexible_body"]
 
@@ -49,6 +51,7 @@ def flexible_body(
     *,
     clamped: bool,
     resolution: Resolution | None = None,
+    recover: Callable[[FloatArray], SpatialLineShapes] | None = None,
 ) -> SpatialBody:
     """The body of a mesh in an orthonormal basis that diagonalises its stiffness.
 
@@ -60,6 +63,7 @@ def flexible_body(
     second_order : n2 of the products; None for min(n, 12)
     clamped : whether the frame rides on what is held, or is the mean frame
     resolution : what the mesh can resolve
+    recover : what section forces are recovered from, of the shapes (f, n)
 
     Raises
     ------
@@ -93,6 +97,7 @@ def flexible_body(
         origin=origin,
         resolution=resolution,
         residual_modes=residual.modes,
+        recovery=None if recover is None else recover(shapes),
     )
 
 

@@ -73,7 +73,7 @@ def compiled_spatial_scene(scene: SpatialScene, project: bool) -> CompiledScene:
         callbacks,
         (),
         assembly.signals.functions,
-        recovery=tuple(None for _ in parts.bodies),
+        recovery=tuple(body.recovery for body in parts.bodies),
         sensors=tuple(compiled_spatial_sensor(name, one, bodies, layout) for name, one in parts.sensors.items()),
     )
 

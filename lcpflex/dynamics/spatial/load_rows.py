@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from lcpflex.dynamics.spatial.applied_forces import directions
+from lcpflex.dynamics.spatial.applied_forces import directions, stretch
 from lcpflex.jit.kernel import FloatArray, kernel
 from lcpflex.kinematics.spatial.points import add_wrench, arm_of
-from lcpflex.kinematics.spatial.relative import add_gradient, apart, coordinate_gradient
+from lcpflex.kinematics.spatial.relative import (
+    add_gradient,
+    apart,
+    coordinate_gradient,
+    coordinate_rate,
+    relative_motion,
+)
 from lcpflex.kinematics.spatial.vectors import NOTHING
 from lcpflex.model.spatial import SpatialModel
 
-__all__ = ["point_rows", "spring_row"]
+__all__ = ["point_rows", "spring_blocks", "spring_row"]
 
 
 @kernel
@@ -40,3 +46,23 @@ def spring_row(model: SpatialModel, q: FloatArray, k: int, row: FloatArray) -> N
     on_p = row[dof[b] : dof[b + 1]]  # empty for the ground, body -1
     on_q = row[dof[c] : dof[c + 1]]
     add_gradient(points, (i, j), arms, gradient, 1.0, on_p, on_q)
+
+
+@kernel
+def spring_blocks(
+    model: SpatialModel, q: FloatArray, u: FloatArray, k: int, on_p: FloatArray, on_q: FloatArray
+) -> None:
+    """Generalised forces (6 + n,) of spring and damper k, added for P and Q each, which may be of one body."""
+    loads, points = model.loads, model.points
+    i = loads.spring_point[k, 0]
+    j = loads.spring_point[k, 1]
+    kind = loads.spring_kind[k]
+    way = directions(loads, k)
+    at, arms = apart(model.bodies, points, q, i, j)
+    gradient = coordinate_gradient(kind, at, way)
+    size = -loads.spring_value[k, 0] * stretch(kind, at, way, loads.spring_value[k, 2])
+    if loads.spring_value[k, 1] != 0.0:
+        size -= loads.spring_value[k, 1] * coordinate_rate(
+            gradient, relative_motion(model.bodies, points, u, i, j, arms)
+        )
+    add_gradient(points, (i, j), arms, gradient, size, on_p, on_q)
