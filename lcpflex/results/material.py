@@ -44,9 +44,10 @@ def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tu
         )
     phi = _shapes_at(result.compiled, b, place)
     if phi is None:
+        handle = "body.node(x, y)" if len(axes) == 2 else "a joint, load or sensor at body.at(x, y, z)"
         raise ModelError(
             f"point: {shown(point)} is neither a named point nor on the outline of the flexible body "
-            f"{shown(body)}; expected one of these (body.node(x, y) before the simulation makes a place known)"
+            f"{shown(body)}; expected one of these ({handle} before the simulation makes a place known)"
         )
     return model, b, place, phi
 

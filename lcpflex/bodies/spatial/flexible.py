@@ -8,6 +8,7 @@ of the coordinates of the mesh, and none of these vanish.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -20,16 +21,17 @@ from lcpflex.bodies.reduction.bases import Basis
 from lcpflex.bodies.reduction.damping import Damping, signed, vanish
 from lcpflex.bodies.reduction.mesh_body import Residual, damping_of
 from lcpflex.bodies.spatial.body import SpatialBody, SpatialPoint
-from lcpflex.bodies.spatial.checks import skew_part
+from lcpflex.bodies.spatial.checks import skew, skew_part
 from lcpflex.bodies.spatial.elastic import ElasticMesh, Integrals, material
 from lcpflex.bodies.spatial.shapes import SurfaceShape
-from lcpflex.errors import ModelError, shown
+from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.model.recovery import SpatialLineShapes
 
 __all__ = ["check_deformation", "flexible_body"]
 
-SECOND_ORDER = 12  # modes whose products are kept unless more are asked for
+SECOND_ORDER = 12  # modes whose products are kept in the mean frame unless more are asked for
+SLIGHT = 0.02  # deformation, root mean square over radius of inertia, at which every mass matrix must be positive
 ORIGIN = np.zeros(3)
 
 
@@ -60,7 +62,7 @@ def flexible_body(
     basis : omega2 (n,), shapes (f, n)
     damping : of the modes; None for the damping matrix of the mesh, none if there is none
     residual : how many of the last columns are residual modes
-    second_order : n2 of the products; None for min(n, 12)
+    second_order : n2 of the products; None for min(n, 12) in the mean frame, all in a clamped one
     clamped : whether the frame rides on what is held, or is the mean frame
     resolution : what the mesh can resolve
     recover : what section forces are recovered from, of the shapes (f, n)
@@ -69,15 +71,23 @@ def flexible_body(
     ------
     ModelError
         If the basis is not orthogonal to the rigid motions, or a damping matrix feeds energy into the modes.
+
+    Warns
+    -----
+    ModelWarning
+        If the mass matrix of the clamped body is indefinite once it deforms, as products of modes are left out.
     """
     omega2, shapes = basis[0], signed(basis[1])
     n = len(omega2)
-    n2 = min(n, SECOND_ORDER) if second_order is None else whole_number("second_order", second_order, 0, n)
+    usual = n if clamped else min(n, SECOND_ORDER)
+    n2 = usual if second_order is None else whole_number("second_order", second_order, 0, n)
     diagonal, cross = damping_of(mesh.damping, omega2, shapes, damping, residual)
     origin = ORIGIN if clamped else mesh.centre
     found = mesh.integrals(shapes, n2, origin)
     if not clamped:
         found = _centred(found)
+    elif n2 < n:
+        _check_positive(found, n2)
 
     here = (mesh, shapes, origin)
     return SpatialBody(
@@ -99,6 +109,44 @@ def flexible_body(
         residual_modes=residual.modes,
         recovery=None if recover is None else recover(shapes),
     )
+
+
+def _check_positive(found: Integrals, n2: int) -> None:
+    """Warn if the mass matrix is indefinite at small deformations by single modes.
+
+    In a clamped frame <x Phi_k> is large: it makes products of inertia that only the products of modes, left out here,
+    would balance. The mean frame has none of this.
+    """
+    n = len(found.S)
+    radius = math.sqrt(float(np.trace(found.second)))  # by the root of the mass, as modal coordinates are
+    for k in range(n):
+        for amount in (SLIGHT * radius, -SLIGHT * radius):
+            if _least(found, n2, k, amount) < -1e-12:
+                warnings.warn(
+                    f"second_order: {n2} of {n} modes in a clamped frame were given, with which the mass matrix is "
+                    f"indefinite when mode {k + 1} deforms the body by {SLIGHT:.0%} of its radius of inertia (root "
+                    "mean square), expected all modes (second_order=None), or the mean frame (clamped=None)",
+                    ModelWarning,
+                    stacklevel=5,
+                )
+                return
+
+
+def _least(found: Integrals, n2: int, k: int, amount: float) -> float:
+    """The least eigenvalue of what the modes leave of the 6 x 6 rigid inertia, eta_k = amount, scaled to rest."""
+    Y = found.first.copy()  # <s Phi_l^T>
+    P = found.second + amount * (found.first[k] + found.first[k].T)
+    if k < n2:
+        Y[:n2] += amount * found.products[:, k].transpose(0, 2, 1)
+        P += amount**2 * found.products[k, k]
+    lever = skew(found.moment + amount * found.S[k])
+    turning = np.trace(P) * np.eye(3) - P
+    rigid = np.block([[found.mass * np.eye(3), -lever], [lever, turning]])
+    coupled = np.hstack([found.S, skew_part(Y.reshape(-1, 9))])
+    at_rest = np.trace(found.second) * np.eye(3) - found.second
+    scale = 1.0 / np.sqrt(np.concatenate([np.full(3, found.mass), np.diag(at_rest)]))
+    left = (rigid - coupled.T @ coupled) * np.outer(scale, scale)
+    return float(np.linalg.eigvalsh(left)[0])
 
 
 def _centred(found: Integrals) -> Integrals:

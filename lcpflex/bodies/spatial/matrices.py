@@ -134,7 +134,8 @@ class SpatialMatrices:
             the origin stays that of the coordinates. None for the mean frame
         basis : (3 N, k) columns of displacements: the body can move as their span, without the rigid motions in it
         second_order : of how many of the first modes products are kept, which tell in second order how the inertia
-            follows the deformation; None for 12 or all if they are fewer. The cost of a step grows with its square
+            follows the deformation; None for 12, all if they are fewer or the frame is clamped, where the mass matrix
+            may be indefinite with less (a warning says so). The cost of a step grows with its square
         residual_damping : damping ratio of the residual modes; None for that of the others, the last one of several
         deformation : "linear" is the only one: the material moves by linear functions of the modal coordinates, and
             neither spin nor axial force stiffen the body

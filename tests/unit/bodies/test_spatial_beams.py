@@ -225,3 +225,43 @@ def test_what_cannot_be_is_refused(make, words):
 def test_wrong_units_are_warned_of():
     with pytest.warns(lf.ModelWarning, match="a modulus in GPa"):
         bar(youngs_modulus=210.0)
+
+
+def lowest_inertia(body, eta):
+    """The least eigenvalue of the mass matrix, each coordinate scaled to 1 on the diagonal."""
+    M = mass_matrix(body, eta)
+    scale = 1.0 / np.sqrt(np.abs(np.diag(M)))
+    return np.linalg.eigvalsh(M * np.outer(scale, scale))[0]
+
+
+def deflected(body, tip):
+    """The first mode with that displacement of the right end."""
+    eta = np.zeros(body.modes)
+    eta[0] = tip / np.linalg.norm(body.point("right").phi[0])
+    return eta
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_cantilever_keeps_positive_inertia_with_many_modes():
+    """All products are kept where the frame is clamped: with 12 of 30, a tip 1 cm off made the mass indefinite."""
+    body = pendulum(elements=20).reduce(30, clamped="left")
+    assert body.second_order_modes == 30
+    for tip in (0.0, 0.001, 0.01, 0.05):
+        assert lowest_inertia(body, deflected(body, tip)) > 0.0
+    assert pendulum(elements=20).reduce(30).second_order_modes == 12
+    free = pendulum(elements=20).reduce(8, second_order=0)
+    assert lowest_inertia(free, deflected(free, 0.05)) > 0.0
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_clamped_body_without_the_products_its_inertia_needs_is_warned_of():
+    for modes, products in ((8, 0), (30, 12)):
+        with pytest.warns(lf.ModelWarning, match=f"second_order: {products} of {modes} modes in a clamped frame"):
+            body = pendulum(elements=20).reduce(modes, clamped="left", second_order=products)
+        assert lowest_inertia(body, deflected(body, 0.02)) < -1e-5
+    with pytest.warns(lf.ModelWarning, match="when mode 3 deforms the body by 2%"):
+        body = pendulum(elements=20).reduce(8, clamped="left", second_order=4)
+    eta = np.zeros(8)
+    eta[2] = 0.02 * math.sqrt(np.trace(body.second))
+    assert min(lowest_inertia(body, eta), lowest_inertia(body, -eta)) < 0.0
+    assert lowest_inertia(body, deflected(body, 0.02)) > 0.0  # the first mode does not need more
