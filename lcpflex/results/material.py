@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from lcpflex.model.arrays import Model
     from lcpflex.results.result import Result
 
-__all__ = ["material_of"]
+__all__ = ["body_index", "material_of"]
 
 
 def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tuple[Model, int, FloatArray, FloatArray]:
@@ -25,9 +25,7 @@ def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tu
     if result.compiled is None:
         raise ModelError("point: a system of the user's own has no material points; expected the result of a Scene")
     layout, model = result.compiled.layout, result.compiled.model
-    if not isinstance(body, str) or body not in layout.bodies:
-        raise ModelError(f"body: no body {absent(body, layout.bodies)}")
-    b = layout.bodies.index(body)
+    b = body_index(result.compiled, body)
     if isinstance(point, str):
         if (body, point) not in layout.points:
             known = tuple(name for owner, name in layout.points if owner == body)
@@ -50,6 +48,14 @@ def material_of(result: Result, body: str, point: str | tuple[float, ...]) -> tu
             f"{shown(body)}; expected one of these ({handle} before the simulation makes a place known)"
         )
     return model, b, place, phi
+
+
+def body_index(compiled: CompiledScene, body: object) -> int:
+    """Index of the body of that name; raises ModelError where there is none."""
+    bodies = compiled.layout.bodies
+    if not isinstance(body, str) or body not in bodies:
+        raise ModelError(f"body: no body {absent(body, bodies)}")
+    return bodies.index(body)
 
 
 def _shapes_at(compiled: CompiledScene, b: int, place: FloatArray) -> FloatArray | None:

@@ -25,7 +25,7 @@ from lcpflex.results.contact_windows import INSTANTS, ContactWindow
 from lcpflex.results.energy_balance import Energies
 from lcpflex.results.instant import Instant
 from lcpflex.results.joint_reaction import JointReaction, joint_reaction
-from lcpflex.results.material import material_of
+from lcpflex.results.material import body_index, material_of
 from lcpflex.results.modal_coordinates import ModalCoordinates, modal_coordinates
 from lcpflex.results.momentum import Momentum, momentum_of
 from lcpflex.results.orientation import body_angle, body_orientation, body_spin
@@ -396,7 +396,4 @@ class Result:
         """
         if self.compiled is None:
             raise ModelError("modes_of: a system of the user's own has no modes; expected the result of a Scene")
-        bodies = self.compiled.layout.bodies
-        if not isinstance(body, str) or body not in bodies:
-            raise ModelError(f"body: no body {absent(body, bodies)}")
-        return modal_coordinates(self.compiled, bodies.index(body))
+        return modal_coordinates(self.compiled, body_index(self.compiled, body))

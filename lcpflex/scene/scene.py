@@ -25,7 +25,7 @@ from lcpflex.scene.joints.joint import Joint
 from lcpflex.scene.loads.load import Load
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import PlacedSurface, check_own
-from lcpflex.scene.sensors.sensor import Sensor
+from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.substitution import exchanged
 from lcpflex.scene.user_functions import check_names, functions_of
 
@@ -196,11 +196,7 @@ class Scene:
         sensor: ``lf.sensors.Point``, ``Body``, ``Coordinates``, ``Energy``, ``Reaction``, ``Contact``, ``Section``,
         ``Stress`` or ``Function``.
         """
-        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
-            raise ModelError(f"sensor: {shown(sensor)} was given, expected a sensor such as lf.sensors.Point(P)")
-        for field in ("P", "body"):
-            if getattr(getattr(sensor, field, None), "scene", None) is not None:
-                check_own(self, "sensor", getattr(sensor, field))
+        check_placed_sensor(self, sensor)
         name = free_name("sensor", sensor.name or None, self._sensors)
         self._sensors[name] = sensor
         return name

@@ -10,9 +10,10 @@ from lcpflex.basics.arguments import sequence_of
 from lcpflex.basics.options import keep_number_or_none
 from lcpflex.errors import ModelError, shown
 from lcpflex.scene.handles import Placed
+from lcpflex.scene.placed_surface import check_own
 from lcpflex.scene.spatial.handles import SpatialPlaced
 
-__all__ = ["Sensor", "body_name", "check_sensor", "keep_body", "keep_text", "named_sensors"]
+__all__ = ["Sensor", "body_name", "check_placed_sensor", "check_sensor", "keep_body", "keep_text", "named_sensors"]
 
 
 @runtime_checkable
@@ -67,3 +68,12 @@ def named_sensors(given: Any) -> tuple[Sensor, ...]:
     free = (name for k in range(1, 1 + len(sensors) + len(names)) if (name := f"sensor{k}") not in names)
     called: list[Any] = [sensor if sensor.name else replace(sensor, name=next(free)) for sensor in sensors]
     return tuple(called)
+
+
+def check_placed_sensor(scene: object, sensor: object) -> None:
+    """Raise ModelError for what is no sensor, and for one of a point or body of another scene."""
+    if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+        raise ModelError(f"sensor: {shown(sensor)} was given, expected a sensor such as lf.sensors.Point(P)")
+    for field in ("P", "body"):
+        if getattr(getattr(sensor, field, None), "scene", None) is not None:
+            check_own(scene, "sensor", getattr(sensor, field))

@@ -16,7 +16,7 @@ from lcpflex.errors import ModelError, ModelWarning, shown
 from lcpflex.scene import compiling
 from lcpflex.scene.naming import free_name
 from lcpflex.scene.placed_surface import check_own
-from lcpflex.scene.sensors.sensor import Sensor
+from lcpflex.scene.sensors.sensor import Sensor, check_placed_sensor
 from lcpflex.scene.spatial.handles import SpatialPlaced
 from lcpflex.scene.spatial.orientation import matrix_of, quaternion_of
 from lcpflex.scene.spatial.relative import SpatialJoint, SpatialLoad
@@ -153,11 +153,7 @@ class SpatialScene:
 
         See :meth:`lcpflex.Scene.sensor`.
         """
-        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
-            raise ModelError(f"sensor: {shown(sensor)} was given, expected a sensor such as lf.sensors.Point(P)")
-        for field in ("P", "body"):
-            if getattr(getattr(sensor, field, None), "scene", None) is not None:
-                check_own(self, "sensor", getattr(sensor, field))
+        check_placed_sensor(self, sensor)
         name = free_name("sensor", sensor.name or None, self._sensors)
         self._sensors[name] = sensor
         return name
