@@ -39,6 +39,7 @@ from lcpflex.solvers.lcp.proofs import FULL, exact_solution
 from lcpflex.solvers.lcp.tableau import EXTRA
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import NEARLY, Lcp, LcpSolver, PosedProblem, Problem, Solution, accept, confirmed
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import SOLVED, Status
 
 __all__ = ["Auto", "auto", "auto_workspace", "solve_lcp"]
@@ -116,8 +117,8 @@ class Auto:
         object.__setattr__(self, "budget", check_time_limit("budget", self.budget))
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Empty: it takes every problem."""
-        return ""
+        """Why the solver cannot take the problem, as those with cones; empty for all that are an LCP."""
+        return no_cones(self, problem)
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """The certified solution, or the best point of the whole chain with the reason why it is none.

@@ -37,6 +37,7 @@ from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
 from lcpflex.solvers.problem import NEARLY, Lcp, PosedProblem, Solution, Status, accept
 from lcpflex.solvers.program_backends import Answer, Program
+from lcpflex.solvers.refusals import no_cones
 
 __all__ = ["QuadraticProgram", "duality_gap", "equilibrium", "polish"]
 
@@ -75,6 +76,8 @@ class QuadraticProgram:
         """Why the solver cannot take the problem; empty if it can."""
         if isinstance(problem, Lcp):
             return "" if problem.symmetric else UNSYMMETRIC
+        if reason := no_cones(self, problem):
+            return reason
         box = _box(problem)
         reason = UNSYMMETRIC if box is None else _no_program(box)
         return reason if reason and not _symmetric_without_free(problem, box) else ""

@@ -22,6 +22,7 @@ from lcpflex.solvers.arguments import check_guess, posed
 from lcpflex.solvers.clock import check_time_limit, limited, remaining
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.user_process import Worker
 
 __all__ = ["UserSolver", "as_solver", "is_ours", "name_of", "named_solvers", "own_part"]
@@ -107,7 +108,9 @@ class UserSolver:
         return self._answers[-1] if self._answers else None
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """What the object says that ``function`` is; a function takes every problem."""
+        """What the object says that ``function`` is; a function takes every problem that comes as it asks for it."""
+        if self.takes != "problem" and (reason := no_cones(self, problem)):
+            return f'{reason}; takes is "{self.takes}": expected "problem" for a function of such problems'
         asked_for = getattr(self.function, "refuses", None)
         if not callable(asked_for):
             return ""

@@ -27,6 +27,7 @@ from lcpflex.solvers.clock import check_time_limit
 from lcpflex.solvers.limits import check_tolerance
 from lcpflex.solvers.mixed.problems import BoxedLcp, MixedLcp
 from lcpflex.solvers.problem import Lcp, Solution, Status
+from lcpflex.solvers.refusals import has_cones
 from lcpflex.solvers.time_limit import TimeLimit
 from lcpflex.solvers.user_solver import TARGET, named_solvers, own_part, own_tolerance
 
@@ -326,7 +327,7 @@ def _compared(problem: Any, row: Row, found: Solution | None, best: Solution | N
 
 def _motion(problem: Any, found: Solution) -> FloatArray:
     """w, or the contact velocities of a contact problem."""
-    if hasattr(problem, "velocity"):
+    if hasattr(problem, "velocity") and hasattr(problem, "unknowns"):
         return np.asarray(problem.velocity(np.concatenate(problem.forces(found.z))))
     return found.w
 
@@ -340,6 +341,8 @@ def _same(problem: Any, a: FloatArray, b: FloatArray) -> bool:
 
 def _is_unique(problem: Any) -> bool:
     """Whether all solutions share w: M is symmetric positive semidefinite, that of the problem or that of its LCP."""
+    if has_cones(problem):
+        return False
     if isinstance(problem, MixedLcp | BoxedLcp) and is_symmetric(np.array(problem.M), problem.size):
         return _semidefinite(problem.M)
     lcp = problem.lcp() if hasattr(problem, "lcp") else problem

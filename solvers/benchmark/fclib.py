@@ -17,7 +17,7 @@ import scipy.sparse
 from lcpflex.basics.hdf5 import h5py_for, whole_hdf5
 from lcpflex.errors import ModelError, path_of
 from lcpflex.jit.kernel import FloatArray
-from lcpflex.solvers.contact.condensation import condensed, contact_problem, planar_rows
+from lcpflex.solvers.contact.condensation import condensed, contact_problem, multiplied_out, planar_rows
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
 
@@ -32,12 +32,11 @@ GLOBAL = "/fclib_global with M, H, vectors/f, vectors/w, vectors/mu, spacedim"
 
 
 def load_fclib(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactProblem:
-    """The problem of an FCLIB HDF5 file: planar ones to be solved, spatial ones to be looked at and judged.
+    """The problem of an FCLIB HDF5 file: in the plane or in space.
 
     Of a global problem the motion of the bodies, with their joints, is eliminated by a dense factorisation. Needs h5py.
     Raises ModelError without it, for a damaged file, for bodies whose equations are singular, for rolling friction, and
-    for matrices of more than a million rows, of global and of spatial ones of more than 8000 and 4000. The W of a
-    planar local problem stays sparse.
+    for matrices of more than a million rows, of global ones of more than 8000. The W of a local problem stays sparse.
 
     path: of the file.
     """
@@ -71,7 +70,7 @@ def save_fclib(path: str | os.PathLike[str], problem: ContactProblem | SpatialCo
     if isinstance(problem, ContactProblem):
         (W, q), dimension = planar_rows(problem), 2
     elif isinstance(problem, SpatialContactProblem):
-        W, q, dimension = problem.delassus, problem.free, 3
+        W, q, dimension = multiplied_out(problem), problem.free, 3
     else:
         kind = type(problem).__name__
         raise ModelError(f"problem is a {kind}: expected a ContactProblem or a SpatialContactProblem")

@@ -237,7 +237,7 @@ def load_siconos_lcp(path: str | os.PathLike[str]) -> Lcp:
 
 
 def load_siconos_contacts(path: str | os.PathLike[str]) -> ContactProblem | SpatialContactProblem:
-    """The contact problem of a text file of Siconos: in the plane to be solved, in space to be looked at and judged.
+    """The contact problem of a text file of Siconos, in the plane or in space.
 
     Local ones, and global ones, from which the motion of the bodies is eliminated. Raises ModelError, with the file,
     the line and what was expected, for anything else.

@@ -7,7 +7,7 @@ ContactProblem         M, q of its :meth:`lcp`; A (Delassus matrix, left out whe
 MixedLcp               kind, matrix, vector, free
 BoxedLcp               kind, matrix, vector, lower, upper
 ConvexContactProblem   kind and what its ContactProblem has, but M and q
-SpatialContactProblem  kind, A, b, mu, keys
+SpatialContactProblem  kind and what a ContactProblem has, but M and q
 ====================== ===================================================================================
 
 A dense factor is ``factor``; a sparse one ``factor_data``, ``factor_indices``, ``factor_indptr`` and ``factor_shape``
@@ -26,7 +26,7 @@ import numpy as np
 import scipy.sparse
 
 from lcpflex.errors import ModelError, shown
-from lcpflex.solvers.contact.matrices import as_dense, is_sparse
+from lcpflex.solvers.contact.matrices import is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
 from lcpflex.solvers.contact.relaxation import ConvexContactProblem
 from lcpflex.solvers.contact.spatial import SpatialContactProblem
@@ -68,8 +68,7 @@ def arrays_of(problem: AnyProblem) -> dict[str, Any]:
     if isinstance(problem, ConvexContactProblem):
         return {"kind": np.array("relaxed"), **_contact(problem.contact)}
     if isinstance(problem, SpatialContactProblem):
-        arrays = {"A": problem.delassus, "b": problem.free, "mu": problem.friction}
-        return {"kind": np.array("spatial"), **arrays, "keys": _json(problem.keys)}
+        return {"kind": np.array("spatial"), **_contact(problem)}
     kinds = "Lcp or ContactProblem, MixedLcp, BoxedLcp, ConvexContactProblem or SpatialContactProblem"
     raise ModelError(f"problems holds {type(problem).__name__}: expected {kinds}")
 
@@ -83,7 +82,7 @@ def problem_of(arrays: Mapping[str, Any], end: str = "") -> AnyProblem:
         raise ModelError(f"kind is {shown(kind)}: expected one of {', '.join(NEEDED)}")
     factor, delassus = _read_matrix("factor", arrays), _read_matrix("A", arrays)
     needed = NEEDED[kind]
-    if kind in ("contact", "relaxed") and factor is not None:
+    if kind in ("contact", "relaxed", "spatial") and factor is not None:
         needed = needed[1:]
     for key in needed:
         if key not in arrays and not (key == "A" and delassus is not None):
@@ -94,12 +93,12 @@ def problem_of(arrays: Mapping[str, Any], end: str = "") -> AnyProblem:
         return Lcp(arrays["M"], arrays["q"], factor)
     keys = _keys(arrays.get("keys"))
     if kind == "spatial":
-        return SpatialContactProblem(as_dense(delassus), arrays["b"], arrays["mu"], keys)
+        return SpatialContactProblem(delassus, arrays["b"], arrays["mu"], keys, factor)
     contact = ContactProblem(delassus, arrays["b"], arrays["mu"], keys=keys, factor=factor)
     return ConvexContactProblem(contact) if kind == "relaxed" else contact
 
 
-def _contact(problem: ContactProblem) -> dict[str, Any]:
+def _contact(problem: ContactProblem | SpatialContactProblem) -> dict[str, Any]:
     known = {"b": problem.free, "mu": problem.friction, "keys": _json(problem.keys)}
     return {**_matrix("A", problem.delassus), **known, **_matrix("factor", problem.factor)}
 

@@ -16,11 +16,11 @@ import scipy.sparse.linalg
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
 from lcpflex.solvers.contact.coupling import MOST_BLOCKS
-from lcpflex.solvers.contact.matrices import as_dense, check_dense, is_sparse
+from lcpflex.solvers.contact.matrices import as_dense, is_sparse
 from lcpflex.solvers.contact.problem import ContactProblem
-from lcpflex.solvers.contact.spatial import SpatialContactProblem
+from lcpflex.solvers.contact.spatial import MOST_ENTRIES, SpatialContactProblem
 
-__all__ = ["condensed", "condensed_sparse", "contact_problem", "planar_rows"]
+__all__ = ["condensed", "condensed_sparse", "contact_problem", "multiplied_out", "planar_rows"]
 
 COLUMNS = 64  # of the solves with sparse equations that are dense at a time
 SMALL = 200  # rows up to which a sparse matrix saves nothing
@@ -98,8 +98,7 @@ def _rcond(factor: FloatArray, norm: float) -> float:
 def contact_problem(W: Any, q: FloatArray, mu: FloatArray, dimension: int) -> ContactProblem | SpatialContactProblem:
     """Of W, q with rows (n, t) or (n, t1, t2) of each contact in turn; in the plane tangents without friction go.
 
-    W: dense or scipy sparse, which stays so in the plane beyond 200 rows; in space it becomes dense. Raises ModelError
-    for sizes that do not fit.
+    W: dense or scipy sparse, which stays so beyond 200 rows. Raises ModelError for sizes that do not fit.
     """
     rows = dimension * len(mu)
     if dimension not in (2, 3) or W.shape != (rows, rows) or q.shape != (rows,):
@@ -107,12 +106,11 @@ def contact_problem(W: Any, q: FloatArray, mu: FloatArray, dimension: int) -> Co
             f"spacedim is {dimension}, W has shape {W.shape}, q {q.shape} and mu {mu.shape}: "
             "expected 2 or 3 rows for each coefficient"
         )
-    if dimension == 3:
-        check_dense("W of contacts in space", rows)
-        return SpatialContactProblem(as_dense(W), q, mu)
-    order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
     if is_sparse(W) and rows <= SMALL:
         W = W.toarray()
+    if dimension == 3:
+        return SpatialContactProblem(W, q, mu)
+    order = np.concatenate([np.arange(0, rows, 2), 2 * np.flatnonzero(mu) + 1])
     chosen = W.tocsr()[order][:, order] if is_sparse(W) else W[np.ix_(order, order)]
     return ContactProblem(chosen, q[order], mu)
 
@@ -125,10 +123,20 @@ def planar_rows(problem: ContactProblem) -> tuple[Any, FloatArray]:
     """
     rows = 2 * len(problem.friction)
     order = np.concatenate([np.arange(0, rows, 2), 2 * problem.tangent + 1])
-    matrix = problem.sparse_delassus()
-    if matrix is None:
-        raise ModelError(f"factor @ factor.T has more than {4 * MOST_BLOCKS} entries: expected fewer, or delassus")
+    matrix = multiplied_out(problem)
     entries, q = scipy.sparse.coo_array(matrix), np.zeros(rows)
     q[order] = problem.free
     places = order[entries.row], order[entries.col]
     return scipy.sparse.csr_array((entries.data, places), shape=(rows, rows)), q
+
+
+def multiplied_out(problem: ContactProblem | SpatialContactProblem) -> Any:
+    """The Delassus operator of a problem in its own rows, dense or sparse.
+
+    Raises ModelError where only the factor is known and bodies touch too many contacts to multiply it out.
+    """
+    matrix = problem.matrix() if isinstance(problem, SpatialContactProblem) else problem.sparse_delassus()
+    if matrix is None:
+        most = MOST_ENTRIES if isinstance(problem, SpatialContactProblem) else 4 * MOST_BLOCKS
+        raise ModelError(f"factor @ factor.T has more than {most} entries: expected fewer, or delassus")
+    return matrix

@@ -18,6 +18,8 @@ __all__ = [
     "as_dense",
     "check_dense",
     "coefficients",
+    "diagonal_of",
+    "in_units_of",
     "is_sparse",
     "keys_of",
     "read_delassus",
@@ -59,6 +61,25 @@ def as_dense(matrix: Any) -> FloatArray:
 def is_sparse(value: Any) -> bool:
     """Whether it is a matrix of scipy.sparse."""
     return bool(scipy.sparse.issparse(value))
+
+
+def diagonal_of(delassus: Any, factor: Any) -> FloatArray:
+    """That of a Delassus operator, or of the product of its factor where it is None."""
+    if delassus is not None:
+        return np.asarray(delassus.diagonal())
+    squares = factor.power(2) if is_sparse(factor) else factor**2
+    return np.asarray(squares.sum(axis=1)).ravel()
+
+
+def in_units_of(delassus: Any, factor: Any, d: FloatArray) -> tuple[Any, Any]:
+    """D G D and D J with D the diagonal matrix of d (m,); None stays None."""
+    if factor is not None:
+        factor = scipy.sparse.diags_array(d) @ factor if is_sparse(factor) else factor * d[:, None]
+    if is_sparse(delassus):
+        delassus = scipy.sparse.diags_array(d) @ delassus @ scipy.sparse.diags_array(d)
+    elif delassus is not None:
+        delassus = delassus * np.outer(d, d)
+    return delassus, factor
 
 
 def read_delassus(value: Any, rows: int) -> Any:

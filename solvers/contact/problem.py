@@ -31,7 +31,8 @@ from lcpflex.solvers.contact.matrices import (
     as_dense,
     check_dense,
     coefficients,
-    is_sparse,
+    diagonal_of,
+    in_units_of,
     keys_of,
     read_delassus,
     read_factor,
@@ -123,10 +124,7 @@ class ContactProblem:
     @property
     def diagonal(self) -> FloatArray:
         """(m,) that of the Delassus operator."""
-        if self.delassus is not None:
-            return np.asarray(self.delassus.diagonal())
-        squares = self.factor.power(2) if hasattr(self.factor, "power") else self.factor**2
-        return np.asarray(squares.sum(axis=1)).ravel()
+        return diagonal_of(self.delassus, self.factor)
 
     def row_blocks(self) -> Iterator[tuple[slice, Any]]:
         """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
@@ -169,13 +167,7 @@ class ContactProblem:
         if "balanced" in self._kept:
             return self._kept["balanced"]  # type: ignore[no-any-return]
         d, load = self.row_units, self.unknown_units.load
-        delassus, _, _, factor = self.data
-        if factor is not None:
-            factor = scipy.sparse.diags_array(d) @ factor if is_sparse(factor) else factor * d[:, None]
-        if is_sparse(delassus):
-            delassus = scipy.sparse.diags_array(d) @ delassus @ scipy.sparse.diags_array(d)
-        elif delassus is not None:
-            delassus = delassus * np.outer(d, d)
+        delassus, factor = in_units_of(self.data[0], self.data[3], d)
         alike = ContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
         alike._kept["units"] = np.ones(len(self.friction))
         if self._kept.get("coupling") is not None:

@@ -1,86 +1,284 @@
-"""Spatial Coulomb contact, read and judged here; no solver of this package takes it.
+"""Coulomb contact in space: the data of such a problem, and what a solution of it is.
 
 With u = G r + free, contact k is solved when K_mu ∋ r_k  _|_  u_k + mu_k |u_Tk| n ∈ K_mu* (de Saxce & Feng 1998),
-K_mu the cone |r_T| <= mu r_N and K_mu* its dual.
+K_mu the cone |r_T| <= mu r_N and K_mu* its dual. No linear complementarity problem says the same: solvers of those
+refuse it, and those that know cones take it as it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse
 
-from lcpflex.basics.arguments import point_of
+from lcpflex.basics.arguments import flag, point_of
 from lcpflex.errors import ModelError
 from lcpflex.jit.kernel import FloatArray
+from lcpflex.solvers.arguments import check_guess, check_solver
 from lcpflex.solvers.arrays import finite_array
-from lcpflex.solvers.contact.matrices import coefficients, keys_of
+from lcpflex.solvers.balance import Units, contact_units
+from lcpflex.solvers.certificate import guarded_residual, strict_residual
+from lcpflex.solvers.contact.cones.certificate import cone_parts, weigh_cones
+from lcpflex.solvers.contact.matrices import (
+    as_dense,
+    check_dense,
+    coefficients,
+    diagonal_of,
+    in_units_of,
+    is_sparse,
+    keys_of,
+    read_delassus,
+    read_factor,
+    shown_only,
+)
+from lcpflex.solvers.problem import Lcp, LcpSolver, Solution
+from lcpflex.solvers.refusals import NO_LCP, check_answer
 
 __all__ = ["SpatialContactProblem"]
 
+BLOCK = 256  # rows of the Delassus operator that exist at a time where only its factor is known
+MOST_ENTRIES = 20_000_000  # of the product of a factor, up to which it is multiplied out
+SYMMETRY = 1e-10  # largest |G - G^T| of a symmetric operator, relative to its largest entry
+SIDES = ("N", "1", "2")
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SpatialContactProblem:
-    """Contact velocities ``delassus @ forces + free`` of contacts in space.
+    """Coulomb contact in space: contact velocities (or accelerations) are ``G @ forces + free``.
 
-    delassus (3 k, 3 k) [1/kg], free (3 k,) [m/s], rows (n, t1, t2) of each contact in turn; friction (k,) [-]; keys
-    (k,) names of the contacts, their numbers if left out. Raises ModelError for sizes that do not fit, numbers that
-    are not finite, negative coefficients and keys that repeat.
+    The unknowns z of its solutions are the forces (3 k,) themselves, [N s] or [N], and w the velocities.
+
+    Attributes
+    ----------
+    delassus
+        G (3 k, 3 k) [1/kg], dense or scipy sparse, or None where only its factor is known; rows (n, t1, t2) of each
+        contact in turn. It may be unsymmetric. Kept as a CSR array where it is sparse, and beyond 4000 rows.
+    free
+        (3 k,) velocity [m/s] or acceleration [m/s^2] without contact forces.
+    friction
+        (k,) coefficients [-], 0 for a contact without friction: its tangents have rows too.
+    keys
+        (k,) names of the contacts, for messages and for warm starts from problems with other contacts; their numbers
+        if left out.
+    factor
+        J (3 k, m) with G = J J^T, dense or scipy sparse: W^T L^-T for the mass matrix M = L L^T.
+
+    Raises
+    ------
+    ModelError
+        For sizes that do not fit, a number that is not finite, a negative coefficient, keys that repeat.
     """
 
-    delassus: FloatArray
+    delassus: Any
     free: FloatArray
     friction: FloatArray
     keys: tuple[Hashable, ...] = ()
+    factor: Any = None
+    cones: ClassVar[bool] = True  # no LCP
+    # What the arrays above show read-only: kernels would be compiled a second time for read-only arrays.
+    data: tuple[Any, FloatArray, FloatArray, Any] = field(init=False, repr=False)
+    _kept: dict[str, Any] = field(default_factory=dict, init=False, repr=False)  # once asked for
 
     def __post_init__(self) -> None:
         friction = coefficients(self.friction)
         free = finite_array("free", self.free, 1)
-        n = 3 * len(friction)
-        delassus = finite_array("delassus", self.delassus, 2) if n else np.zeros((0, 0))
-        if delassus.shape != (n, n) or free.shape != (n,):
-            raise ModelError(f"delassus has shape {delassus.shape}, free {free.shape}: expected ({n}, {n}) and ({n},)")
-        keys = keys_of(self.keys, len(friction))
-        for name, value in {"delassus": delassus, "free": free, "friction": friction, "keys": keys}.items():
-            object.__setattr__(self, name, value)
+        contacts, m = len(friction), 3 * len(friction)
+        delassus = read_delassus(self.delassus, m)
+        factor = read_factor(self.factor)
+        if delassus is None and factor is None:
+            raise ModelError("delassus is None: expected a matrix, or else its factor")
+        shape = (m, m) if delassus is None else delassus.shape
+        if free.shape != (m,) or shape != (m, m) or (factor is not None and factor.shape[0] != m):
+            given = f"factor has shape {factor.shape}" if delassus is None else f"delassus has shape {shape}"
+            raise ModelError(f"{given} and free {free.shape}: expected {m} rows, three for each of {contacts} contacts")
+        keys = keys_of(self.keys, contacts)
+        object.__setattr__(self, "data", (delassus, free, friction, factor))
+        for name, value in zip(("delassus", "free", "friction", "factor"), self.data, strict=True):
+            object.__setattr__(self, name, shown_only(value))
+        object.__setattr__(self, "keys", keys)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other problem has the same numbers, stored alike, and the same names."""
+        if not isinstance(other, SpatialContactProblem):
+            return NotImplemented
+        return self.keys == other.keys and all(_alike(a, b) for a, b in zip(self.data, other.data, strict=True))
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def size(self) -> int:
         """Number 3 k of force components."""
         return len(self.free)
 
-    def residual(self, forces: npt.ArrayLike) -> float:
-        """max |r - P_K(r - rho (u + mu |u_T| n))| / rho over max(|free|, |G r|), with rho = 1 / G_nn per contact.
+    @property
+    def symmetric(self) -> bool:
+        """Whether the Delassus operator equals its transpose to rounding."""
+        if "symmetric" not in self._kept:
+            G = self.delassus
+            if G is None or not self.size:
+                self._kept["symmetric"] = True
+            else:
+                largest = float(abs(G).max())
+                self._kept["symmetric"] = bool(abs(G - G.T).max() <= SYMMETRY * largest)
+        return self._kept["symmetric"]  # type: ignore[no-any-return]
 
-        forces (3 k,) [N s]; the result is dimensionless, inf for NaN or inf. Raises ModelError for another shape.
+    @property
+    def unknown_keys(self) -> tuple[Hashable, ...]:
+        """Name of each unknown: the contact's key with "N", "1" or "2"."""
+        if "keys" not in self._kept:
+            self._kept["keys"] = tuple([(key, side) for key in self.keys for side in SIDES])
+        return self._kept["keys"]  # type: ignore[no-any-return]
+
+    @property
+    def diagonal(self) -> FloatArray:
+        """(3 k,) that of the Delassus operator."""
+        return diagonal_of(self.delassus, self.factor)
+
+    @property
+    def units(self) -> FloatArray:
+        """(k,) d_k = 1 / sqrt(max diag G_kk) of each contact: see :mod:`lcpflex.solvers.balance`."""
+        if "units" not in self._kept:
+            own = np.maximum(self.diagonal.reshape(-1, 3).max(axis=1), 0.0) if self.size else np.zeros(0)
+            contact_units(own, len(own))
+            self._kept["units"] = own
+        return self._kept["units"]  # type: ignore[no-any-return]
+
+    @property
+    def unknown_units(self) -> Units:
+        """The units of the forces, three for each contact."""
+        return Units.of(np.repeat(self.units, 3), self.free)
+
+    def balanced(self) -> SpatialContactProblem:
+        """The same contacts, each measured by its own diagonal: what comes out does not depend on units.
+
+        With D the diagonal matrix of :attr:`units`: D G D and D free over a power of two; friction as it is.
         """
-        r = point_of("forces", forces, self.size)
-        if not np.isfinite(r).all():
-            return float("inf")
+        if "balanced" not in self._kept:
+            units = self.unknown_units
+            d, load = units
+            delassus, factor = in_units_of(self.data[0], self.data[3], d)
+            alike = SpatialContactProblem(delassus, self.free / load * d, self.friction, self.keys, factor)
+            alike._kept["units"] = np.ones(len(self.friction))
+            self._kept["balanced"] = alike
+        return self._kept["balanced"]  # type: ignore[no-any-return]
+
+    def matrix(self) -> Any:
+        """The Delassus operator, multiplied out if only its factor is known; None if that has too many entries."""
+        if self.delassus is not None:
+            return self.data[0]
+        if "matrix" not in self._kept:
+            self._kept["matrix"] = _product(self.data[3])
+        return self._kept["matrix"]
+
+    def dense(self) -> FloatArray:
+        """The Delassus matrix (3 k, 3 k) as an array, multiplied out if only its factor is known.
+
+        Raises ModelError beyond 4000 rows.
+        """
+        if isinstance(self.delassus, np.ndarray):
+            return self.delassus
+        check_dense("the Delassus matrix", self.size)
+        matrix = self.factor @ self.factor.T if self.delassus is None else self.delassus
+        return np.ascontiguousarray(as_dense(matrix))
+
+    def row_blocks(self) -> Iterator[tuple[slice, Any]]:
+        """The rows of the Delassus operator, no more than BLOCK of them at a time; sparse where the factor is."""
+        matrix = self.matrix()
+        for first in range(0, self.size, BLOCK):
+            rows = slice(first, min(first + BLOCK, self.size))
+            yield rows, self.factor[rows] @ self.factor.T if matrix is None else matrix[rows]
+
+    def forces(self, z: npt.ArrayLike) -> FloatArray:
+        """(k, 3) force of each contact, normal and two tangents, of a solution z (3 k,)."""
+        return self._point("z", z).reshape(-1, 3)
+
+    def velocity(self, forces: npt.ArrayLike) -> FloatArray:
+        """G @ forces + free (3 k,) for forces (3 k,)."""
+        x = self._point("forces", forces)
+        product = self.data[0] @ x if self.delassus is not None else self.data[3] @ (self.data[3].T @ x)
+        return np.asarray(product + self.free)
+
+    def slack(self, z: npt.ArrayLike) -> FloatArray:
+        """w of a point z (3 k,): the velocities of the contacts."""
+        return self.velocity(self._point("z", z))
+
+    def residual(self, z: npt.ArrayLike, scaled: bool = True) -> float:
+        """How far forces z (3 k,) are from solving the problem: dimensionless and the same in any units if scaled.
+
+        The largest component of r' - P_K(r' - (u' + mu |u'_T| n)), r' and u' in units of each contact (see
+        :mod:`lcpflex.solvers.contact.cones.certificate`), relative to the terms that cancel in the velocities; not
+        scaled: itself. inf for a z that holds NaN or inf. Raises ModelError if z has another shape.
+        """
+        point = self._point("z", z)
+        if flag("scaled", scaled):
+            return self.residuals(point)[0]
+        return self.residual_parts(point)[0]
+
+    def residuals(self, z: npt.ArrayLike) -> tuple[float, float]:
+        """The residual of z (3 k,) in two sizes: :attr:`Solution.residual` and :attr:`Solution.strict`."""
+        return self.judged(self._point("z", z))[1:]
+
+    def judged(self, z: FloatArray) -> tuple[FloatArray, float, float]:
+        """The velocities under the forces z (3 k,), and their residual in the two sizes of a :class:`Solution`."""
+        point, units = self._point("z", z), self.units
+        delassus, free, friction, _ = self.data
+        if isinstance(delassus, np.ndarray):
+            w, terms = np.empty(self.size), np.empty(self.size)
+            residual, strict = weigh_cones(delassus, free, friction, units, point, len(friction), w, terms)
+            return w, float(residual), float(strict)
+        with np.errstate(all="ignore"):  # what is not finite is judged so
+            w = self.velocity(point)
+        worst, size, load = self.residual_parts(point, w)
+        return w, float(guarded_residual(worst, size, load)), float(strict_residual(worst, load))
+
+    def residual_parts(self, z: FloatArray, w: FloatArray | None = None) -> tuple[float, float, float]:
+        """What is left of the natural map, size of its terms, max |free|: each in the units of the contacts.
+
+        z (3 k,): forces; w (3 k,): their velocities, if they are known.
+        """
         with np.errstate(all="ignore"):
-            caused = self.delassus @ r
-            u = (caused + self.free).reshape(-1, 3)
-            scale = np.diag(self.delassus)[::3]
-            scale = np.where(scale > 0.0, scale, 1.0)[:, None]
-            shifted = u.copy()
-            shifted[:, 0] += self.friction * np.hypot(u[:, 1], u[:, 2])
-            points = r.reshape(-1, 3)
-            miss = scale * (points - _project(points - shifted / scale, self.friction))
-            worst = float(np.abs(miss).max(initial=0.0))
-            size = max(float(np.abs(self.free).max(initial=0.0)), float(np.abs(caused).max(initial=0.0)))
-        if not np.isfinite([worst, size]).all():
-            return float("inf")
-        return worst / size if size > 0.0 else worst
+            w = self.velocity(z) if w is None else w
+            size, terms = np.abs(z), np.abs(self.free)
+            for rows, block in self.row_blocks():
+                terms[rows] += abs(block) @ size
+            parts = cone_parts(z, w, terms, *self.data[1:3], self.units, len(self.friction))
+        return float(parts[0]), float(parts[1]), float(parts[2])
+
+    def lcp(self) -> Lcp:
+        """Raises ModelError: friction in space is a cone, and no LCP."""
+        raise ModelError(f"problem: {NO_LCP}")
+
+    def solve_by(self, solver: LcpSolver, guess: Solution | None = None) -> Solution:
+        """What ``solver`` makes of this problem; raises ModelError, with its reason, if it does not take it.
+
+        solver: one that knows cones, as Auto(). guess: the solution of a similar problem to start from, or None.
+        """
+        check_solver(solver)
+        check_guess(guess)
+        if reason := solver.refuses(self) if callable(getattr(solver, "refuses", None)) else "":
+            raise ModelError(reason)
+        return check_answer(solver.solve(self, guess))
+
+    def _point(self, name: str, z: npt.ArrayLike) -> FloatArray:
+        return point_of(name, z, self.size)
 
 
-def _project(x: FloatArray, mu: FloatArray) -> FloatArray:
-    """The nearest points (k, 3) of the cones |x_T| <= mu x_N."""
-    slip = np.hypot(x[:, 1], x[:, 2])
-    inside = slip <= mu * x[:, 0]
-    polar = mu * slip <= -x[:, 0]
-    normal = np.where(polar, 0.0, (x[:, 0] + mu * slip) / (1.0 + mu * mu))
-    shrink = mu * normal / np.where(slip > 0.0, slip, 1.0)
-    edge = np.column_stack([normal, x[:, 1] * shrink, x[:, 2] * shrink])
-    return np.where(inside[:, None], x, edge)
+def _product(factor: Any) -> Any:
+    """J J^T, or None where it has too many entries."""
+    if not is_sparse(factor):
+        return factor @ factor.T if len(factor) ** 2 <= MOST_ENTRIES else None
+    touched = np.bincount(factor.indices, minlength=factor.shape[1]).astype(float)
+    return scipy.sparse.csr_array(factor @ factor.T) if (touched**2).sum() <= MOST_ENTRIES else None
+
+
+def _alike(a: Any, b: Any) -> bool:
+    """Whether two matrices, dense or sparse, or two vectors have the same numbers; None equals None."""
+    if a is None or b is None:
+        return a is b
+    if is_sparse(a) != is_sparse(b) or a.shape != b.shape:
+        return False
+    return bool((a != b).nnz == 0) if is_sparse(a) else bool(np.array_equal(a, b))

@@ -24,6 +24,7 @@ from lcpflex.solvers.lcp.pivoting import eliminate, load_block
 from lcpflex.solvers.lcp.proofs import exact_solution
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, Status, accept
+from lcpflex.solvers.refusals import no_cones
 
 __all__ = ["LARGEST", "Enumeration", "enumerate_active_sets", "enumeration_workspace"]
 
@@ -166,6 +167,8 @@ class Enumeration:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the solver cannot take the problem; empty if it can."""
+        if reason := no_cones(self, problem):
+            return reason
         size = problem.size if isinstance(problem, Lcp) else posed(problem).lcp().size
         if size <= LARGEST:
             return ""

@@ -24,6 +24,7 @@ from lcpflex.solvers.lcp.lemke import lemke_workspace
 from lcpflex.solvers.lcp.pivoting import block_pivots
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 
 __all__ = ["GaussSeidel", "projected_gauss_seidel"]
@@ -137,8 +138,8 @@ class GaussSeidel:
         keep_number(self, "relaxation", 0.0, 2.0, open_ends=True)
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Empty: it takes every problem."""
-        return ""
+        """Why the solver cannot take the problem, as those with cones; empty if it can."""
+        return no_cones(self, problem)
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Iterate, from z of the guess if there is one.

@@ -41,6 +41,7 @@ from lcpflex.solvers.lcp.tableau import (
 )
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 
 __all__ = ["Lemke", "attempt", "lemke", "lemke_workspace", "pivot_budget"]
@@ -349,8 +350,8 @@ class Lemke:
         keep_settings(self, "pivot_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Empty: Lemke's algorithm takes every problem."""
-        return ""
+        """Why the solver cannot take the problem, as those with cones; empty for all that are an LCP."""
+        return no_cones(self, problem)
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem. With the solution of a similar problem as guess, its basis is tried first."""

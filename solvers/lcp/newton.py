@@ -20,6 +20,7 @@ from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.pivoting import solve_active
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, SOLVED, Status
 
 __all__ = ["MinMapNewton", "min_map_newton", "newton_workspace"]
@@ -205,8 +206,8 @@ class MinMapNewton:
         keep_settings(self, "iteration_limit")
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
-        """Empty: it takes every problem."""
-        return ""
+        """Why the solver cannot take the problem, as those with cones; empty if it can."""
+        return no_cones(self, problem)
 
     def solve(self, problem: Lcp | PosedProblem, guess: Solution | None = None) -> Solution:
         """Solve the problem, beginning from z of the guess if there is one."""

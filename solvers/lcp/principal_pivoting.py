@@ -27,6 +27,7 @@ from lcpflex.solvers.clock import grown
 from lcpflex.solvers.lcp.active_factor import backward, factorise, forward, join, leave, new_column
 from lcpflex.solvers.limits import keep_settings
 from lcpflex.solvers.problem import Lcp, PosedProblem, Solution, accept
+from lcpflex.solvers.refusals import no_cones
 from lcpflex.solvers.status import ITERATION_LIMIT, NUMERICAL_FAILURE, RAY, SOLVED, Status
 
 __all__ = [
@@ -343,6 +344,8 @@ class PrincipalPivoting:
 
     def refuses(self, problem: Lcp | PosedProblem) -> str:
         """Why the problem cannot be taken: its matrix is not symmetric."""
+        if reason := no_cones(self, problem):
+            return reason
         lcp = problem if isinstance(problem, Lcp) else posed(problem).lcp()
         return "" if lcp.symmetric else "M is not symmetric: principal pivoting needs M = M^T, Lemke takes every matrix"
 

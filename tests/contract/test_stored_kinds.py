@@ -28,6 +28,7 @@ J = rng.standard_normal((5, 6))
 FREE, MU = np.array([-1.0, 0.5, -0.2, 0.3, -0.4]), np.array([0.3, 0.0, 0.7])
 KEYS = (("foot", 1), "heel", ("toe", ("left", 2)))
 SPARSE = scipy.sparse.csr_array(J * (np.abs(J) > 0.4))
+SPACE = np.array([-1.0, 0.2, 0.0, -1.0, 0.0, 2.0]), [0.3, 0.5], ("a", ("b", 2))
 CONTACT = ContactProblem(J @ J.T, FREE, MU, KEYS)
 PROBLEMS = {
     "lcp": Lcp(J @ J.T, FREE),
@@ -39,7 +40,10 @@ PROBLEMS = {
     "contact by its sparse factor": ContactProblem(None, FREE, MU, KEYS, SPARSE),
     "relaxed": ConvexContactProblem(CONTACT),
     "relaxed by its factor": ConvexContactProblem(ContactProblem(None, FREE, MU, KEYS, SPARSE)),
-    "spatial": SpatialContactProblem(np.eye(6), np.array([-1.0, 0.2, 0.0, -1.0, 0.0, 2.0]), [0.3, 0.5], ("a", "b")),
+    "spatial": SpatialContactProblem(np.eye(6), *SPACE),
+    "spatial, sparse": SpatialContactProblem(scipy.sparse.csr_array(np.eye(6)), *SPACE),
+    "spatial by its factor": SpatialContactProblem(None, *SPACE, np.eye(6)),
+    "spatial by its sparse factor": SpatialContactProblem(None, *SPACE, scipy.sparse.csr_array(np.eye(6))),
 }
 
 
@@ -66,24 +70,25 @@ def test_comes_back_to_the_bit_and_is_solved_alike(tmp_path, name):
         assert scipy.sparse.issparse(after[key]) == scipy.sparse.issparse(value)
         dense = [x.toarray() if scipy.sparse.issparse(x) else x for x in (value, after[key])]
         np.testing.assert_array_equal(*dense)
-    if name != "spatial":
+    if not name.startswith("spatial"):
         first, again = Auto().solve(was), Auto().solve(now)
         assert first.solved
         assert first.z.tobytes() == again.z.tobytes()
     else:
         r = np.array([1.0, -0.2, 0.0, 1.0, 0.0, -0.5])
+        assert now == was
         assert now.residual(r) == was.residual(r) == pytest.approx(0.0, abs=1e-15)
 
 
 def test_all_kinds_in_one_file_are_replayed(tmp_path):
     records = load_problems(save_problems(tmp_path / "all", list(PROBLEMS.values()), list(PROBLEMS)))
     assert [one.name for one in records] == list(PROBLEMS)
-    taken = [one for one in records if one.name != "spatial"]  # no solver takes spatial friction
+    taken = [one for one in records if not one.name.startswith("spatial")]
     found = replay(taken, {"Auto": Auto(), "Lemke": Lemke()}, repeats=1)
     assert not found.contradictory
     assert [row.solved for row in found.rows] == [len(taken)] * 2
-    with pytest.raises(ModelError, match="SpatialContactProblem, which no solver takes"):
-        replay(records, {"Auto": Auto()}, repeats=1)
+    everything = replay(records, {"Lemke": Lemke()}, repeats=1)
+    assert (everything.rows[0].solved, everything.rows[0].refused) == (len(taken), len(records) - len(taken))
 
 
 def test_other_programs_do_not_take_boxes_for_lcps(tmp_path):

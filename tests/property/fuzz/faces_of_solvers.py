@@ -32,6 +32,14 @@ def _owned() -> solvers.UserSolver:
     return solvers.UserSolver(_own)
 
 
+def _stuck(problem: Any) -> Any:
+    return [1.0, 0.0, -0.1]
+
+
+def _in_space() -> solvers.SpatialContactProblem:
+    return solvers.SpatialContactProblem(np.eye(3), [-1.0, 0.0, 0.1], [0.3])
+
+
 def _timed() -> solvers.TimeLimit:
     return solvers.TimeLimit(solvers.Lemke(), 1.0)
 
@@ -59,11 +67,26 @@ def solver_faces() -> list[Face]:
             solvers.SpatialContactProblem,
             lambda: {"delassus": np.eye(3), "free": [-1.0, 0.0, 0.1], "friction": [0.3]},
         ),
+        *(
+            Face(
+                f"SpatialContactProblem.{name}",
+                getattr(solvers.SpatialContactProblem, name),
+                lambda given=given: {given: [1.0, 0.0, 0.0]},
+                _in_space,
+            )
+            for name, given in (
+                ("residual", "z"),
+                ("residuals", "z"),
+                ("slack", "z"),
+                ("forces", "z"),
+                ("velocity", "forces"),
+            )
+        ),
         Face(
-            "SpatialContactProblem.residual",
-            solvers.SpatialContactProblem.residual,
-            lambda: {"forces": [1.0, 0.0, 0.0]},
-            lambda: solvers.SpatialContactProblem(np.eye(3), [-1.0, 0.0, 0.1], [0.3]),
+            "SpatialContactProblem.solve_by",
+            solvers.SpatialContactProblem.solve_by,
+            lambda: {"solver": solvers.UserSolver(_stuck, takes="problem")},
+            _in_space,
         ),
         Face("accept", solvers.accept, lambda: {"problem": lcp(), "z": [0.0, 0.0], "tolerance": 1e-10}),
         Face("solve_lcp", solvers.solve_lcp, lambda: {"M": np.eye(2), "q": [-1.0, 1.0]}),

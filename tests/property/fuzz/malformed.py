@@ -38,7 +38,11 @@ def _sound(rng: Rng) -> tuple[Any, dict[str, Any]]:
     m = 3 * n
     B = rng.standard_normal((m, m))
     given = {"delassus": B @ B.T, "free": rng.standard_normal(m), "friction": np.full(n, 0.3)}
-    return solvers.SpatialContactProblem, {**given, "keys": tuple(range(n))}
+    return solvers.SpatialContactProblem, {
+        **given,
+        "keys": tuple(range(n)),
+        "factor": B if rng.random() < 0.3 else None,
+    }
 
 
 def _spoilt(rng: Rng, value: Any) -> tuple[str, Any]:

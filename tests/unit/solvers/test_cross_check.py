@@ -174,8 +174,13 @@ class TestCrossCheck:
             cross_check(DEFINITE, repeats=repeats)
 
     def test_what_no_solver_takes(self):
-        with pytest.raises(ModelError, match="SpatialContactProblem"):
-            cross_check(SpatialContactProblem(np.eye(3), np.zeros(3), [0.1]))
+        with pytest.raises(ModelError, match="problem is a ndarray, which no solver takes"):
+            cross_check(np.eye(3))
+
+    def test_contact_in_space_is_refused_by_solvers_of_lcps(self):
+        row = cross_check(SpatialContactProblem(np.eye(3), np.zeros(3), [0.1]), {"Lemke": Lemke()}, repeats=1).rows[0]
+        assert row.status == "refused"
+        assert row.remark.startswith("Lemke solves LCPs: SpatialContactProblem is no LCP")
 
 
 class TestTables:

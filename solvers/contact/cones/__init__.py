@@ -1,0 +1,1 @@
+"""Spatial contact problems: cones instead of intervals."""
